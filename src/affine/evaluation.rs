@@ -2,9 +2,9 @@
 
 use std::collections::HashMap;
 
+use super::contact::Law;
 use super::expression::{Expression, Flaw, Obstacle};
 use super::form::{Coefficient, Dual, Form};
-use super::contact::Law;
 use super::system::{Mistake, Switch, System, SystemError};
 
 /// A switch with its expressions as forms.
@@ -134,15 +134,35 @@ impl<'a, 'p, C: Coefficient> Evaluation<'a, 'p, C> {
             let rates =
                 rates.map(|(state, rate)| self.form(&|| path(format!("rates.{state}")), rate));
             let switches = mode.switches.iter().enumerate();
-            let switches = switches.map(|(index, switch)| {
-                self.switch(&|| path(format!("until.{index}")), switch)
-            });
+            let switches = switches
+                .map(|(index, switch)| self.switch(&|| path(format!("until.{index}")), switch));
             Ok(FormMode {
                 rates: rates.collect::<Result<_, _>>()?,
                 switches: switches.collect::<Result<_, _>>()?,
             })
         });
         modes.collect()
+    }
+
+    /// The mode beside those that contacts make, if there is one.
+    ///
+    /// # Errors
+    /// See [`Evaluation::modes`].
+    pub fn section(&self) -> Result<Option<FormMode<C>>, SystemError> {
+        let guard = self.system.section.as_ref();
+        let guard = guard.map(|zero| self.form(&|| "section".into(), zero));
+        Ok(guard.transpose()?.map(|guard| FormMode {
+            rates: vec![Form::default(); self.system.source.states.len()],
+            switches: vec![FormSwitch {
+                guard,
+                to: 0,
+                rest: None,
+                reset: Vec::new(),
+                conditions: Vec::new(),
+                tangent: None,
+                group: None,
+            }],
+        }))
     }
 
     /// The laws of the contacts; forces stand in them as states from the number of states on.

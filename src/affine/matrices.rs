@@ -3,12 +3,12 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use super::evaluation::{Evaluation, FormMode, FormSwitch};
-use super::expression::Algebra;
-use super::form::{Dual, Form};
 use super::contact::law::Products;
 use super::contact::modes::Written;
 use super::contact::{ContactForms, ContactMistake};
+use super::evaluation::{Evaluation, FormMode, FormSwitch};
+use super::expression::Algebra;
+use super::form::{Dual, Form};
 use super::mode::{AffineMode, AffineSystem, Exit, Guard, Modes};
 use super::rows::{MatrixBy, Row};
 use super::series::{Field, Program, Terms};
@@ -176,9 +176,11 @@ impl System {
             omega,
         };
         let forms = ContactForms::new(evaluation.modes()?, written).map_err(at)?;
+        let section = evaluation.section()?;
         let states = self.source.states.len();
         let how = (self.flow_tolerance(), self.integrated);
-        if !forms.is_affine() {
+        let of_section = section.as_ref().map(|mode| &mode.switches[0].guard);
+        if !(forms.is_affine() && of_section.is_none_or(|form| form.beyond.is_empty())) {
             let count = forms.few().map_err(|mistake| at((0, mistake)))?;
             let mut obstructions = Vec::new();
             let modes = (0..count).map(|number| {
@@ -187,7 +189,8 @@ impl System {
                     still(states)
                 })
             });
-            let modes: Vec<FormMode> = modes.collect();
+            let mut modes: Vec<FormMode> = modes.collect();
+            modes.extend(section);
             let mut system = self
                 .laid_out(&modes, omega, &[])
                 .map_err(|(error, _)| error)?;
@@ -196,7 +199,8 @@ impl System {
             }
             return Ok(system);
         }
-        let harmonics = forms.highest();
+        let highest = of_section.map_or(0, Form::highest);
+        let harmonics = forms.highest().max(highest);
         let shape = move || Shape {
             states,
             harmonics,
@@ -204,9 +208,13 @@ impl System {
         };
         let program = Arc::new(shape().terms.program().clone());
         let count = forms.count();
+        let all = count + usize::from(section.is_some());
         let of = program.clone();
         let make = move |number: usize| {
-            let made = forms.mode(number);
+            let made = match &section {
+                Some(section) if number == count => Ok(section.clone()),
+                _ => forms.mode(number),
+            };
             let obstruction = made.as_ref().err().cloned();
             let made = made.unwrap_or_else(|_| still(states));
             let mut mode = shape().mode(number, &made, omega);
@@ -218,7 +226,7 @@ impl System {
             states,
             harmonics,
             omega,
-            modes: Modes::made(count, Box::new(make)),
+            modes: Modes::made(all, Box::new(make)),
             program,
         })
     }

@@ -9,6 +9,7 @@
 //! may prescribe.
 
 pub mod closure;
+pub mod contact;
 pub mod course;
 pub(crate) mod evaluation;
 pub(crate) mod exponential;
@@ -16,7 +17,6 @@ pub mod expression;
 pub mod flow;
 pub mod form;
 mod matrices;
-pub mod contact;
 pub mod mode;
 pub(crate) mod modes;
 pub mod motion;

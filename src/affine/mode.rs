@@ -143,7 +143,12 @@ impl AffineSystem {
                 }
             }
         };
-        for (mode, known) in self.modes.written_mut().iter_mut().zip(origin.modes.written()) {
+        for (mode, known) in self
+            .modes
+            .written_mut()
+            .iter_mut()
+            .zip(origin.modes.written())
+        {
             let (own, by) = (&mut mode.matrix.at, &known.matrix.by[0]);
             to(
                 own.as_mut_slice(),

@@ -159,7 +159,11 @@ impl fmt::Debug for Modes {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match &self.0 {
             Kind::Written(modes) => modes.fmt(formatter),
-            Kind::Made(made) => write!(formatter, "{} modes, made when they are asked for", made.count),
+            Kind::Made(made) => write!(
+                formatter,
+                "{} modes, made when they are asked for",
+                made.count
+            ),
         }
     }
 }

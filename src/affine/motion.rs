@@ -4,8 +4,8 @@
 use std::fmt;
 use std::sync::Arc;
 
-use super::flow::{ModeFlow, Onset};
 use super::contact::ContactMistake;
+use super::flow::{ModeFlow, Onset};
 use super::mode::{AffineSystem, Row};
 use super::modes::Slots;
 use crate::linalg::Vector;
@@ -442,7 +442,7 @@ impl<'a> Motion<'a> {
         if self.fresh {
             for guard in guards.clone() {
                 let tangent = self.tangent.filter(|(known, _)| *known == guard);
-                    let zeros = tangent.map_or(0, |(_, zeros)| zeros);
+                let zeros = tangent.map_or(0, |(_, zeros)| zeros);
                 match flow.onset_from(guard, &piece, zeros) {
                     Onset::Positive(order) => orders[guard] = order,
                     Onset::Negative => return self.switch(guard, 0.0, &piece.z).map(Some),

@@ -45,7 +45,11 @@ impl<C: Coefficient> Form<C> {
         while self.states.last() == Some(&zero) {
             self.states.pop();
         }
-        while self.harmonics.last().is_some_and(|pair| pair.iter().all(|one| *one == zero)) {
+        while self
+            .harmonics
+            .last()
+            .is_some_and(|pair| pair.iter().all(|one| *one == zero))
+        {
             self.harmonics.pop();
         }
         self
@@ -62,10 +66,7 @@ impl<C: Coefficient> Form<C> {
     ///
     /// # Errors
     /// An operation that has no result then.
-    pub(super) fn with(
-        &self,
-        new: &dyn Fn(usize) -> Option<Form<C>>,
-    ) -> Result<Form<C>, Obstacle> {
+    pub(super) fn with(&self, new: &dyn Fn(usize) -> Option<Form<C>>) -> Result<Form<C>, Obstacle> {
         self.with_known(new, &mut HashMap::new())
     }
 
@@ -129,7 +130,9 @@ mod tests {
     fn what_stands_for_a_state_stands_in_every_term() {
         let whole = form("3*x + 2*q + x*q/(1 + x^2) + exp(q - y)");
         assert!(whole.has_from(2) && !whole.has_from(3));
-        let without = whole.with(&|state| (state == 2).then(Form::default)).unwrap();
+        let without = whole
+            .with(&|state| (state == 2).then(Form::default))
+            .unwrap();
         assert!(!without.has_from(2));
         // q = 0 leaves 3x + e^(-y): the product with nothing has gone
         assert_eq!(without.states, form("3*x").states);

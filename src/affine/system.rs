@@ -306,6 +306,8 @@ pub struct System {
     pub(crate) contacts: Vec<Law<Expression>>,
     /// The modes that contacts make; none without contacts.
     pub(crate) products: Option<Products>,
+    /// The guard of a mode beside those that contacts make, in which nothing moves: a section.
+    pub(crate) section: Option<Expression>,
     /// Of every contact, the state that a Jenkins element adds.
     pub(crate) stretches: Vec<Option<usize>>,
     /// Whether modes that have an exact flow are integrated like the others.
@@ -373,7 +375,11 @@ impl System {
         let contacts: Vec<Law<Expression>> = contacts.collect::<Result<_, _>>()?;
         let products = (!contacts.is_empty()).then(|| {
             let own: Vec<String> = source.modes.names().map(str::to_owned).collect();
-            let own = if own.is_empty() { vec![String::new()] } else { own };
+            let own = if own.is_empty() {
+                vec![String::new()]
+            } else {
+                own
+            };
             Products::new(own, contacts.iter().map(Law::states).collect())
         });
         let sliding = source.sliding.0.iter().map(|(name, (one, other))| {
@@ -388,10 +394,28 @@ impl System {
             sliding,
             contacts,
             products,
+            section: None,
             stretches,
             integrated: false,
             source,
         })
+    }
+
+    /// A system with contacts and one more mode, which nothing leads to, in which nothing moves, and the guard of which is
+    /// this expression, and the number of that mode.
+    ///
+    /// # Errors
+    /// What is wrong with the expression.
+    pub(crate) fn with_section(&self, zero: &str) -> Result<(System, usize), SystemError> {
+        let source = &self.source;
+        let scope = Scope::All(source.define.0.len());
+        let zero = Reader { source }.expression("section", zero, scope)?;
+        let number = self.products.as_ref().map_or(0, Products::count);
+        let system = System {
+            section: Some(zero),
+            ..self.clone()
+        };
+        Ok((system, number))
     }
 
     /// The same system with every mode integrated, also those that have an exact flow: to compare the two.
@@ -495,7 +519,10 @@ impl System {
         let rates = self.modes.iter().flat_map(|mode| &mode.rates);
         let contacts = self.contacts.iter().flat_map(Law::parts);
         let contacts = contacts.map(|(_, expression)| expression);
-        rates.chain(of_switches).chain(contacts).chain(&self.forcing)
+        rates
+            .chain(of_switches)
+            .chain(contacts)
+            .chain(&self.forcing)
     }
 
     /// Names of modes to which no switch leads; none of them is a sliding mode.
@@ -525,9 +552,8 @@ impl Source {
     /// Adds the state of every Jenkins element, where it is not there already, and says which it is.
     fn add_stretches(&mut self) -> Vec<Option<usize>> {
         let contacts = self.contacts.0.iter();
-        let names = contacts.map(|(name, law)| {
-            matches!(law, Law::Jenkins { .. }).then(|| stretch(name))
-        });
+        let names =
+            contacts.map(|(name, law)| matches!(law, Law::Jenkins { .. }).then(|| stretch(name)));
         let names: Vec<Option<String>> = names.collect();
         let index = |name: Option<String>| {
             let name = name?;
@@ -728,7 +754,10 @@ impl Reader<'_> {
             let (name, text) = &rates.0[index];
             let path = format!("{path}.{name}");
             match stretches.contains(state) {
-                true => Err(SystemError::at(path, Mistake::Name(name.clone(), BadName::Twice))),
+                true => Err(SystemError::at(
+                    path,
+                    Mistake::Name(name.clone(), BadName::Twice),
+                )),
                 false => self.expression(&path, text, all),
             }
         });

@@ -121,7 +121,10 @@ fn listed(points: &Table, events: &Table, shown: &Shown) -> String {
 pub(crate) fn flows(system: &System, at: &AffineSystem) -> String {
     // modes that are made when they are asked for are affine
     if at.modes.written().is_empty() {
-        return format!("flows: {} modes that contacts make, exact\n", at.modes.len());
+        return format!(
+            "flows: {} modes that contacts make, exact\n",
+            at.modes.len()
+        );
     }
     let names = |exact: bool| {
         let modes = at.modes.written().iter().enumerate();

@@ -82,7 +82,9 @@ impl<'a> OrbitColumns<'a> {
         values: Option<&[f64]>,
         rest: Option<(Cow<'a, str>, &[f64])>,
     ) -> OrbitColumns<'a> {
-        let state = rest.as_ref().map(|(_, state)| state.iter().map(|x| (*x, *x)).collect::<Vec<_>>());
+        let state = rest
+            .as_ref()
+            .map(|(_, state)| state.iter().map(|x| (*x, *x)).collect::<Vec<_>>());
         OrbitColumns {
             regimes: rest.map_or("".into(), |(mode, _)| mode),
             parameters: Named::parameters(source, values),

@@ -103,6 +103,10 @@ impl Scan {
         let Section::Zero(zero) = &self.section else {
             return Ok((system.clone(), None));
         };
+        if system.products.is_some() {
+            let (system, number) = system.with_section(zero)?;
+            return Ok((system, Some(number)));
+        }
         let mut source = system.source.clone();
         let mut name = "section".to_owned();
         while system.mode(&name).is_some() {

@@ -10,7 +10,7 @@ fn numbers(system: &AffineSystem) -> Vec<[f64; 2]> {
     let mut take = |at: &[f64], by: &[f64]| {
         numbers.extend(at.iter().zip(by).map(|(at, by)| [*at, *by]));
     };
-    for mode in &system.modes {
+    for mode in system.modes.written() {
         take(mode.matrix.at.as_slice(), mode.matrix.by[0].as_slice());
         for guard in &mode.guards {
             take(guard.row.at.as_slice(), guard.row.by[0].as_slice());

@@ -81,7 +81,7 @@ fn sliding_ends_at_the_guards_of_its_modes() {
         let (all, halt) = switches(&system, ("p", &[0.0, 0.5], 0.0), 100.0);
         assert_eq!(halt, None);
         let named = all.into_iter().map(|one| {
-            let names = [one.from, one.to].map(|mode| system.mode_name(mode).to_owned());
+            let names = [one.from, one.to].map(|mode| system.mode_name(mode).into_owned());
             (names, one)
         });
         named.collect::<Vec<_>>()

@@ -76,7 +76,11 @@ fn simulated(problem: &SystemProblem) -> usize {
     else {
         return 0;
     };
-    let norms = affine.modes.iter().map(|mode| mode.matrix.at.norm());
+    let norms = affine
+        .modes
+        .written()
+        .iter()
+        .map(|mode| mode.matrix.at.norm());
     let duration = PIECES / norms.fold(1e-3, f64::max);
     Course::new(&affine, start, duration, 20).take(SEEN).count()
 }

@@ -156,18 +156,20 @@ impl Instant<'_> {
                     next.push(trial);
                 };
                 match (law, digit) {
-                    (Law::Friction { .. } | Law::Stop { .. }, digit) if digit == held => match rises {
-                        Some(true) => lead(up, None),
-                        // a closed stop that is pressed on would have an impact of its own in the same instant
-                        Some(false) if matches!(law, Law::Stop { .. }) => {}
-                        Some(false) => lead(down, None),
-                        None => {
-                            lead(up, Some(after.clone()));
-                            if !matches!(law, Law::Stop { .. }) {
-                                lead(down, Some(after.clone().negative()));
+                    (Law::Friction { .. } | Law::Stop { .. }, digit) if digit == held => {
+                        match rises {
+                            Some(true) => lead(up, None),
+                            // a closed stop that is pressed on would have an impact of its own in the same instant
+                            Some(false) if matches!(law, Law::Stop { .. }) => {}
+                            Some(false) => lead(down, None),
+                            None => {
+                                lead(up, Some(after.clone()));
+                                if !matches!(law, Law::Stop { .. }) {
+                                    lead(down, Some(after.clone().negative()));
+                                }
                             }
                         }
-                    },
+                    }
                     (Law::Friction { .. }, _) => {
                         let ways = [(up, after.clone()), (down, after.clone().negative())];
                         // what it does already comes first
@@ -211,11 +213,12 @@ impl Instant<'_> {
             let digit = trial.digits[contact];
             let same = digit == self.before[contact]
                 && self.jump.is_empty()
-                && forces[contact].is_same_at(&self.forces[contact], &self.ending.guard);
+                && (forces[contact] == self.forces[contact]
+                    || forces[contact].is_same_at(&self.forces[contact], &self.ending.guard));
             if same {
                 continue;
             }
-            let limits = self.limits(contact, digit, &forces);
+            let limits = self.limits(contact, digit, forces);
             let limits = limits.map_err(|error| ContactMistake::Obstacle(name(), error))?;
             if limits.is_empty() {
                 continue;
@@ -223,7 +226,9 @@ impl Instant<'_> {
             let mut ways = Vec::new();
             let mut holds = trial.clone();
             holds.seen[contact] = true;
-            holds.conditions.extend(limits.iter().map(|(limit, _)| limit.clone()));
+            holds
+                .conditions
+                .extend(limits.iter().map(|(limit, _)| limit.clone()));
             ways.push(holds);
             for (limit, to) in limits {
                 let mut passed = trial.passed.clone();

@@ -5,9 +5,7 @@
 //! Aq + r = 0. Its coefficients are forms: numbers where masses are, and the elimination of unknowns by forms is exact
 //! where these are affine.
 
-use super::law::{
-    BACKWARD, CLOSED, FORWARD, GIVES_BACKWARD, GIVES_FORWARD, HELD, Law, STICK,
-};
+use super::law::{BACKWARD, CLOSED, FORWARD, GIVES_BACKWARD, GIVES_FORWARD, HELD, Law, STICK};
 use super::{ContactMistake, Kinematic};
 use crate::affine::expression::{Algebra, Obstacle};
 use crate::affine::form::{Dual, Form};
@@ -67,6 +65,11 @@ impl Own {
             unit[states + contact] = Form::number(1.0);
             let mut own = Vec::new();
             for rate in rates {
+                if rate.beyond.is_empty() {
+                    let by = rate.states.get(states + contact).copied();
+                    own.push(Form::constant(by.unwrap_or_default()));
+                    continue;
+                }
                 let by = rate.lie(&unit, Dual::default());
                 let by = by.map_err(failed(contact))?.trimmed();
                 if by.has_from(states) {
@@ -97,13 +100,19 @@ impl Own {
     }
 
     /// How the slip or the gap of a law moves.
-    fn moving(&self, law: &Law<Form>, omega: Dual) -> Result<Moving, Result<Obstacle, ContactMistake>> {
+    fn moving(
+        &self,
+        law: &Law<Form>,
+        omega: Dual,
+    ) -> Result<Moving, Result<Obstacle, ContactMistake>> {
         let along = |form: &Form, rates: &[Form], omega: Dual| {
             form.lie(rates, omega).map(Form::trimmed).map_err(Ok)
         };
         let by = |form: &Form| -> Result<Vec<Form>, _> {
             let forces = self.weights.iter();
-            forces.map(|weights| along(form, weights, Dual::default())).collect()
+            forces
+                .map(|weights| along(form, weights, Dual::default()))
+                .collect()
         };
         let speed = match law {
             Law::Friction { slip, .. } | Law::Jenkins { slip, .. } => slip.clone(),
@@ -130,9 +139,9 @@ impl Own {
         &self,
         laws: &[Law<Form>],
         digits: &[usize],
-        names: (&[String], &str),
+        names: (&[String], &dyn Fn() -> String),
     ) -> Result<Vec<Form>, ContactMistake> {
-        let failed = |obstacle| ContactMistake::Obstacle(names.1.to_owned(), obstacle);
+        let failed = |obstacle| ContactMistake::Obstacle(names.1(), obstacle);
         let count = laws.len();
         let mut forces = vec![Form::default(); count];
         let mut held = Vec::new();
@@ -145,7 +154,23 @@ impl Own {
                 None => held.push(contact),
             }
         }
-        let unknown: Vec<usize> = held.iter().copied().chain(linked.iter().map(|one| one.0)).collect();
+        // what nothing else that holds acts on is found by itself
+        let acts = |contact: usize, other: usize| !self.kinematics[contact].by[other].is_zero();
+        let of_others: Vec<usize> = linked.iter().map(|one| one.0).collect();
+        let (alone, held): (Vec<usize>, Vec<usize>) = held.iter().partition(|contact| {
+            let mut others = held.iter().chain(&of_others);
+            others.all(|other| other == *contact || !acts(**contact, *other))
+        });
+        for contact in alone {
+            let (row, rest) = self.holding(contact, &[contact], &forces).map_err(failed)?;
+            let own = row.into_iter().next().unwrap_or_default();
+            forces[contact] = rest.over(own).map_err(failed)?.trimmed();
+        }
+        let unknown: Vec<usize> = held
+            .iter()
+            .copied()
+            .chain(linked.iter().map(|one| one.0))
+            .collect();
         if unknown.is_empty() {
             return Ok(forces);
         }
@@ -154,13 +179,16 @@ impl Own {
             rows.push(self.holding(*contact, &unknown, &forces).map_err(failed)?);
         }
         for (contact, force) in &linked {
-            rows.push(self.linking(*contact, force, &unknown, &forces).map_err(failed)?);
+            rows.push(
+                self.linking(*contact, force, &unknown, &forces)
+                    .map_err(failed)?,
+            );
         }
         if !linked.is_empty() {
             self.check_paradox(laws, &unknown, &rows, names)?;
         }
         let solved = eliminated(rows).map_err(failed)?;
-        let solved = solved.ok_or_else(|| ContactMistake::Singular(names.1.to_owned()))?;
+        let solved = solved.ok_or_else(|| ContactMistake::Singular(names.1()))?;
         for (contact, force) in unknown.into_iter().zip(solved) {
             forces[contact] = force;
         }
@@ -168,7 +196,12 @@ impl Own {
     }
 
     /// The force that a law says; `None` where it is what holds.
-    fn known(&self, contact: usize, law: &Law<Form>, digit: usize) -> Result<Option<Form>, Obstacle> {
+    fn known(
+        &self,
+        contact: usize,
+        law: &Law<Form>,
+        digit: usize,
+    ) -> Result<Option<Form>, Obstacle> {
         let none = Form::default();
         let force = match (law, digit) {
             (Law::Friction { .. }, STICK) | (Law::Stop { .. }, CLOSED) => return Ok(None),
@@ -200,16 +233,11 @@ impl Own {
     }
 
     /// The row of A and −r of a contact that holds.
-    fn holding(
-        &self,
-        contact: usize,
-        unknown: &[usize],
-        forces: &[Form],
-    ) -> Result<Row, Obstacle> {
+    fn holding(&self, contact: usize, unknown: &[usize], forces: &[Form]) -> Result<Row, Obstacle> {
         let Moving { drift, by, .. } = &self.kinematics[contact];
         let mut rest = drift.clone();
         for (force, by) in forces.iter().zip(by) {
-            if !force.is_zero() && !by.is_zero() {
+            if !by.is_zero() && !force.is_zero() {
                 rest = rest.plus(by.clone().times(force.clone())?)?;
             }
         }
@@ -251,21 +279,23 @@ impl Own {
         laws: &[Law<Form>],
         unknown: &[usize],
         rows: &[Row],
-        (names, mode): (&[String], &str),
+        (names, mode): (&[String], &dyn Fn() -> String),
     ) -> Result<(), ContactMistake> {
-        let constant = rows.iter().all(|(row, _)| row.iter().all(Form::is_constant));
+        let constant = rows
+            .iter()
+            .all(|(row, _)| row.iter().all(Form::is_constant));
         if !constant {
             return Ok(());
         }
         let matrix = Matrix::from_fn(unknown.len(), unknown.len(), |row, column| {
             rows[row].0[column].constant.value
         });
-        let singular = || ContactMistake::Singular(mode.to_owned());
+        let singular = || ContactMistake::Singular(mode());
         let inverse = matrix.try_inverse().ok_or_else(singular)?;
         for (index, contact) in unknown.iter().enumerate() {
             if matches!(laws[*contact], Law::Stop { .. }) && inverse[(index, index)] <= 0.0 {
                 let name = names[*contact].clone();
-                return Err(ContactMistake::Paradox(mode.to_owned(), name));
+                return Err(ContactMistake::Paradox(mode(), name));
             }
         }
         Ok(())
@@ -319,7 +349,10 @@ fn eliminated(mut rows: Vec<Row>) -> Result<Option<Vec<Form>>, Obstacle> {
             let factor = row.0[pivot].clone().over(own[pivot].clone())?;
             for (entry, own) in row.0.iter_mut().zip(&own).skip(pivot) {
                 if !own.is_zero() {
-                    *entry = entry.clone().minus(factor.clone().times(own.clone())?)?.trimmed();
+                    *entry = entry
+                        .clone()
+                        .minus(factor.clone().times(own.clone())?)?
+                        .trimmed();
                 }
             }
             row.0[pivot] = Form::default();

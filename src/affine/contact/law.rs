@@ -245,10 +245,7 @@ impl Products {
             names.iter().position(|known| *known == part)
         });
         let digits: Vec<usize> = digits.collect::<Option<_>>()?;
-        parts
-            .next()
-            .is_none()
-            .then(|| self.number(own, &digits))
+        parts.next().is_none().then(|| self.number(own, &digits))
     }
 }
 
@@ -277,7 +274,12 @@ mod tests {
         for (mode, name) in names.iter().enumerate() {
             assert_eq!(products.mode(name), Some(mode));
         }
-        for name in ["on.stick", "stick.open", "on.stick.closed.open", "on.open.stick"] {
+        for name in [
+            "on.stick",
+            "stick.open",
+            "on.stick.closed.open",
+            "on.open.stick",
+        ] {
             assert_eq!(products.mode(name), None, "{name}");
         }
     }

@@ -47,6 +47,9 @@ pub enum ContactMistake {
     /// A bound that has no meaning.
     #[error("the bound is {0}: it must not be negative")]
     Bound(f64),
+    /// A restitution that has no meaning.
+    #[error("the restitution is {0}: it must not be negative")]
+    Restitution(f64),
     /// A static bound below the other.
     #[error("the static bound {0} is less than the bound {1}")]
     Static(f64, f64),
@@ -60,7 +63,9 @@ pub enum ContactMistake {
     #[error("the forces in `{0}` are not determined by what they hold")]
     Singular(String),
     /// A force that would close the gap that it opens.
-    #[error("in `{0}` a positive force of `{1}` would close its gap, by the friction that it causes: no motion follows")]
+    #[error(
+        "in `{0}` a positive force of `{1}` would close its gap, by the friction that it causes: no motion follows"
+    )]
     Paradox(String, String),
     /// Too many modes that are not affine.
     #[error("{0} modes that are not affine; at most {MAX_PRODUCTS} are possible")]

@@ -10,9 +10,10 @@ use super::{ContactMistake, MAX_PRODUCTS};
 use crate::affine::evaluation::{FormMode, FormSwitch};
 use crate::affine::expression::{Algebra, Obstacle};
 use crate::affine::form::{Dual, Form};
+use crate::affine::modes::Slots;
 
 /// A system with contacts as forms, of which its modes are made.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct ContactForms {
     /// The user's modes.
     pub(super) own: Vec<Own>,
@@ -23,6 +24,8 @@ pub struct ContactForms {
     /// Names of the contacts.
     names: Vec<String>,
     products: Products,
+    /// Forces of every mode that has been asked for.
+    forces: Slots<Result<Vec<Form>, ContactMistake>>,
 }
 
 /// What is to be known of a system to make its modes.
@@ -70,6 +73,7 @@ impl ContactForms {
             switches,
             laws,
             names,
+            forces: Slots::new(products.count()),
             products,
         })
     }
@@ -100,7 +104,9 @@ impl ContactForms {
             let by = moving.clone().flat_map(|moving| &moving.by);
             own.rates.iter().all(affine)
                 && weights.chain(by).all(Form::is_constant)
-                && moving.flat_map(|moving| [&moving.speed, &moving.drift]).all(affine)
+                && moving
+                    .flat_map(|moving| [&moving.speed, &moving.drift])
+                    .all(affine)
         });
         let switches = self.switches.iter().flatten();
         let mut of_switches = switches.flat_map(|switch| {
@@ -113,8 +119,16 @@ impl ContactForms {
                 gap,
                 stiffness,
                 damping,
-            } => affine(gap) && [Some(stiffness), damping.as_ref()].into_iter().flatten().all(Form::is_constant),
-            Law::Jenkins { slip, stiffness, .. } => affine(slip) && stiffness.is_constant(),
+            } => {
+                affine(gap)
+                    && [Some(stiffness), damping.as_ref()]
+                        .into_iter()
+                        .flatten()
+                        .all(Form::is_constant)
+            }
+            Law::Jenkins {
+                slip, stiffness, ..
+            } => affine(slip) && stiffness.is_constant(),
             Law::Friction { .. } => law.parts().iter().all(|(_, form)| affine(form)),
         };
         own && of_switches.all(affine) && self.laws.iter().all(law)
@@ -141,9 +155,12 @@ impl ContactForms {
     }
 
     /// The forces of contacts in these states.
-    pub(super) fn forces(&self, own: usize, digits: &[usize]) -> Result<Vec<Form>, ContactMistake> {
-        let name = self.name(own, digits);
-        self.own[own].forces(&self.laws, digits, (&self.names, &name))
+    pub(super) fn forces(&self, own: usize, digits: &[usize]) -> Result<&[Form], ContactMistake> {
+        let name = || self.name(own, digits);
+        let find = || self.own[own].forces(&self.laws, digits, (&self.names, &name));
+        let number = self.products.number(own, digits);
+        let found = self.forces.get_or_make(number, find);
+        found.as_deref().map_err(Clone::clone)
     }
 
     /// The most that friction holds, given all forces.
@@ -180,13 +197,19 @@ impl ContactForms {
         let name = self.name(own, &digits);
         let failed = |obstacle| ContactMistake::Obstacle(name.clone(), obstacle);
         let forces = self.forces(own, &digits)?;
-        let rates = self.rates(own, &digits, &forces).map_err(failed)?;
+        let rates = self.rates(own, &digits, forces).map_err(failed)?;
         let mut switches = Vec::new();
         let mut group = 0;
         for contact in 0..digits.len() {
-            let endings = self.endings((own, &digits), contact, &forces);
+            let endings = self.endings((own, &digits), contact, forces);
             for ending in endings.map_err(failed)? {
-                self.exits((own, &digits), contact, (&forces, &ending), group, &mut switches)?;
+                self.exits(
+                    (own, &digits),
+                    contact,
+                    (forces, &ending),
+                    group,
+                    &mut switches,
+                )?;
                 group += 1;
             }
         }
@@ -216,7 +239,8 @@ impl ContactForms {
         }
         for (contact, (law, digit)) in self.laws.iter().zip(digits).enumerate() {
             let moving = &self.own[own].kinematics[contact];
-            if let (Law::Jenkins { slip, .. }, HELD, Some(stretch)) = (law, *digit, moving.stretch) {
+            if let (Law::Jenkins { slip, .. }, HELD, Some(stretch)) = (law, *digit, moving.stretch)
+            {
                 rates[stretch] = slip.clone();
             }
         }
@@ -279,7 +303,12 @@ impl ContactForms {
                 ..plain(forces[contact].clone(), OPEN)
             }],
             (Law::Spring { gap, .. }, OPEN) => vec![plain(gap.clone(), CLOSED)],
-            (Law::Spring { gap, damping: None, .. }, CLOSED) => {
+            (
+                Law::Spring {
+                    gap, damping: None, ..
+                },
+                CLOSED,
+            ) => {
                 vec![plain(gap.clone().negative(), OPEN)]
             }
             (Law::Spring { .. }, CLOSED) => vec![plain(forces[contact].clone(), PARTING)],
@@ -299,7 +328,10 @@ impl ContactForms {
                 let force = &forces[contact];
                 vec![
                     plain(bound.clone().plus(force.clone())?.trimmed(), GIVES_FORWARD),
-                    plain(bound.clone().minus(force.clone())?.trimmed(), GIVES_BACKWARD),
+                    plain(
+                        bound.clone().minus(force.clone())?.trimmed(),
+                        GIVES_BACKWARD,
+                    ),
                 ]
             }
             (Law::Jenkins { slip, .. }, GIVES_FORWARD) => vec![plain(slip.clone(), HELD)],
@@ -339,8 +371,7 @@ impl ContactForms {
         group: usize,
         switches: &mut Vec<FormSwitch>,
     ) -> Result<(), ContactMistake> {
-        let failed =
-            |obstacle| ContactMistake::Obstacle(self.name(own, digits), obstacle);
+        let failed = |obstacle| ContactMistake::Obstacle(self.name(own, digits), obstacle);
         let jump = match ending.impact {
             Some(_) => self.jump(own, contact).map_err(failed)?,
             None => Vec::new(),
@@ -361,7 +392,9 @@ impl ContactForms {
                 self.products.number(own, &closed)
             });
             let earlier = arrival.digits[..contact].iter().enumerate();
-            let index: usize = earlier.map(|(contact, digit)| self.laws[contact].guards(*digit).len()).sum();
+            let index: usize = earlier
+                .map(|(contact, digit)| self.laws[contact].guards(*digit).len())
+                .sum();
             let direct = arrival.digits[contact] == ending.to && ending.zeros > 0;
             switches.push(FormSwitch {
                 guard: ending.guard.clone(),
@@ -396,6 +429,9 @@ fn check(law: &Law<Form>, states: usize, laws: &[Law<Form>]) -> Result<(), Conta
                 return Err(ContactMistake::HasForce);
             }
             vec![bound]
+        }
+        Law::Stop { restitution, .. } if number(restitution).is_some_and(|value| value < 0.0) => {
+            return Err(ContactMistake::Restitution(restitution.constant.value));
         }
         Law::Stop { .. } | Law::Spring { .. } => {
             match law.parts().into_iter().any(|(_, form)| force_in(form)) {

@@ -27,12 +27,22 @@ impl System {
         let mut fits = digits.clone();
         let mut wrong = None;
         let mut index = 0;
-        let contacts = self.source.contacts.0.iter().zip(&self.contacts).enumerate();
+        let contacts = self
+            .source
+            .contacts
+            .0
+            .iter()
+            .zip(&self.contacts)
+            .enumerate();
         for (contact, ((name, _), law)) in contacts {
             let row = &guards.get(index)?.row;
             index += law.guards(0).len();
             let (value, size) = (row.value(&z), row.size(&z));
-            let sign = if value.abs() <= ZERO * size { 0.0 } else { value.signum() };
+            let sign = if value.abs() <= ZERO * size {
+                0.0
+            } else {
+                value.signum()
+            };
             let digit = digits[contact];
             let better = match (law, digit) {
                 (Law::Friction { .. }, FORWARD) if sign < 0.0 => Some(BACKWARD),

@@ -13,8 +13,8 @@ pub use super::signature::ZonePoint;
 use super::structure::{ZoneFacts, facts, section};
 use crate::affine::closure::Prescribed;
 use crate::affine::flow::ModeFlow;
-use crate::affine::modes::Slots;
 use crate::affine::mode::{AffineMode, AffineSystem, Guard, MatrixBy, Row};
+use crate::affine::modes::Slots;
 use crate::affine::stiff::STIFF;
 use crate::affine::system::{System, SystemError};
 use crate::continuation::Node;
@@ -157,8 +157,9 @@ impl Posed {
 
     /// The scales of z that balance the matrix of a mode, and its norm then.
     fn balance(&self, mode: usize) -> &(Vector, f64) {
-        self.balances
-            .get_or_make(mode, || balance(&self.system.modes[mode].matrix.at, self.longest.recip()))
+        self.balances.get_or_make(mode, || {
+            balance(&self.system.modes[mode].matrix.at, self.longest.recip())
+        })
     }
 
     /// The exponentials of a zone of a linear mode, up to a time after its entry.
@@ -208,7 +209,8 @@ impl Posed {
                 && guards.all(same_guards)
         };
         known.program.has_same_shape(&other.program)
-            && (sequence.0.iter()).all(|zone| alike((&known.modes[zone.mode], &other.modes[zone.mode])))
+            && (sequence.0.iter())
+                .all(|zone| alike((&known.modes[zone.mode], &other.modes[zone.mode])))
     }
 
     /// Its facts for a system with the same zeros, where none of them changes with the parameter.
@@ -265,7 +267,11 @@ fn sizes(system: &AffineSystem, states: &[f64]) -> Vector {
     let base = system.size() - system.program.made();
     let places = [1.0, -1.0].map(|sign| states.iter().map(|unit| sign * unit).collect());
     // of what is linear nothing is made
-    let modes = if base == system.size() { 0 } else { system.modes.len() };
+    let modes = if base == system.size() {
+        0
+    } else {
+        system.modes.len()
+    };
     let places: Vec<Vector> = (0..modes)
         .flat_map(|mode| {
             places.each_ref().map(|place: &Vec<f64>| {

@@ -144,9 +144,14 @@ impl Sequence {
 
 impl fmt::Display for Sequence {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for (index, zone) in self.0.iter().enumerate() {
-            let dash = if index > 0 { "-" } else { "" };
-            write!(formatter, "{dash}{}", zone.name)?;
+        // two modes of one name differ in nothing that a name tells: they are one where they follow one another
+        let is_told = |index: &usize| {
+            let (zone, next) = (self.zone(*index), self.zone(index + 1));
+            zone.name != next.name || zone.mode == next.mode
+        };
+        for (place, index) in (0..self.len()).filter(is_told).enumerate() {
+            let dash = if place > 0 { "-" } else { "" };
+            write!(formatter, "{dash}{}", self.zone(index).name)?;
         }
         Ok(())
     }

@@ -394,7 +394,10 @@ impl Checks<'_, SystemProblem> {
         let own = (!own.is_empty()).then(|| format!("{own} of `modes`"));
         let parts: Vec<String> = own.into_iter().chain(of_contacts).collect();
         let message = format!("`{}` is no mode of the contacts", excerpt(&start.mode));
-        let help = format!("join the states of the contacts by dots: {}", parts.join(", "));
+        let help = format!(
+            "join the states of the contacts by dots: {}",
+            parts.join(", ")
+        );
         self.refuse(&format!("{path}.mode"), message, help)
     }
 

@@ -1,0 +1,482 @@
+//! Systems with contacts, against the same systems written mode by mode, and against figures of an independent program
+//! that solves for switching times with exact flows in 69 digits.
+
+use brakewave::EventType;
+use brakewave::affine::orbit::AffineOrbit;
+use brakewave::affine::orbit::start::{Beginning, NoStart, Search, Wanted, first};
+use brakewave::affine::system::System;
+use brakewave::linalg::Vector;
+use brakewave::problem::{Any, parse_any};
+
+use crate::affine::branches::{Seen, follow};
+use crate::affine::systems::{BALL, FRICTION, IMPACT, RELAY, system};
+use EventType::{CO, EP, GR, LP, PD, SL};
+
+/// A start: the mode by name, the state, and how long it settles.
+type From<'a> = (&'a str, &'a [f64], f64);
+
+fn started(
+    system: &System,
+    (mode, state, settle): From,
+    (parameter, range): (&str, (f64, f64)),
+) -> Result<(AffineOrbit, Vector), NoStart> {
+    let beginning = Beginning {
+        mode: system.mode(mode).unwrap(),
+        state: state.to_vec(),
+        phase: 0.0,
+    };
+    let wanted = Wanted::new(system.clone(), parameter, range).unwrap();
+    first(&wanted, &beginning, Search::Settles(settle))
+}
+
+/// What the branch meets in both directions, the ends of its range left out.
+fn met(text: &str, from: From, along: (&str, (f64, f64))) -> Vec<Seen> {
+    let (orbit, point) = started(&system(text), from, along).unwrap();
+    let both = [true, false].map(|up| follow(&orbit, &point, up, along.1, 2000).0);
+    let all = both.into_iter().flatten();
+    all.filter(|one| one.kind != EP).collect()
+}
+
+/// The branch meets these events; an onset of stick is an end of a zone and of a condition at once, and may be told as
+/// either.
+fn meets(seen: &[Seen], expected: &[(EventType, f64)]) {
+    let list: Vec<String> = seen
+        .iter()
+        .map(|one| format!("{} {:?} {}", one.kind, one.value, one.what))
+        .collect();
+    for (kind, value) in expected {
+        let nearest = seen.iter().min_by(|one, other| {
+            (one.value - value)
+                .abs()
+                .total_cmp(&(other.value - value).abs())
+        });
+        let nearest = nearest.unwrap_or_else(|| panic!("{kind} at {value} of {list:#?}"));
+        let regime = [GR, SL, CO];
+        let same = nearest.kind == *kind || regime.contains(kind) && regime.contains(&nearest.kind);
+        // states to 1e-14, multiplied by conditions of events of less than 100
+        let near = (nearest.value - value).abs() <= 1e-12 * value.abs();
+        assert!(same && near, "{kind} at {value} of {list:#?}");
+    }
+}
+
+const TWO_BLOCKS: &str = r#"(
+    states: ["x1", "v1", "x2", "v2"],
+    parameters: {"k": 1.2, "F1": 1.0, "F2": 1.3, "Fs1": 1.5, "Fs2": 2.1, "vb": 0.3, "c": 0.05},
+    contacts: {
+        "q1": Friction(slip: "v1 - vb", bound: "F1", static: "Fs1"),
+        "q2": Friction(slip: "v2 - vb", bound: "F2", static: "Fs2"),
+    },
+    rates: {"x1": "v1", "v1": "-x1 - k*(x1 - x2) - c*v1 + q1", "x2": "v2", "v2": "-x2 - k*(x2 - x1) - c*v2 + q2"},
+)"#;
+
+/// Two blocks on a belt, their friction at rest above that of slip: up and down in the velocity of the belt.
+#[test]
+fn two_blocks_on_a_belt() {
+    let from: From = ("backward.backward", &[1.4, 0.1, 0.0, 0.0], 400.0);
+    let seen = met(TWO_BLOCKS, from, ("vb", (0.22, 0.41)));
+    let expected = [
+        (GR, 0.408_653_524_897_609_1),
+        (CO, 0.262_342_218_661_870_8),
+        (GR, 0.221_110_502_341_419),
+    ];
+    meets(&seen, &expected);
+    let (orbit, point) = started(&system(TWO_BLOCKS), from, ("vb", (0.2, 0.45))).unwrap();
+    let off = orbit.cycle(&point).unwrap().period / 7.503_276_815_189_117 - 1.0;
+    assert!(off.abs() < 1e-14, "{off:e}");
+    let multipliers = orbit.multipliers(&point).unwrap();
+    let own: Vec<f64> = multipliers.iter().map(|one| one.value.re).collect();
+    for (own, known) in own
+        .iter()
+        .zip([1.0, 0.270_859_189_236_002, 0.028_081_235_477_176, 0.0])
+    {
+        assert!((own - known).abs() < 1e-13, "{own} {known}");
+    }
+}
+
+/// The order of states and contacts, and the names of either, are no part of what happens.
+#[test]
+fn the_order_of_contacts_changes_nothing() {
+    let turned = r#"(
+        states: ["b", "vb2", "a", "va"],
+        parameters: {"k": 1.2, "F1": 1.0, "F2": 1.3, "Fs1": 1.5, "Fs2": 2.1, "vb": 0.3, "c": 0.05},
+        contacts: {
+            "second": Friction(slip: "vb2 - vb", bound: "F2", static: "Fs2"),
+            "first": Friction(slip: "va - vb", bound: "F1", static: "Fs1"),
+        },
+        rates: {"b": "vb2", "vb2": "-b - k*(b - a) - c*vb2 + second", "a": "va", "va": "-a - k*(a - b) - c*va + first"},
+    )"#;
+    let along = ("vb", (0.22, 0.41));
+    let from: From = ("backward.backward", &[1.4, 0.1, 0.0, 0.0], 400.0);
+    let seen = met(TWO_BLOCKS, from, along);
+    let from: From = ("backward.backward", &[0.0, 0.0, 1.4, 0.1], 400.0);
+    let other = met(turned, from, along);
+    assert_eq!(seen.len(), other.len());
+    for (one, other) in seen.iter().zip(&other) {
+        assert_eq!(one.kind, other.kind);
+        assert!(
+            (one.value - other.value).abs() <= 1e-13,
+            "{} {}",
+            one.value,
+            other.value
+        );
+    }
+}
+
+/// Friction, relay, stop and ball as contacts have the branches that they have mode by mode.
+#[test]
+fn a_contact_is_what_its_modes_written_out_are() {
+    let friction = r#"(states: ["x", "v"], parameters: {"w": 1.2, "F": 0.6666666666666666, "z": 0.05}, forcing: "w",
+        contacts: {"q": Friction(slip: "v", bound: "F")}, rates: {"x": "v", "v": "cos(phase) - 2*z*v - x + q"})"#;
+    let relay = r#"(states: ["x", "y", "z"], parameters: {"rho": 3.0}, contacts: {"q": Friction(slip: "x", bound: "1")},
+        rates: {"x": "-3*x + y + q", "y": "-3*x + z - 2*rho*q", "z": "-x + rho^2*q"})"#;
+    let stop = r#"(states: ["x", "v"], parameters: {"c": 0.1, "A": 1.0, "w": 1.0, "d": 1.0, "e": 0.8}, forcing: "w",
+        contacts: {"p": Stop(gap: "d - x", restitution: "e")}, rates: {"x": "v", "v": "A*cos(phase) - c*v - x - p"})"#;
+    let ball = r#"(states: ["y", "v"], parameters: {"G": 1.06, "e": 0.5}, forcing: "1",
+        contacts: {"p": Stop(gap: "y", restitution: "e")}, rates: {"y": "v", "v": "-1 + G*sin(phase) + p"})"#;
+    type Case<'a> = (
+        &'a str,
+        &'a str,
+        [&'a str; 2],
+        &'a [f64],
+        f64,
+        (&'a str, (f64, f64)),
+    );
+    let cases: [Case; 4] = [
+        (
+            FRICTION,
+            friction,
+            ["forth", "forward"],
+            &[0.0, 0.5],
+            100.0,
+            ("w", (0.3, 1.25)),
+        ),
+        (
+            RELAY,
+            relay,
+            ["plus", "forward"],
+            &[1.0, 0.0, 0.0],
+            200.0,
+            ("rho", (0.5, 3.2)),
+        ),
+        (
+            IMPACT,
+            stop,
+            ["free", "open"],
+            &[0.0, 0.0],
+            200.0,
+            ("A", (0.05, 1.1)),
+        ),
+        (
+            BALL,
+            ball,
+            ["flight", "open"],
+            &[0.0, 2.0944],
+            400.0,
+            ("G", (1.0, 1.6)),
+        ),
+    ];
+    for (written, contacts, [one, other], state, settle, along) in cases {
+        let values = [("G", 1.06)].iter().filter(|(name, _)| along.0 == *name);
+        let mut by_hand = system(written);
+        for (name, value) in values {
+            let index = by_hand.source.parameters.index(name).unwrap();
+            by_hand.source.parameters.0[index].1 = *value;
+        }
+        let branch = |system: &System, mode: &str| {
+            let (orbit, point) = started(system, (mode, state, settle), along).unwrap();
+            let both = [true, false].map(|up| follow(&orbit, &point, up, along.1, 2000).0);
+            both.into_iter().flatten().collect::<Vec<Seen>>()
+        };
+        let (seen, other) = (branch(&by_hand, one), branch(&system(contacts), other));
+        let kinds = |seen: &[Seen]| seen.iter().map(|one| one.kind).collect::<Vec<_>>();
+        assert_eq!(kinds(&seen), kinds(&other), "{contacts}");
+        assert!(seen.len() > 2, "{contacts}");
+        for (one, other) in seen.iter().zip(&other) {
+            let off = (one.value - other.value).abs();
+            assert!(off <= 1e-12 * one.value.abs(), "{} {:e}", one.what, off);
+        }
+    }
+}
+
+/// A friction that falls with the velocity, whose flow is integrated, beside the problem file with its modes by hand.
+#[test]
+fn a_bound_that_depends_on_the_slip() {
+    let contact = r#"(states: ["x", "v"], parameters: {"ze": 0.1, "ms": 1.0, "mk": 0.5, "vs": 0.5, "mst": 1.2, "vb": 1.0},
+        contacts: {"q": Friction(slip: "v - vb", bound: "mk + (ms - mk)*exp(-abs(v - vb)/vs)", static: "mst")},
+        rates: {"x": "v", "v": "-2*ze*v - x + q"})"#;
+    let by_hand = include_str!("../../problems/stribeck_belt.ron");
+    let along = ("vb", (0.6, 1.085));
+    let [one, other] = [(by_hand, "stick"), (contact, "stick")].map(|(text, mode)| {
+        let (orbit, point) = started(&system(text), (mode, &[0.0, 1.0], 50.0), along).unwrap();
+        orbit.cycle(&point).unwrap().period
+    });
+    assert!((one / other - 1.0).abs() < 1e-13, "{one} {other}");
+}
+
+/// Friction under a mass that hits a stop: the impact turns its slip, and in between it may stick.
+#[test]
+fn an_impact_turns_a_slip() {
+    let text = r#"(states: ["x1", "v1", "x2", "v2"],
+        parameters: {"a": 1.0, "w": 0.8, "k": 0.8, "F1": 0.3, "F2": 0.1, "c": 0.1, "m": 0.6, "d": 0.4, "e": 0.7},
+        forcing: "w",
+        contacts: {
+            "q1": Friction(slip: "v1", bound: "F1"),
+            "q2": Friction(slip: "v2", bound: "F2"),
+            "p": Stop(gap: "d - x2", restitution: "e"),
+        },
+        rates: {"x1": "v1", "v1": "a*cos(phase) - x1 - k*(x1 - x2) - c*v1 + q1",
+            "x2": "v2", "v2": "(-k*(x2 - x1) - x2 - c*v2 + q2 - p)/m"})"#;
+    let from: From = ("forward.forward.open", &[0.0, 0.1, 0.0, 0.1], 60.0);
+    let expected = [
+        (CO, 0.422_879_865_359_948),
+        (CO, 0.431_760_756_043_553_6),
+        (GR, 0.368_058_585_382_251_1),
+        (CO, 0.361_647_721_517_456_6),
+    ];
+    meets(&met(text, from, ("d", (0.36, 0.434))), &expected);
+}
+
+/// One block on another: where one sticks to the other, the ground may hold neither, so that two contacts change in one
+/// instant, and one that has begun to slip is held again.
+#[test]
+fn several_contacts_change_in_one_instant() {
+    let text = |rest: &str| {
+        format!(
+            r#"(states: ["x1", "v1", "x2", "v2"], {rest}, forcing: "w",
+            contacts: {{"q1": Friction(slip: "v1", bound: "F1"), "q2": Friction(slip: "v2 - v1", bound: "F2")}},
+            rates: {{"x1": "v1", "v1": "a*cos(phase) - x1 - c*v1 + q1 - q2", "x2": "v2", "v2": "(-k*x2 - c*v2 + q2)/m"}})"#
+        )
+    };
+    let own = text(
+        r#"parameters: {"a": 1.5, "w": 0.7, "k": 0.9, "F1": 0.3, "F2": 0.7, "c": 0.1, "m": 0.8}"#,
+    );
+    let from: From = ("forward.forward", &[0.0, 0.1, 0.0, 0.2], 60.0);
+    let expected = [(GR, 0.927_486_788_941_562_7), (SL, 0.583_751_824_697_269_7)];
+    let seen = met(&own, from, ("w", (0.53, 0.93)));
+    meets(&seen, &expected);
+    let onset = seen.iter().find(|one| one.value < 0.6).unwrap();
+    let longer = "forward.forward-forward.stick-stick.backward-backward.backward-backward.stick-stick.forward";
+    assert!(onset.what.ends_with(longer), "{}", onset.what);
+    let own = text(
+        r#"parameters: {"a": 2.5, "w": 0.4, "k": 0.9, "F1": 0.3, "F2": 0.2, "c": 0.1, "m": 0.8}"#,
+    );
+    let expected = [
+        (CO, 0.445_048_721_953_097_6),
+        (SL, 0.445_074_288_065_642),
+        (GR, 0.397_634_654_284_673_1),
+        (CO, 0.393_239_132_752_406_9),
+    ];
+    meets(&met(&own, from, ("w", (0.39, 0.446))), &expected);
+}
+
+/// Elements of a spring and a slider, to the ground and between two masses.
+#[test]
+fn jenkins_elements() {
+    let text = r#"(states: ["x1", "v1", "x2", "v2"],
+        parameters: {"a": 0.8, "w": 1.0, "c": 0.05, "k": 0.5, "kj1": 0.8, "B1": 0.3, "kj2": 0.6, "B2": 0.05},
+        forcing: "w",
+        contacts: {
+            "q1": Jenkins(slip: "v1", stiffness: "kj1", bound: "B1"),
+            "q2": Jenkins(slip: "v2 - v1", stiffness: "kj2", bound: "B2"),
+        },
+        rates: {"x1": "v1", "v1": "a*cos(phase) - x1 - k*(x1 - x2) - c*v1 + q1 - q2",
+            "x2": "v2", "v2": "-x2 - k*(x2 - x1) - c*v2 + q2"})"#;
+    let from: From = ("stick.stick", &[0.0, 0.1, 0.0, 0.0, 0.0, 0.0], 100.0);
+    let expected = [
+        (CO, 1.055_635_407_786_786),
+        (CO, 0.996_473_390_178_200_6),
+        (CO, 0.928_746_916_233_485_2),
+    ];
+    meets(&met(text, from, ("w", (0.92, 1.06))), &expected);
+    // one mass slips where kj a/|1 + kj - w² + icw| exceeds the bound
+    let one = r#"(states: ["x", "v"], parameters: {"a": 0.5, "w": 1.1, "c": 0.05, "kj": 0.8, "B": 0.3}, forcing: "w",
+        contacts: {"q": Jenkins(slip: "v", stiffness: "kj", bound: "B")}, rates: {"x": "v", "v": "a*cos(phase) - x - c*v + q"})"#;
+    let onset = |sign: f64| {
+        let (k, c2) = (1.8, 0.0025_f64);
+        // |k - u + ic√u|² = (kj a/B)² in u = w²
+        let (half, rest) = (k - c2 / 2.0, k * k - (0.8 * 0.5 / 0.3_f64).powi(2));
+        (half + sign * (half * half - rest).sqrt()).sqrt()
+    };
+    let seen = met(one, ("stick", &[0.0, 0.1, 0.0], 200.0), ("w", (0.6, 1.9)));
+    meets(&seen, &[(CO, onset(-1.0)), (CO, onset(1.0))]);
+}
+
+/// A spring on one side, without and with a damper; the latter lets go before its gap has opened, which is no zone of its
+/// own in the names.
+#[test]
+fn springs_on_one_side() {
+    let text = r#"(states: ["x", "v"], parameters: {"a": 1.0, "w": 0.42, "c": 0.2, "ks": 10.0, "d": 0.5}, forcing: "w",
+        contacts: {"p": Spring(gap: "d - x", stiffness: "ks")}, rates: {"x": "v", "v": "a*cos(phase) - x - c*v - p"})"#;
+    let from: From = ("open", &[0.0, 0.1], 60.0);
+    let expected = [
+        (PD, 0.437_410_391_750_068_5),
+        (PD, 0.447_237_614_755_633_4),
+        (GR, 0.454_807_175_661_707_8),
+        (GR, 0.299_197_285_395_366_6),
+        (LP, 0.299_180_745_971_860_6),
+    ];
+    meets(&met(text, from, ("w", (0.295, 0.53))), &expected);
+    let damped = text.replace("\"ks\")", "\"ks\", damping: \"c\")");
+    let (orbit, point) = started(&system(&damped), from, ("w", (0.3, 0.6))).unwrap();
+    assert_eq!(orbit.sequence.to_string(), "open-closed");
+    assert_eq!(orbit.sequence.len(), 3);
+    // the force is never tension, and the energy of a period balances: ∫ẍẋ = 0
+    let zones = orbit.at(&point).unwrap().zones;
+    let closed = zones
+        .iter()
+        .zip(&orbit.sequence.0)
+        .find(|(_, zone)| zone.mode == 1);
+    let (entry, _) = closed.unwrap();
+    // entered at the gap with the force of the damper alone
+    assert!((entry.state[0] - 0.5).abs() < 1e-12 && entry.state[1] > 0.0);
+}
+
+/// An inelastic ball rests on its table until that falls faster than it, and leaves it with g, ġ and g̈ zero.
+#[test]
+fn an_inelastic_ball() {
+    let text = r#"(states: ["y", "u"], parameters: {"G": 3.5, "g": 1.0, "w": 1.0, "e": 0.0}, forcing: "w",
+        contacts: {"p": Stop(gap: "y", restitution: "e")}, rates: {"y": "u", "u": "G*sin(phase) - g + p"})"#;
+    let seen = met(text, ("open", &[1.0, 0.0], 60.0), ("G", (3.0, 3.73)));
+    let expected = [(SL, 3.296_908_309_475_615), (PD, 3.724_191_778_237_173)];
+    meets(&seen, &expected);
+    let bound = text.replace("\"e\": 0.0", "\"e\": -0.5");
+    let error = crate::affine::systems::system(&bound);
+    assert!(error.at(&error.values(), &[]).is_err());
+}
+
+/// Ten blocks have 3¹⁰ modes, of which a motion makes those that it enters.
+#[test]
+fn modes_are_made_when_they_are_entered() {
+    let blocks = 1..=10;
+    let join = |parts: Vec<String>| parts.join(", ");
+    let states = blocks.clone().map(|i| format!("\"x{i}\", \"v{i}\""));
+    let contacts = blocks
+        .clone()
+        .map(|i| format!("\"q{i}\": Friction(slip: \"v{i} - vb\", bound: \"0.{i}*F\")"));
+    let rates = blocks.clone().map(|i| {
+        let next = if i < 10 {
+            format!(" - k*(x{i} - x{})", i + 1)
+        } else {
+            String::new()
+        };
+        let before = if i > 1 {
+            format!(" - k*(x{i} - x{})", i - 1)
+        } else {
+            String::new()
+        };
+        format!("\"x{i}\": \"v{i}\", \"v{i}\": \"-x{i}{next}{before} - c*v{i} + q{i}\"")
+    });
+    let text = format!(
+        "(states: [{}], parameters: {{\"k\": 3.0, \"c\": 0.1, \"vb\": 0.1, \"F\": 1.0}}, contacts: {{{}}}, rates: {{{}}})",
+        join(states.collect()),
+        join(contacts.collect()),
+        join(rates.collect()),
+    );
+    let system = system(&text);
+    let at = system.at(&system.values(), &[]).unwrap();
+    assert_eq!(at.modes.len(), 59049);
+    let stick = ["stick"; 10].join(".");
+    let mode = system.mode(&stick).unwrap();
+    assert_eq!(mode, 59048);
+    // all at rest on the belt: nothing moves but the belt
+    let z = at.lift(mode, &[0.0, 0.1].repeat(10), 0.0);
+    let rates = &at.modes[mode].matrix.at * &z;
+    for block in 0..10 {
+        assert!((rates[2 * block] - 0.1).abs() < 1e-16 && rates[2 * block + 1].abs() < 1e-16);
+    }
+    assert_eq!(at.modes[mode].guards.len(), 20);
+}
+
+/// What is wrong with a contact is said at its place.
+#[test]
+fn a_contact_that_makes_no_sense_is_refused() {
+    let whole = r#"(
+        system: (
+            states: ["x", "v"], parameters: {"F": 0.5, "e": 0.5, "d": 1.0}, forcing: "1",
+            contacts: {"q": Friction(slip: "v", bound: "F"), "p": Stop(gap: "d - x", restitution: "e")},
+            rates: {"x": "v", "v": "2*cos(phase) - x + q - p"},
+        ),
+        orbit: (start: Simulate(mode: "forward.open", state: {"x": 0.0, "v": 0.5}, settle: 100)),
+    )"#;
+    assert!(matches!(parse_any(whole, "whole"), Ok(Any::System(_))));
+    for (old, new, told) in [
+        (
+            "+ q - p",
+            "+ q^2 - p",
+            "the force `q` does not stand linearly here",
+        ),
+        ("+ q - p", "+ q*p", "does not stand linearly here"),
+        (
+            "+ q - p",
+            "- q - p",
+            "a positive force `q` would make its slip smaller",
+        ),
+        (
+            "+ q - p",
+            "+ q + p",
+            "a positive force `p` would make its gap smaller",
+        ),
+        ("+ q - p", "+ q", "the force `p` does not change its gap"),
+        (
+            "\"x\": \"v\",",
+            "\"x\": \"v + p\",",
+            "the velocity of the gap depends on a force",
+        ),
+        ("bound: \"F\"", "bound: \"F - 1\"", "the bound is -0.5"),
+        (
+            "bound: \"F\"",
+            "bound: \"F\", static: \"F/2\"",
+            "the static bound 0.25 is less",
+        ),
+        (
+            "bound: \"F\"",
+            "bound: \"F*p\"",
+            "whose friction is not modelled",
+        ),
+        ("\"e\": 0.5", "\"e\": -0.5", "the restitution is -0.5"),
+        ("slip: \"v\"", "slip: \"v + q\"", "`q` is no state"),
+        (
+            "\"q\": Friction",
+            "\"F\": Friction",
+            "`F` cannot be a name here",
+        ),
+        (
+            "forward.open",
+            "forward",
+            "`forward` is no mode of the contacts",
+        ),
+        (
+            "forward.open",
+            "backward.open",
+            "`backward.open` contradicts the state",
+        ),
+        ("forward.open", "forward.closed", "by the contact `p`"),
+        (
+            "rates: {",
+            "modes: {}, sliding: {\"s\": (\"a\", \"b\")}, rates: {",
+            "`sliding` has no meaning",
+        ),
+    ] {
+        assert!(whole.contains(old), "{old}");
+        let error = parse_any(&whole.replacen(old, new, 1), "bad").unwrap_err();
+        assert!(error.to_string().contains(told), "{new}: {error}");
+    }
+}
+
+/// Painlevé's rod in one point: with much friction a force that opens the gap closes it by the friction that it causes.
+#[test]
+fn a_paradox_is_told() {
+    let text = r#"(states: ["x", "v", "y", "u"], parameters: {"mu": 0.5},
+        contacts: {"p": Stop(gap: "y", restitution: "0"), "q": Friction(slip: "v", bound: "mu*p")},
+        rates: {"x": "v", "v": "q + 2*p", "y": "u", "u": "p + 1.5*q - 1"})"#;
+    let own = system(text);
+    let closed = own.mode("closed.forward").unwrap();
+    let index = own.source.parameters.index("mu").unwrap();
+    for (mu, told) in [(0.5, false), (0.7, true)] {
+        let mut values = own.values();
+        values[index] = mu;
+        let at = own.at(&values, &[]).unwrap();
+        // ÿ = p(1 - 1.5 mu) - 1 with forward slip
+        assert_eq!(at.modes[closed].obstruction.is_some(), told, "{mu}");
+    }
+}
