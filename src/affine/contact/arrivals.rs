@@ -58,6 +58,8 @@ pub struct Instant<'a> {
     pub contact: usize,
     /// How.
     pub ending: &'a Ending,
+    /// Others that end by the same guard, with their states beyond: two that act on one slip.
+    pub together: &'a [(usize, usize)],
     /// New values of the states that jump.
     pub jump: &'a [(usize, Form)],
 }
@@ -70,6 +72,9 @@ impl Instant<'_> {
     pub fn arrivals(&self) -> Result<Vec<Arrival>, ContactMistake> {
         let mut digits = self.before.to_vec();
         digits[self.contact] = self.ending.to;
+        for (contact, to) in self.together {
+            digits[*contact] = *to;
+        }
         // what is released leaves by the sign of what was too much, as long as nothing else changes
         let mut seen = vec![false; digits.len()];
         seen[self.contact] = self.is_friction(self.contact) && self.before[self.contact] == STICK;
@@ -110,9 +115,14 @@ impl Instant<'_> {
         matches!(self.forms.laws[contact], Law::Friction { .. })
     }
 
+    /// Whether a contact ends by the guard of the instant.
+    fn ends(&self, contact: usize) -> bool {
+        contact == self.contact || self.together.iter().any(|(other, _)| *other == contact)
+    }
+
     /// Whether friction has no velocity of slip at the instant: it has just stuck, or comes through zero.
     fn is_at_rest(&self, contact: usize) -> bool {
-        let own = contact == self.contact || self.before[contact] == STICK;
+        let own = self.ends(contact) || self.before[contact] == STICK;
         self.is_friction(contact) && own && self.jump.is_empty()
     }
 
@@ -270,7 +280,7 @@ impl Instant<'_> {
                 let upper = (hold.clone().minus(force()?)?.trimmed(), BACKWARD);
                 let lower = (hold.plus(force()?)?.trimmed(), FORWARD);
                 // a slip that falls to zero is held by a force on its own side
-                match (contact == self.contact).then(|| self.before[contact]) {
+                match self.ends(contact).then(|| self.before[contact]) {
                     Some(FORWARD) => vec![upper],
                     Some(BACKWARD) => vec![lower],
                     _ => vec![upper, lower],

@@ -1,6 +1,6 @@
 //! Modes of a system with contacts, made when they are asked for.
 
-use super::arrivals::{Ending, Instant};
+use super::arrivals::{Arrival, Ending, Instant};
 use super::forces::Own;
 use super::law::{
     BACKWARD, CLOSED, FORWARD, GIVES_BACKWARD, GIVES_FORWARD, HELD, Law, OPEN, PARTING, Products,
@@ -198,19 +198,31 @@ impl ContactForms {
         let failed = |obstacle| ContactMistake::Obstacle(name.clone(), obstacle);
         let forces = self.forces(own, &digits)?;
         let rates = self.rates(own, &digits, forces).map_err(failed)?;
+        let endings = (0..digits.len())
+            .map(|contact| self.endings((own, &digits), contact, forces))
+            .collect::<Result<Vec<_>, _>>()
+            .map_err(failed)?;
         let mut switches = Vec::new();
-        let mut group = 0;
-        for contact in 0..digits.len() {
-            let endings = self.endings((own, &digits), contact, forces);
-            for ending in endings.map_err(failed)? {
-                self.exits(
-                    (own, &digits),
-                    contact,
-                    (forces, &ending),
-                    group,
-                    &mut switches,
-                )?;
-                group += 1;
+        let all = endings.iter().enumerate();
+        let all = all.flat_map(|(contact, own)| own.iter().map(move |one| (contact, one)));
+        for (group, (contact, ending)) in all.enumerate() {
+            let together = together(contact, ending, &endings);
+            let jump = match ending.impact {
+                Some(_) => self.jump(own, contact).map_err(failed)?,
+                None => Vec::new(),
+            };
+            let instant = Instant {
+                forms: self,
+                own,
+                before: &digits,
+                forces,
+                contact,
+                ending,
+                together: &together,
+                jump: &jump,
+            };
+            for arrival in instant.arrivals()? {
+                switches.push(self.switch(&instant, arrival, group));
             }
         }
         for switch in &self.switches[own] {
@@ -362,52 +374,45 @@ impl ContactForms {
         Ok(jump)
     }
 
-    /// The exits of a guard.
-    fn exits(
-        &self,
-        (own, digits): (usize, &[usize]),
-        contact: usize,
-        (forces, ending): (&[Form], &Ending),
-        group: usize,
-        switches: &mut Vec<FormSwitch>,
-    ) -> Result<(), ContactMistake> {
-        let failed = |obstacle| ContactMistake::Obstacle(self.name(own, digits), obstacle);
-        let jump = match ending.impact {
-            Some(_) => self.jump(own, contact).map_err(failed)?,
-            None => Vec::new(),
-        };
-        let instant = Instant {
-            forms: self,
+    /// The switch of an instant that leads to these states.
+    fn switch(&self, instant: &Instant, arrival: Arrival, group: usize) -> FormSwitch {
+        let Instant {
             own,
-            before: digits,
-            forces,
             contact,
             ending,
-            jump: &jump,
-        };
-        for arrival in instant.arrivals()? {
-            let rest = (ending.impact == Some(true)).then(|| {
-                let mut closed = arrival.digits.clone();
-                closed[contact] = CLOSED;
-                self.products.number(own, &closed)
-            });
-            let earlier = arrival.digits[..contact].iter().enumerate();
-            let index: usize = earlier
-                .map(|(contact, digit)| self.laws[contact].guards(*digit).len())
-                .sum();
-            let direct = arrival.digits[contact] == ending.to && ending.zeros > 0;
-            switches.push(FormSwitch {
-                guard: ending.guard.clone(),
-                to: self.products.number(own, &arrival.digits),
-                rest,
-                reset: jump.clone(),
-                conditions: arrival.conditions,
-                tangent: direct.then_some((index, ending.zeros)),
-                group: Some(group),
-            });
+            ..
+        } = *instant;
+        let Arrival { digits, conditions } = arrival;
+        let rest = (ending.impact == Some(true)).then(|| {
+            let mut closed = digits.clone();
+            closed[contact] = CLOSED;
+            self.products.number(own, &closed)
+        });
+        let earlier = digits[..contact].iter().zip(&self.laws);
+        let index = earlier.map(|(digit, law)| law.guards(*digit).len()).sum();
+        let direct = digits[contact] == ending.to && ending.zeros > 0;
+        FormSwitch {
+            guard: ending.guard.clone(),
+            to: self.products.number(own, &digits),
+            rest,
+            reset: instant.jump.to_vec(),
+            conditions,
+            tangent: direct.then_some((index, ending.zeros)),
+            group: Some(group),
         }
-        Ok(())
     }
+}
+
+/// Other contacts that end by the same guard as one, with their states beyond.
+fn together(contact: usize, ending: &Ending, endings: &[Vec<Ending>]) -> Vec<(usize, usize)> {
+    let same =
+        |one: &&Ending| one.impact.is_none() && one.guard.sign_of_ratio(&ending.guard) == Some(1.0);
+    let others = endings
+        .iter()
+        .enumerate()
+        .filter(|(other, _)| *other != contact);
+    let found = others.filter_map(|(other, all)| Some((other, all.iter().find(same)?.to)));
+    found.collect()
 }
 
 /// Refuses a law with a force where none may stand, and bounds that have no meaning.
