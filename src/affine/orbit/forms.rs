@@ -1,12 +1,18 @@
 //! Linear forms of z that are zero together, and which of them stay so along a flow and through a reset.
+//!
+//! A form stands in one slice: its coefficients, and after them their derivatives in every parameter that varies. Forms are
+//! compared at every value of the parameter, so that they lie one after the other in one place.
 
 use crate::affine::form::{Dual, VARYING};
 use crate::affine::mode::{AffineMode, Exit, MatrixBy, Row};
 use crate::affine::series::Program;
-use crate::linalg::{Matrix, Vector};
+use crate::linalg::{Matrix, Vector, add_product};
 
 /// A form whose coefficients are smaller than this part of what they are made of is zero but for rounding.
 const ROUNDED: f64 = 1e-10;
+
+/// Slices of the length of z in a form.
+const PARTS: usize = 1 + VARYING;
 
 /// Units in which forms are compared: the size of every component of z, and of the parameters.
 #[derive(Clone, Debug)]
@@ -22,13 +28,25 @@ pub struct Units<'a> {
 impl Units<'_> {
     /// Largest coefficient of a form, or its largest derivative.
     pub fn size(&self, row: &Row) -> f64 {
-        let largest = |row: &Vector| {
-            let terms = row.iter().zip(self.z).map(|(c, unit)| (c * unit).abs());
+        let derivatives = row.by.each_ref().map(|by| by.as_slice());
+        self.largest(row.at.as_slice(), derivatives.into_iter())
+    }
+
+    fn largest<'f>(&self, at: &[f64], by: impl Iterator<Item = &'f [f64]>) -> f64 {
+        let largest = |row: &[f64]| {
+            let terms = row.iter().zip(self.z.as_slice());
+            let terms = terms.map(|(c, unit)| (c * unit).abs());
             terms.fold(0.0, f64::max)
         };
-        let derivatives = row.by.iter().zip(self.parameters);
+        let derivatives = by.zip(self.parameters);
         let derivatives = derivatives.map(|(by, unit)| unit * largest(by));
-        derivatives.fold(largest(&row.at), f64::max)
+        derivatives.fold(largest(at), f64::max)
+    }
+
+    /// The same of a form in one slice.
+    fn size_of(&self, form: &[f64]) -> f64 {
+        let mut parts = form.chunks_exact(form.len() / PARTS);
+        self.largest(parts.next().unwrap_or(&[]), parts)
     }
 
     /// Sum of the terms of a form.
@@ -38,15 +56,13 @@ impl Units<'_> {
     }
 
     /// The component whose coefficient is largest, a state if any of them counts.
-    fn pivot(&self, row: &Row, least: f64) -> Option<usize> {
-        let value = |index: usize| (row.at[index] * self.z[index]).abs();
-        let largest = |mut range: Vec<usize>| {
-            range.retain(|index| value(*index) > least);
-            let first = range.into_iter().rev();
-            first.max_by(|one, other| value(*one).total_cmp(&value(*other)))
+    fn pivot(&self, form: &[f64], least: f64) -> Option<usize> {
+        let value = |index: &usize| (form[*index] * self.z[*index]).abs();
+        let largest = |range: std::ops::Range<usize>| {
+            let first = range.rev().filter(|index| value(index) > least);
+            first.max_by(|one, other| value(one).total_cmp(&value(other)))
         };
-        largest((0..self.states).collect())
-            .or_else(|| largest((self.states + 1..row.at.len()).collect()))
+        largest(0..self.states).or_else(|| largest(self.states + 1..form.len() / PARTS))
     }
 }
 
@@ -59,11 +75,11 @@ fn inverse(x: Dual) -> Dual {
     }
 }
 
-/// Forms in echelon form: each has a component of its own in which the others are zero.
+/// Forms in echelon form: each has a component of its own in which the others are zero, and its coefficient of that is 1.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Forms {
-    /// The forms; the coefficient of its own component is 1.
-    pub rows: Vec<Row>,
+    /// The forms one after the other.
+    forms: Vec<f64>,
     /// The component of each of them.
     pub pivots: Vec<usize>,
 }
@@ -71,39 +87,78 @@ pub struct Forms {
 impl Forms {
     /// How many there are.
     pub fn len(&self) -> usize {
-        self.rows.len()
+        self.pivots.len()
     }
 
-    /// A form without what the others make of it.
-    fn remainder(&self, row: &Row) -> Row {
-        let mut row = row.clone();
-        for (form, pivot) in self.rows.iter().zip(&self.pivots) {
-            let factor = row.dual(*pivot);
-            row.subtract(factor, form);
+    fn iter(&self) -> impl Iterator<Item = &[f64]> {
+        let length = self.forms.len() / self.len().max(1);
+        self.forms.chunks_exact(length.max(1))
+    }
+
+    /// The forms as rows.
+    pub fn rows(&self) -> impl Iterator<Item = Row> {
+        self.iter().map(row_of)
+    }
+
+    /// The form with a component of its own.
+    pub fn row(&self, index: usize) -> Option<Row> {
+        self.iter().nth(index).map(row_of)
+    }
+
+    /// Whether none of them changes with a parameter.
+    pub fn are_constant(&self) -> bool {
+        let derivatives = |form: &[f64]| form[form.len() / PARTS..].iter().all(|by| *by == 0.0);
+        self.iter().all(derivatives)
+    }
+
+    /// Takes away from a form what the others make of it.
+    fn reduce(&self, form: &mut [f64]) {
+        for (known, pivot) in self.iter().zip(&self.pivots) {
+            subtract(form, dual(form, *pivot), known);
         }
-        row
     }
 
     /// Whether a form made of numbers of a size is zero where these are.
     pub fn contain(&self, row: &Row, size: f64, units: &Units) -> bool {
-        units.size(&self.remainder(row)) <= ROUNDED * size
+        self.contain_form(&mut form_of(row), size, units)
+    }
+
+    /// The same of a form in one slice, which is reduced.
+    fn contain_form(&self, form: &mut [f64], size: f64, units: &Units) -> bool {
+        self.reduce(form);
+        units.size_of(form) <= ROUNDED * size
     }
 
     /// Adds a form that is zero, too. What depends on no state and no phase is left out.
     pub fn insert(&mut self, row: &Row, units: &Units) {
-        let size = units.size(row);
-        let mut row = self.remainder(row);
-        let Some(pivot) = units.pivot(&row, ROUNDED * size) else {
+        self.insert_form(&mut form_of(row), units);
+    }
+
+    /// The same of a form in one slice, which is changed.
+    fn insert_form(&mut self, form: &mut [f64], units: &Units) {
+        let size = units.size_of(form);
+        self.reduce(form);
+        let Some(pivot) = units.pivot(form, ROUNDED * size) else {
             return;
         };
-        let own = row.dual(pivot);
-        scale(&mut row, inverse(own));
-        for form in &mut self.rows {
-            let factor = form.dual(pivot);
-            form.subtract(factor, &row);
+        scale(form, inverse(dual(form, pivot)));
+        for known in self.forms.chunks_exact_mut(form.len()) {
+            subtract(known, dual(known, pivot), form);
         }
-        self.rows.push(row);
+        self.forms.extend_from_slice(form);
         self.pivots.push(pivot);
+    }
+
+    /// These without the forms of other pivots.
+    pub fn with_pivots(&self, is_kept: impl Fn(usize) -> bool) -> Forms {
+        let mut kept = Forms::default();
+        for (form, pivot) in self.iter().zip(&self.pivots) {
+            if is_kept(*pivot) {
+                kept.forms.extend_from_slice(form);
+                kept.pivots.push(*pivot);
+            }
+        }
+        kept
     }
 
     /// The forms r among these for which the whole of r, rM, rM², … is zero: they stay zero along the flow. Of forms of
@@ -112,30 +167,37 @@ impl Forms {
         let matrix = &mode.matrix;
         let mut kept = self.clone();
         if !mode.field.is_exact {
-            let plain = |row: &&Row| (mode.field.base()..row.at.len()).all(|c| !row.has(c));
             kept = Forms::default();
-            self.rows
-                .iter()
-                .filter(plain)
-                .for_each(|row| kept.insert(row, units));
+            for form in self.iter() {
+                let mut parts = form.chunks_exact(form.len() / PARTS);
+                if parts.all(|part| part[mode.field.base()..].iter().all(|c| *c == 0.0)) {
+                    kept.insert_form(&mut form.to_vec(), units);
+                }
+            }
         }
         loop {
-            let pairs = kept.rows.iter().map(|row| {
-                let through = row.through(matrix);
-                let size = bound(row, matrix, units);
-                let mut left = kept.remainder(&through);
-                if units.size(&left) <= ROUNDED * size {
-                    left = Row::zero(row.at.len());
+            // what the rates of these forms have beside the forms themselves
+            let mut left = vec![0.0; kept.forms.len()];
+            let mut stays = true;
+            let length = left.len() / kept.len().max(1);
+            for (form, left) in kept.iter().zip(left.chunks_exact_mut(length.max(1))) {
+                through(form, matrix, left);
+                match kept.contain_form(left, bound(form, matrix, units), units) {
+                    true => left.fill(0.0),
+                    false => stays = false,
                 }
-                (left, row.clone())
-            });
-            let rest = vanishing(pairs.collect(), units);
+            }
+            if stays {
+                return kept;
+            }
+            let mut forms = kept.forms.clone();
+            let rest = vanishing(&mut left, &mut forms, length, units);
             if rest.len() == kept.len() {
                 return kept;
             }
             kept = Forms::default();
-            for row in &rest {
-                kept.insert(row, units);
+            for index in rest {
+                kept.insert_form(&mut forms[index * length..][..length], units);
             }
         }
     }
@@ -147,110 +209,195 @@ impl Forms {
         let made = program.size() - program.made()..program.size();
         let made = made.filter(|component| program.depends(*component, &reset));
         let changed: Vec<usize> = reset.iter().copied().chain(made).collect();
-        let split = |row: Row| {
-            let (mut own, mut rest) = (Row::zero(row.at.len()), row);
-            for state in &changed {
-                let value = rest.dual(*state);
-                own.set(*state, value);
-                rest.set(*state, Dual::default());
+        let (size, length) = (program.size(), PARTS * program.size());
+        // of every form what the reset changes, and what it leaves
+        let mut rest = self.forms.clone();
+        rest.resize((self.len() + reset.len()) * length, 0.0);
+        let new = rest[self.len() * length..].chunks_exact_mut(length);
+        for (form, state) in new.zip(&reset) {
+            for (part, matrix) in form.chunks_exact_mut(size).zip(parts_of(&exit.reset)) {
+                let row = matrix.as_slice()[*state..].iter().step_by(matrix.nrows());
+                part.iter_mut().zip(row).for_each(|(c, value)| *c = -value);
             }
-            (own, rest)
-        };
-        let kept = self.rows.iter().map(|row| split(row.clone()));
-        let new = reset.iter().map(|state| {
-            let (own, mut rest) = split(exit.reset.row(*state).negative());
-            let one = Dual {
-                value: 1.0,
-                ..Dual::default()
-            };
-            rest.set(*state, one);
-            (own, rest)
-        });
-        let pairs = kept.chain(new).collect();
+        }
+        let mut own = vec![0.0; rest.len()];
+        let parts = own.chunks_exact_mut(size).zip(rest.chunks_exact_mut(size));
+        for (own, rest) in parts {
+            for component in &changed {
+                own[*component] = std::mem::take(&mut rest[*component]);
+            }
+        }
+        let new = rest[self.len() * length..].chunks_exact_mut(length);
+        new.zip(&reset).for_each(|(form, state)| form[*state] = 1.0);
         let mut forms = Forms::default();
-        for row in vanishing(pairs, units) {
-            forms.insert(&row, units);
+        for index in vanishing(&mut own, &mut rest, length, units) {
+            forms.insert_form(&mut rest[index * length..][..length], units);
         }
         forms
     }
 
     /// The least k for which cMᵏ is not zero where these forms are, `None` if there is none.
     pub fn order(&self, row: &Row, matrix: &MatrixBy, units: &Units) -> Option<usize> {
-        let (mut row, mut size) = (row.clone(), units.size(row));
+        let (mut form, mut size) = (form_of(row), units.size(row));
         for order in 0..=row.at.len() {
-            if !self.contain(&row, size, units) {
+            if !self.contain_form(&mut form.clone(), size, units) {
                 return Some(order);
             }
-            size = bound(&row, matrix, units);
-            row = row.through(matrix);
+            size = bound(&form, matrix, units);
+            let mut next = vec![0.0; form.len()];
+            through(&form, matrix, &mut next);
+            form = next;
         }
         None
     }
 }
 
-/// Size of the numbers of which a form times a matrix is made.
-fn bound(row: &Row, matrix: &MatrixBy, units: &Units) -> f64 {
-    let terms = |row: &Vector, matrix: &Matrix, column: usize| -> f64 {
-        let column = &matrix.as_slice()[column * row.len()..][..row.len()];
-        let entries = row.as_slice().iter().zip(column);
-        entries.map(|(c, entry)| (c * entry).abs()).sum()
+/// A row in one slice.
+fn form_of(row: &Row) -> Vec<f64> {
+    let mut form = Vec::with_capacity(PARTS * row.at.len());
+    form.extend_from_slice(row.at.as_slice());
+    row.by
+        .iter()
+        .for_each(|by| form.extend_from_slice(by.as_slice()));
+    form
+}
+
+/// A form as a row.
+fn row_of(form: &[f64]) -> Row {
+    let size = form.len() / PARTS;
+    let part = |index: usize| Vector::from_column_slice(&form[index * size..][..size]);
+    Row {
+        at: part(0),
+        by: std::array::from_fn(|p| part(p + 1)),
+    }
+}
+
+/// A matrix and its derivatives.
+fn parts_of(matrix: &MatrixBy) -> impl Iterator<Item = &Matrix> {
+    std::iter::once(&matrix.at).chain(&matrix.by)
+}
+
+/// Coefficient of a component of z.
+fn dual(form: &[f64], column: usize) -> Dual {
+    let size = form.len() / PARTS;
+    Dual {
+        value: form[column],
+        by: std::array::from_fn(|p| form[(p + 1) * size + column]),
+    }
+}
+
+/// Adds a slice times a factor.
+fn add(factor: f64, part: &[f64], sum: &mut [f64]) {
+    let pairs = sum.iter_mut().zip(part);
+    pairs.for_each(|(sum, c)| *sum += factor * c);
+}
+
+/// Takes another form times a factor away.
+fn subtract(form: &mut [f64], factor: Dual, other: &[f64]) {
+    if factor == Dual::default() {
+        return;
+    }
+    let size = form.len() / PARTS;
+    add(-factor.value, other, form);
+    let derivatives = form[size..].chunks_exact_mut(size);
+    for (by, slope) in derivatives.zip(factor.by) {
+        if slope != 0.0 {
+            add(-slope, &other[..size], by);
+        }
+    }
+}
+
+fn scale(form: &mut [f64], factor: Dual) {
+    let (at, by) = form.split_at_mut(form.len() / PARTS);
+    for (by, slope) in by.chunks_exact_mut(at.len()).zip(factor.by) {
+        by.iter_mut().for_each(|by| *by *= factor.value);
+        add(slope, at, by);
+    }
+    at.iter_mut().for_each(|c| *c *= factor.value);
+}
+
+/// Adds cᵀM with derivatives to a form: the rate of one of states and phase.
+fn through(form: &[f64], matrix: &MatrixBy, through: &mut [f64]) {
+    let size = form.len() / PARTS;
+    let at = &form[..size];
+    let add = |row: &[f64], matrix: &Matrix, sum: &mut [f64]| {
+        add_product(1.0, row, 1, matrix.as_slice(), sum);
     };
     let changes = |by: &[f64]| by.iter().any(|by| *by != 0.0);
-    let varies = |p: &usize| changes(row.by[*p].as_slice()) || changes(matrix.by[*p].as_slice());
-    let varying: Vec<usize> = (0..VARYING).filter(varies).collect();
-    let largest = |column: usize| {
-        let derivative = |p: usize| {
-            terms(&row.by[p], &matrix.at, column) + terms(&row.at, &matrix.by[p], column)
-        };
-        let derivatives = varying
-            .iter()
-            .map(|p| units.parameters[*p] * derivative(*p));
-        let size = derivatives.fold(terms(&row.at, &matrix.at, column), f64::max);
-        size * units.z[column]
+    let forms = form.chunks_exact(size).zip(through.chunks_exact_mut(size));
+    for (part, (by, through)) in forms.enumerate() {
+        if part == 0 || changes(by) {
+            add(by, &matrix.at, through);
+        }
+        // most derivatives are zero: those of a parameter that does not vary all are
+        if part > 0 && changes(matrix.by[part - 1].as_slice()) {
+            add(at, &matrix.by[part - 1], through);
+        }
+    }
+}
+
+/// Size of the numbers of which a form times a matrix is made.
+fn bound(form: &[f64], matrix: &MatrixBy, units: &Units) -> f64 {
+    let size = form.len() / PARTS;
+    let terms = |row: &[f64], matrix: &Matrix, column: usize| -> f64 {
+        let column = &matrix.as_slice()[column * size..][..size];
+        let entries = row.iter().zip(column);
+        entries.map(|(c, entry)| (c * entry).abs()).sum()
     };
-    (0..row.at.len()).map(largest).fold(0.0, f64::max)
+    let (at, by) = form.split_at(size);
+    let changes = |by: &[f64]| by.iter().any(|by| *by != 0.0);
+    let derivatives = by.chunks_exact(size).zip(&matrix.by).zip(units.parameters);
+    let mut largest = 0.0_f64;
+    for column in 0..size {
+        let sum = terms(at, &matrix.at, column);
+        largest = largest.max(sum * units.z[column]);
+    }
+    for ((by, slopes), unit) in derivatives {
+        if changes(by) || changes(slopes.as_slice()) {
+            for column in 0..size {
+                let sum = terms(by, &matrix.at, column) + terms(at, slopes, column);
+                largest = largest.max(unit * sum * units.z[column]);
+            }
+        }
+    }
+    largest
 }
 
 /// Whether an exit changes a state.
 fn is_reset(exit: &Exit, state: usize) -> bool {
-    let row = exit.reset.row(state);
-    let others = row.at.iter().enumerate();
-    let same = others
-        .into_iter()
-        .all(|(index, value)| *value == f64::from(u8::from(index == state)));
-    !same || row.by.iter().any(|by| by.amax() > 0.0)
+    let entries = exit.reset.at.row(state);
+    let mut entries = entries.iter().enumerate();
+    let same = entries.all(|(index, value)| *value == f64::from(u8::from(index == state)));
+    let mut derivatives = exit.reset.by.iter();
+    !same || derivatives.any(|by| by.row(state).iter().any(|by| *by != 0.0))
 }
 
-fn scale(row: &mut Row, factor: Dual) {
-    for (by, slope) in row.by.iter_mut().zip(factor.by) {
-        *by *= factor.value;
-        by.axpy(slope, &row.at, 1.0);
-    }
-    row.at *= factor.value;
-}
-
-/// Combinations of pairs whose first parts add up to zero: their second parts.
-fn vanishing(pairs: Vec<(Row, Row)>, units: &Units) -> Vec<Row> {
-    let mut pivots: Vec<(usize, Row, Row)> = Vec::new();
+/// Combinations of pairs whose first parts add up to zero: where their second parts stand. Forms have this length.
+fn vanishing(first: &mut [f64], second: &mut [f64], length: usize, units: &Units) -> Vec<usize> {
+    let mut pivots: Vec<(usize, usize)> = Vec::new();
     let mut found = Vec::new();
-    for (mut first, mut second) in pairs {
-        let size = units.size(&first);
-        for (pivot, known, carried) in &pivots {
-            let factor = first.dual(*pivot);
-            first.subtract(factor, known);
-            second.subtract(factor, carried);
+    for index in 0..first.len() / length.max(1) {
+        let (first_before, own) = first.split_at_mut(index * length);
+        let (second_before, carried) = second.split_at_mut(index * length);
+        let (own, carried) = (&mut own[..length], &mut carried[..length]);
+        let size = units.size_of(own);
+        for (pivot, known) in &pivots {
+            let factor = dual(own, *pivot);
+            subtract(own, factor, &first_before[known * length..][..length]);
+            subtract(carried, factor, &second_before[known * length..][..length]);
         }
-        let value = |index: &usize| (first.at[*index] * units.z[*index]).abs();
-        let largest = (0..first.at.len()).max_by(|one, other| value(one).total_cmp(&value(other)));
+        let value = |index: &usize| (own[*index] * units.z[*index]).abs();
+        let components = 0..length / PARTS;
+        let largest = components.max_by(|one, other| value(one).total_cmp(&value(other)));
         match largest.filter(|index| value(index) > ROUNDED * size) {
-            None if units.size(&first) <= ROUNDED * size => found.push(second),
+            None if units.size_of(own) <= ROUNDED * size => found.push(index),
             // zero at this value of the parameter only
             None => {}
             Some(pivot) => {
-                let factor = inverse(first.dual(pivot));
-                scale(&mut first, factor);
-                scale(&mut second, factor);
-                pivots.push((pivot, first, second));
+                let factor = inverse(dual(own, pivot));
+                scale(own, factor);
+                scale(carried, factor);
+                pivots.push((pivot, index));
             }
         }
     }

@@ -146,12 +146,23 @@ impl Posed {
         }
     }
 
-    /// The same at another value of the parameter; `None` where that takes more than other numbers.
-    fn moved_to(mut self, origin: &AffineSystem, value: f64) -> Option<Posed> {
-        let linear = |facts: &ZoneFacts| facts.is_constant() && facts.generic.is_none();
+    /// The same at another value of the parameter, with the facts that hold in the system there where any of these change
+    /// with it; `None` where that takes more than other numbers.
+    fn moved_to(
+        mut self,
+        origin: &AffineSystem,
+        value: f64,
+        changed: impl FnOnce(&AffineSystem, &[ZoneFacts]) -> Vec<ZoneFacts>,
+    ) -> Option<Posed> {
+        let linear = |facts: &ZoneFacts| facts.generic.is_none();
         let lasts = self.moved && self.facts.iter().all(linear);
-        let moved = lasts && self.system.move_to(origin, value);
-        moved.then(|| Posed::new(self.system, self.facts, self.longest, true))
+        if !lasts || !self.system.move_to(origin, value) {
+            return None;
+        }
+        if !self.facts.iter().all(ZoneFacts::is_constant) {
+            self.facts = Arc::new(changed(&self.system, &self.facts));
+        }
+        Some(Posed::new(self.system, self.facts, self.longest, true))
     }
 
     /// The scales of z that balance the matrix of a mode, and its norm then.
@@ -180,9 +191,9 @@ impl Posed {
         }
     }
 
-    /// Whether what facts follow from is the same in the system at another value of the parameter: rates and resets but
-    /// for the values of entries that are not zero. A zero by chance is no fact, since its derivative in the parameter is
-    /// none. Conditions have no part in them.
+    /// Whether what facts follow from is the same in the system at another value of the parameter, but for the values of
+    /// entries that are not zero. A zero by chance is no fact, since its derivative in the parameter is none. Conditions
+    /// have no part in them.
     fn has_same_zeros(&self, other: &AffineSystem) -> bool {
         let known = &self.system;
         let zeros = |one: &Matrix, other: &Matrix| {
@@ -194,9 +205,17 @@ impl Posed {
             let mut slopes = one.by.iter().zip(&other.by);
             zeros(&one.at, &other.at) && slopes.all(|(one, other)| zeros(one, other))
         };
+        let same_rows = |one: &Row, other: &Row| {
+            let none = |one: &Vector, other: &Vector| {
+                let mut pairs = one.iter().zip(other);
+                pairs.all(|(one, other)| (*one == 0.0) == (*other == 0.0))
+            };
+            let mut slopes = one.by.iter().zip(&other.by);
+            none(&one.at, &other.at) && slopes.all(|(one, other)| none(one, other))
+        };
         let same_guards = |(one, other): (&Guard, &Guard)| {
             let mut exits = one.exits.iter().zip(&other.exits);
-            one.row == other.row
+            same_rows(&one.row, &other.row)
                 && one.exits.len() == other.exits.len()
                 && exits.all(|(one, other)| same_zeros(&one.reset, &other.reset))
         };
@@ -210,10 +229,16 @@ impl Posed {
             && known.modes.iter().zip(&other.modes).all(alike)
     }
 
-    /// Its facts for a system with the same zeros, where none of them changes with the parameter.
+    /// Its facts for a system with the same zeros, where none of them changes with the parameter. Where guards do, a fact
+    /// may come to rest at one value alone.
     fn lasting_facts(&self, other: &AffineSystem) -> Option<Arc<Vec<ZoneFacts>>> {
         let told_by_forms = self.facts.iter().all(|facts| facts.generic.is_none());
-        let last = self.facts.iter().all(ZoneFacts::is_constant);
+        let mut modes = self.system.modes.iter().zip(&other.modes);
+        let same_guards = modes.all(|(one, other)| {
+            let mut guards = one.guards.iter().zip(&other.guards);
+            guards.all(|(one, other)| one.row == other.row)
+        });
+        let last = same_guards && self.facts.iter().all(ZoneFacts::is_constant);
         last.then(|| match told_by_forms {
             true => self.facts.clone(),
             false => Arc::new(self.facts.iter().map(|facts| facts.at(other)).collect()),
@@ -452,11 +477,16 @@ impl AffineOrbit {
             Some(_) => None,
         };
         let origin = self.origin.get_or_init(of_origin).as_ref();
+        let facts = |system: &AffineSystem, known: Option<&[ZoneFacts]>| {
+            let zones = self.unpack(point, system.omega.value);
+            facts(system, &self.sequence, &self.units(), &zones, known)
+        };
         let mut known = last;
         if let Some(origin) = origin {
             match known.take().map(Arc::try_unwrap) {
                 Some(Ok(own)) => {
-                    if let Some(posed) = own.moved_to(origin, value) {
+                    let changed = |system: &_, known: &_| facts(system, Some(known));
+                    if let Some(posed) = own.moved_to(origin, value, changed) {
                         return Ok(posed);
                     }
                 }
@@ -484,10 +514,8 @@ impl AffineOrbit {
             .as_ref()
             .and_then(|posed| posed.lasting_facts(&system));
         let facts = lasting.unwrap_or_else(|| {
-            let zones = self.unpack(point, system.omega.value);
             let known = known.as_ref().map(|posed| posed.facts.as_slice());
-            let (sequence, units) = (&self.sequence, self.units());
-            Arc::new(facts(&system, sequence, &units, &zones, known))
+            Arc::new(facts(&system, known))
         });
         Ok(Posed::new(system, facts, setting.scales.time, is_moved))
     }

@@ -137,8 +137,8 @@ impl AffineOrbit {
                         equations.add_next(row, next, &at.at_entry(next, guard, order), factor);
                         continue;
                     }
-                } else if let Some(form) = pivot.map(|index| &facts.zero.rows[index]) {
-                    equations.add_next(row, next, &at.at_entry(next, form, 0), unit.recip());
+                } else if let Some(form) = pivot.and_then(|index| facts.zero.row(index)) {
+                    equations.add_next(row, next, &at.at_entry(next, &form, 0), unit.recip());
                     continue;
                 }
                 let own = Row::unit(entry.len(), state);

@@ -44,10 +44,9 @@ pub struct Generic {
 impl ZoneFacts {
     /// Whether none of them changes with the parameter.
     pub fn is_constant(&self) -> bool {
-        let rows = self.zero.rows.iter().chain(&self.end.rows);
-        let mut derivatives = rows.flat_map(|row| &row.by);
         self.generic.as_ref().is_none_or(|generic| generic.lasts)
-            && derivatives.all(|by| by.iter().all(|by| *by == 0.0))
+            && self.zero.are_constant()
+            && self.end.are_constant()
     }
 
     /// The same facts at another value of the parameter.
@@ -120,11 +119,18 @@ pub fn facts(
         let kind = |zone: usize| (sequence.zone(zone).mode, sequence.zone(zone).way);
         kind(one) == kind(other) && entries[one] == entries[other]
     };
+    // what begins as in the round before ends as it did there
+    let mut known_entries: Vec<Option<Forms>> = vec![None; count];
     loop {
         let before: usize = entries.iter().map(Forms::len).sum();
         let mut gone: Vec<usize> = Vec::new();
         for zone in 0..count {
             let next = (zone + 1) % count;
+            if known_entries[zone].as_ref() == Some(&entries[zone]) {
+                gone.push(zone);
+                continue;
+            }
+            known_entries[zone] = Some(entries[zone].clone());
             if let Some(known) = gone.iter().find(|known| alike(&entries, **known, zone)) {
                 ends[zone] = ends[*known].clone();
                 entries[next] = entries[known + 1].clone();
@@ -176,11 +182,7 @@ pub fn facts(
             if zero.pivots.iter().all(states) {
                 return at_entry[way.guard];
             }
-            let mut set = zero.clone();
-            let kept: Vec<bool> = zero.pivots.iter().map(states).collect();
-            let mut keep = kept.iter();
-            set.rows.retain(|_| keep.next() == Some(&true));
-            set.pivots.retain(states);
+            let set = zero.with_pivots(|pivot| states(&pivot));
             set.order(&guards[way.guard].row, matrix, units)
         });
         ZoneFacts {
