@@ -1,7 +1,7 @@
 //! Linear forms of z that are zero together, and which of them stay so along a flow and through a reset.
 //!
 //! A form stands in one slice: its coefficients, and after them their derivatives in every parameter that varies. Forms are
-//! compared at every value of the parameter, so that they lie one after the other in one place.
+//! found anew at every value of the parameter, so that they lie one after the other in one place.
 
 use crate::affine::form::{Dual, VARYING};
 use crate::affine::mode::{AffineMode, Exit, MatrixBy, Row};
@@ -11,9 +11,6 @@ use crate::linalg::{Matrix, Vector, add_product};
 /// A form whose coefficients are smaller than this part of what they are made of is zero but for rounding.
 const ROUNDED: f64 = 1e-10;
 
-/// Slices of the length of z in a form.
-const PARTS: usize = 1 + VARYING;
-
 /// Units in which forms are compared: the size of every component of z, and of the parameters.
 #[derive(Clone, Debug)]
 pub struct Units<'a> {
@@ -21,8 +18,10 @@ pub struct Units<'a> {
     pub z: &'a Vector,
     /// Number of states.
     pub states: usize,
-    /// Sizes of the parameters that vary.
+    /// Sizes of the parameters that may vary.
     pub parameters: [f64; VARYING],
+    /// How many of them do: derivatives in the others are zero.
+    pub varying: usize,
 }
 
 impl Units<'_> {
@@ -45,8 +44,23 @@ impl Units<'_> {
 
     /// The same of a form in one slice.
     fn size_of(&self, form: &[f64]) -> f64 {
-        let mut parts = form.chunks_exact(form.len() / PARTS);
-        self.largest(parts.next().unwrap_or(&[]), parts)
+        let (at, by) = form.split_at(self.z.len());
+        self.largest(at, by.chunks_exact(at.len()))
+    }
+
+    /// A row in one slice.
+    fn form(&self, row: &Row) -> Vec<f64> {
+        let mut form = Vec::with_capacity(self.length());
+        form.extend_from_slice(row.at.as_slice());
+        for by in &row.by[..self.varying] {
+            form.extend_from_slice(by.as_slice());
+        }
+        form
+    }
+
+    /// Length of a form.
+    fn length(&self) -> usize {
+        (1 + self.varying) * self.z.len()
     }
 
     /// Sum of the terms of a form.
@@ -62,7 +76,7 @@ impl Units<'_> {
             let first = range.rev().filter(|index| value(index) > least);
             first.max_by(|one, other| value(one).total_cmp(&value(other)))
         };
-        largest(0..self.states).or_else(|| largest(self.states + 1..form.len() / PARTS))
+        largest(0..self.states).or_else(|| largest(self.states + 1..self.z.len()))
     }
 }
 
@@ -78,6 +92,8 @@ fn inverse(x: Dual) -> Dual {
 /// Forms in echelon form: each has a component of its own in which the others are zero, and its coefficient of that is 1.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Forms {
+    /// Components of z.
+    size: usize,
     /// The forms one after the other.
     forms: Vec<f64>,
     /// The component of each of them.
@@ -97,30 +113,39 @@ impl Forms {
 
     /// The forms as rows.
     pub fn rows(&self) -> impl Iterator<Item = Row> {
-        self.iter().map(row_of)
+        self.iter().map(|form| self.row_of(form))
     }
 
     /// The form with a component of its own.
     pub fn row(&self, index: usize) -> Option<Row> {
-        self.iter().nth(index).map(row_of)
+        self.iter().nth(index).map(|form| self.row_of(form))
+    }
+
+    fn row_of(&self, form: &[f64]) -> Row {
+        let mut parts = form.chunks_exact(self.size).map(Vector::from_column_slice);
+        let mut part = || parts.next().unwrap_or_else(|| Vector::zeros(self.size));
+        Row {
+            at: part(),
+            by: std::array::from_fn(|_| part()),
+        }
     }
 
     /// Whether none of them changes with a parameter.
     pub fn are_constant(&self) -> bool {
-        let derivatives = |form: &[f64]| form[form.len() / PARTS..].iter().all(|by| *by == 0.0);
-        self.iter().all(derivatives)
+        let mut derivatives = self.iter().flat_map(|form| &form[self.size..]);
+        derivatives.all(|by| *by == 0.0)
     }
 
     /// Takes away from a form what the others make of it.
     fn reduce(&self, form: &mut [f64]) {
         for (known, pivot) in self.iter().zip(&self.pivots) {
-            subtract(form, dual(form, *pivot), known);
+            subtract(form, dual(form, *pivot, self.size), known, self.size);
         }
     }
 
     /// Whether a form made of numbers of a size is zero where these are.
     pub fn contain(&self, row: &Row, size: f64, units: &Units) -> bool {
-        self.contain_form(&mut form_of(row), size, units)
+        self.contain_form(&mut units.form(row), size, units)
     }
 
     /// The same of a form in one slice, which is reduced.
@@ -131,7 +156,7 @@ impl Forms {
 
     /// Adds a form that is zero, too. What depends on no state and no phase is left out.
     pub fn insert(&mut self, row: &Row, units: &Units) {
-        self.insert_form(&mut form_of(row), units);
+        self.insert_form(&mut units.form(row), units);
     }
 
     /// The same of a form in one slice, which is changed.
@@ -141,9 +166,10 @@ impl Forms {
         let Some(pivot) = units.pivot(form, ROUNDED * size) else {
             return;
         };
-        scale(form, inverse(dual(form, pivot)));
+        self.size = units.z.len();
+        scale(form, inverse(dual(form, pivot, self.size)), self.size);
         for known in self.forms.chunks_exact_mut(form.len()) {
-            subtract(known, dual(known, pivot), form);
+            subtract(known, dual(known, pivot, self.size), form, self.size);
         }
         self.forms.extend_from_slice(form);
         self.pivots.push(pivot);
@@ -151,7 +177,10 @@ impl Forms {
 
     /// These without the forms of other pivots.
     pub fn with_pivots(&self, is_kept: impl Fn(usize) -> bool) -> Forms {
-        let mut kept = Forms::default();
+        let mut kept = Forms {
+            size: self.size,
+            ..Forms::default()
+        };
         for (form, pivot) in self.iter().zip(&self.pivots) {
             if is_kept(*pivot) {
                 kept.forms.extend_from_slice(form);
@@ -169,18 +198,18 @@ impl Forms {
         if !mode.field.is_exact {
             kept = Forms::default();
             for form in self.iter() {
-                let mut parts = form.chunks_exact(form.len() / PARTS);
+                let mut parts = form.chunks_exact(self.size);
                 if parts.all(|part| part[mode.field.base()..].iter().all(|c| *c == 0.0)) {
                     kept.insert_form(&mut form.to_vec(), units);
                 }
             }
         }
+        let length = units.length();
         loop {
             // what the rates of these forms have beside the forms themselves
             let mut left = vec![0.0; kept.forms.len()];
             let mut stays = true;
-            let length = left.len() / kept.len().max(1);
-            for (form, left) in kept.iter().zip(left.chunks_exact_mut(length.max(1))) {
+            for (form, left) in kept.iter().zip(left.chunks_exact_mut(length)) {
                 through(form, matrix, left);
                 match kept.contain_form(left, bound(form, matrix, units), units) {
                     true => left.fill(0.0),
@@ -191,7 +220,7 @@ impl Forms {
                 return kept;
             }
             let mut forms = kept.forms.clone();
-            let rest = vanishing(&mut left, &mut forms, length, units);
+            let rest = vanishing(&mut left, &mut forms, units);
             if rest.len() == kept.len() {
                 return kept;
             }
@@ -209,9 +238,10 @@ impl Forms {
         let made = program.size() - program.made()..program.size();
         let made = made.filter(|component| program.depends(*component, &reset));
         let changed: Vec<usize> = reset.iter().copied().chain(made).collect();
-        let (size, length) = (program.size(), PARTS * program.size());
+        let (size, length) = (program.size(), units.length());
         // of every form what the reset changes, and what it leaves
-        let mut rest = self.forms.clone();
+        let mut rest = Vec::with_capacity((self.len() + reset.len()) * length);
+        rest.extend_from_slice(&self.forms);
         rest.resize((self.len() + reset.len()) * length, 0.0);
         let new = rest[self.len() * length..].chunks_exact_mut(length);
         for (form, state) in new.zip(&reset) {
@@ -230,7 +260,7 @@ impl Forms {
         let new = rest[self.len() * length..].chunks_exact_mut(length);
         new.zip(&reset).for_each(|(form, state)| form[*state] = 1.0);
         let mut forms = Forms::default();
-        for index in vanishing(&mut own, &mut rest, length, units) {
+        for index in vanishing(&mut own, &mut rest, units) {
             forms.insert_form(&mut rest[index * length..][..length], units);
         }
         forms
@@ -238,7 +268,7 @@ impl Forms {
 
     /// The least k for which cMᵏ is not zero where these forms are, `None` if there is none.
     pub fn order(&self, row: &Row, matrix: &MatrixBy, units: &Units) -> Option<usize> {
-        let (mut form, mut size) = (form_of(row), units.size(row));
+        let (mut form, mut size) = (units.form(row), units.size(row));
         for order in 0..=row.at.len() {
             if !self.contain_form(&mut form.clone(), size, units) {
                 return Some(order);
@@ -252,37 +282,18 @@ impl Forms {
     }
 }
 
-/// A row in one slice.
-fn form_of(row: &Row) -> Vec<f64> {
-    let mut form = Vec::with_capacity(PARTS * row.at.len());
-    form.extend_from_slice(row.at.as_slice());
-    row.by
-        .iter()
-        .for_each(|by| form.extend_from_slice(by.as_slice()));
-    form
-}
-
-/// A form as a row.
-fn row_of(form: &[f64]) -> Row {
-    let size = form.len() / PARTS;
-    let part = |index: usize| Vector::from_column_slice(&form[index * size..][..size]);
-    Row {
-        at: part(0),
-        by: std::array::from_fn(|p| part(p + 1)),
-    }
-}
-
 /// A matrix and its derivatives.
 fn parts_of(matrix: &MatrixBy) -> impl Iterator<Item = &Matrix> {
     std::iter::once(&matrix.at).chain(&matrix.by)
 }
 
 /// Coefficient of a component of z.
-fn dual(form: &[f64], column: usize) -> Dual {
-    let size = form.len() / PARTS;
+fn dual(form: &[f64], column: usize, size: usize) -> Dual {
+    let mut parts = form[column..].iter().step_by(size).copied();
+    let mut part = || parts.next().unwrap_or(0.0);
     Dual {
-        value: form[column],
-        by: std::array::from_fn(|p| form[(p + 1) * size + column]),
+        value: part(),
+        by: std::array::from_fn(|_| part()),
     }
 }
 
@@ -293,11 +304,10 @@ fn add(factor: f64, part: &[f64], sum: &mut [f64]) {
 }
 
 /// Takes another form times a factor away.
-fn subtract(form: &mut [f64], factor: Dual, other: &[f64]) {
+fn subtract(form: &mut [f64], factor: Dual, other: &[f64], size: usize) {
     if factor == Dual::default() {
         return;
     }
-    let size = form.len() / PARTS;
     add(-factor.value, other, form);
     let derivatives = form[size..].chunks_exact_mut(size);
     for (by, slope) in derivatives.zip(factor.by) {
@@ -307,8 +317,8 @@ fn subtract(form: &mut [f64], factor: Dual, other: &[f64]) {
     }
 }
 
-fn scale(form: &mut [f64], factor: Dual) {
-    let (at, by) = form.split_at_mut(form.len() / PARTS);
+fn scale(form: &mut [f64], factor: Dual, size: usize) {
+    let (at, by) = form.split_at_mut(size);
     for (by, slope) in by.chunks_exact_mut(at.len()).zip(factor.by) {
         by.iter_mut().for_each(|by| *by *= factor.value);
         add(slope, at, by);
@@ -318,7 +328,7 @@ fn scale(form: &mut [f64], factor: Dual) {
 
 /// Adds cᵀM with derivatives to a form: the rate of one of states and phase.
 fn through(form: &[f64], matrix: &MatrixBy, through: &mut [f64]) {
-    let size = form.len() / PARTS;
+    let size = matrix.at.ncols();
     let at = &form[..size];
     let add = |row: &[f64], matrix: &Matrix, sum: &mut [f64]| {
         add_product(1.0, row, 1, matrix.as_slice(), sum);
@@ -338,7 +348,7 @@ fn through(form: &[f64], matrix: &MatrixBy, through: &mut [f64]) {
 
 /// Size of the numbers of which a form times a matrix is made.
 fn bound(form: &[f64], matrix: &MatrixBy, units: &Units) -> f64 {
-    let size = form.len() / PARTS;
+    let size = matrix.at.ncols();
     let terms = |row: &[f64], matrix: &Matrix, column: usize| -> f64 {
         let column = &matrix.as_slice()[column * size..][..size];
         let entries = row.iter().zip(column);
@@ -372,31 +382,33 @@ fn is_reset(exit: &Exit, state: usize) -> bool {
     !same || derivatives.any(|by| by.row(state).iter().any(|by| *by != 0.0))
 }
 
-/// Combinations of pairs whose first parts add up to zero: where their second parts stand. Forms have this length.
-fn vanishing(first: &mut [f64], second: &mut [f64], length: usize, units: &Units) -> Vec<usize> {
-    let mut pivots: Vec<(usize, usize)> = Vec::new();
-    let mut found = Vec::new();
-    for index in 0..first.len() / length.max(1) {
+/// Combinations of pairs whose first parts add up to zero: where their second parts stand.
+fn vanishing(first: &mut [f64], second: &mut [f64], units: &Units) -> Vec<usize> {
+    let (size_of_z, length) = (units.z.len(), units.length());
+    let count = first.len() / length;
+    let mut pivots: Vec<(usize, usize)> = Vec::with_capacity(count);
+    let mut found = Vec::with_capacity(count);
+    for index in 0..count {
         let (first_before, own) = first.split_at_mut(index * length);
         let (second_before, carried) = second.split_at_mut(index * length);
         let (own, carried) = (&mut own[..length], &mut carried[..length]);
         let size = units.size_of(own);
         for (pivot, known) in &pivots {
-            let factor = dual(own, *pivot);
-            subtract(own, factor, &first_before[known * length..][..length]);
-            subtract(carried, factor, &second_before[known * length..][..length]);
+            let factor = dual(own, *pivot, size_of_z);
+            let known = known * length..(known + 1) * length;
+            subtract(own, factor, &first_before[known.clone()], size_of_z);
+            subtract(carried, factor, &second_before[known], size_of_z);
         }
         let value = |index: &usize| (own[*index] * units.z[*index]).abs();
-        let components = 0..length / PARTS;
-        let largest = components.max_by(|one, other| value(one).total_cmp(&value(other)));
+        let largest = (0..size_of_z).max_by(|one, other| value(one).total_cmp(&value(other)));
         match largest.filter(|index| value(index) > ROUNDED * size) {
             None if units.size_of(own) <= ROUNDED * size => found.push(index),
             // zero at this value of the parameter only
             None => {}
             Some(pivot) => {
-                let factor = inverse(dual(own, pivot));
-                scale(own, factor);
-                scale(carried, factor);
+                let factor = inverse(dual(own, pivot, size_of_z));
+                scale(own, factor, size_of_z);
+                scale(carried, factor, size_of_z);
                 pivots.push((pivot, index));
             }
         }

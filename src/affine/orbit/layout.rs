@@ -67,6 +67,11 @@ impl Setting {
         std::iter::once(self.parameter).chain(second).collect()
     }
 
+    /// Whether derivatives in two parameters are asked for.
+    pub(super) fn varies_in_two(&self) -> bool {
+        self.prescribed.is_some() || self.second.is_some()
+    }
+
     /// Index of the parameter that is free for a prescribed period.
     pub fn free(&self) -> Option<usize> {
         self.prescribed.as_ref().map(|prescribed| prescribed.free())
@@ -425,6 +430,7 @@ impl AffineOrbit {
                     .free
                     .unwrap_or(self.setting.scales.parameter),
             ],
+            varying: 1 + usize::from(self.setting.varies_in_two()),
         }
     }
 
