@@ -3,10 +3,11 @@
 //! A form stands in one slice: its coefficients, and after them their derivatives in every parameter that varies. Forms are
 //! found anew at every value of the parameter, so that they lie one after the other in one place.
 
+use crate::affine::exponential::entries;
 use crate::affine::form::{Dual, VARYING};
 use crate::affine::mode::{AffineMode, Exit, MatrixBy, Row};
 use crate::affine::series::Program;
-use crate::linalg::{Matrix, Vector, add_product};
+use crate::linalg::{Matrix, Vector};
 
 /// A form whose coefficients are smaller than this part of what they are made of is zero but for rounding.
 const ROUNDED: f64 = 1e-10;
@@ -192,8 +193,7 @@ impl Forms {
 
     /// The forms r among these for which the whole of r, rM, rM², … is zero: they stay zero along the flow. Of forms of
     /// what is made of other components none is known to.
-    pub fn invariant(&self, mode: &AffineMode, units: &Units) -> Forms {
-        let matrix = &mode.matrix;
+    pub fn invariant(&self, mode: &AffineMode, rates: &Rates, units: &Units) -> Forms {
         let mut kept = self.clone();
         if !mode.field.is_exact {
             kept = Forms::default();
@@ -210,8 +210,8 @@ impl Forms {
             let mut left = vec![0.0; kept.forms.len()];
             let mut stays = true;
             for (form, left) in kept.iter().zip(left.chunks_exact_mut(length)) {
-                through(form, matrix, left);
-                match kept.contain_form(left, bound(form, matrix, units), units) {
+                let size = rates.add_rate(form, left, units);
+                match kept.contain_form(left, size, units) {
                     true => left.fill(0.0),
                     false => stays = false,
                 }
@@ -267,18 +267,68 @@ impl Forms {
     }
 
     /// The least k for which cMᵏ is not zero where these forms are, `None` if there is none.
-    pub fn order(&self, row: &Row, matrix: &MatrixBy, units: &Units) -> Option<usize> {
+    pub fn order(&self, row: &Row, rates: &Rates, units: &Units) -> Option<usize> {
         let (mut form, mut size) = (units.form(row), units.size(row));
         for order in 0..=row.at.len() {
             if !self.contain_form(&mut form.clone(), size, units) {
                 return Some(order);
             }
-            size = bound(&form, matrix, units);
             let mut next = vec![0.0; form.len()];
-            through(&form, matrix, &mut next);
+            size = rates.add_rate(&form, &mut next, units);
             form = next;
         }
         None
+    }
+}
+
+/// Entries of a matrix that are not zero: row, column, value.
+type Entries = Vec<(usize, usize, f64)>;
+
+/// The matrix of a mode with its derivatives: most of their entries are zero.
+#[derive(Clone, Debug)]
+pub struct Rates {
+    at: Entries,
+    by: [Entries; VARYING],
+}
+
+impl Rates {
+    /// Those of a matrix.
+    pub fn new(matrix: &MatrixBy) -> Rates {
+        Rates {
+            at: entries(&matrix.at),
+            by: matrix.by.each_ref().map(entries),
+        }
+    }
+
+    /// Adds cᵀM with derivatives to a form, the rate of one of states and phase, and returns the size of the numbers that it is made
+    /// of.
+    fn add_rate(&self, form: &[f64], rate: &mut [f64], units: &Units) -> f64 {
+        let size = units.z.len();
+        let add = |row: &[f64], entries: &Entries, rate: &mut [f64], terms: &mut [f64]| {
+            for (from, to, entry) in entries {
+                let term = entry * row[*from];
+                rate[*to] += term;
+                terms[*to] += term.abs();
+            }
+        };
+        let mut terms = vec![0.0; size];
+        let mut largest = 0.0_f64;
+        let parts = form.chunks_exact(size).zip(rate.chunks_exact_mut(size));
+        for (part, (own, rate)) in parts.enumerate() {
+            terms.fill(0.0);
+            add(own, &self.at, rate, &mut terms);
+            let unit = match part.checked_sub(1) {
+                None => 1.0,
+                Some(p) => {
+                    add(&form[..size], &self.by[p], rate, &mut terms);
+                    units.parameters[p]
+                }
+            };
+            let sizes = terms.iter().zip(units.z.as_slice());
+            let sizes = sizes.map(|(term, z)| unit * term * z);
+            largest = sizes.fold(largest, f64::max);
+        }
+        largest
     }
 }
 
@@ -326,53 +376,6 @@ fn scale(form: &mut [f64], factor: Dual, size: usize) {
     at.iter_mut().for_each(|c| *c *= factor.value);
 }
 
-/// Adds cᵀM with derivatives to a form: the rate of one of states and phase.
-fn through(form: &[f64], matrix: &MatrixBy, through: &mut [f64]) {
-    let size = matrix.at.ncols();
-    let at = &form[..size];
-    let add = |row: &[f64], matrix: &Matrix, sum: &mut [f64]| {
-        add_product(1.0, row, 1, matrix.as_slice(), sum);
-    };
-    let changes = |by: &[f64]| by.iter().any(|by| *by != 0.0);
-    let forms = form.chunks_exact(size).zip(through.chunks_exact_mut(size));
-    for (part, (by, through)) in forms.enumerate() {
-        if part == 0 || changes(by) {
-            add(by, &matrix.at, through);
-        }
-        // most derivatives are zero: those of a parameter that does not vary all are
-        if part > 0 && changes(matrix.by[part - 1].as_slice()) {
-            add(at, &matrix.by[part - 1], through);
-        }
-    }
-}
-
-/// Size of the numbers of which a form times a matrix is made.
-fn bound(form: &[f64], matrix: &MatrixBy, units: &Units) -> f64 {
-    let size = matrix.at.ncols();
-    let terms = |row: &[f64], matrix: &Matrix, column: usize| -> f64 {
-        let column = &matrix.as_slice()[column * size..][..size];
-        let entries = row.iter().zip(column);
-        entries.map(|(c, entry)| (c * entry).abs()).sum()
-    };
-    let (at, by) = form.split_at(size);
-    let changes = |by: &[f64]| by.iter().any(|by| *by != 0.0);
-    let derivatives = by.chunks_exact(size).zip(&matrix.by).zip(units.parameters);
-    let mut largest = 0.0_f64;
-    for column in 0..size {
-        let sum = terms(at, &matrix.at, column);
-        largest = largest.max(sum * units.z[column]);
-    }
-    for ((by, slopes), unit) in derivatives {
-        if changes(by) || changes(slopes.as_slice()) {
-            for column in 0..size {
-                let sum = terms(by, &matrix.at, column) + terms(at, slopes, column);
-                largest = largest.max(unit * sum * units.z[column]);
-            }
-        }
-    }
-    largest
-}
-
 /// Whether an exit changes a state.
 fn is_reset(exit: &Exit, state: usize) -> bool {
     let entries = exit.reset.at.row(state);
@@ -392,6 +395,10 @@ fn vanishing(first: &mut [f64], second: &mut [f64], units: &Units) -> Vec<usize>
         let (first_before, own) = first.split_at_mut(index * length);
         let (second_before, carried) = second.split_at_mut(index * length);
         let (own, carried) = (&mut own[..length], &mut carried[..length]);
+        if own.iter().all(|c| *c == 0.0) {
+            found.push(index);
+            continue;
+        }
         let size = units.size_of(own);
         for (pivot, known) in &pivots {
             let factor = dual(own, *pivot, size_of_z);

@@ -3,11 +3,13 @@
 //! A zone ends where its guard is zero, and what is zero there may stay so through the reset and along the next
 //! flow. From nothing round the cycle to a fixed point all of these facts are found.
 
-use super::forms::{Forms, Units};
+use std::cell::OnceCell;
+
+use super::forms::{Forms, Rates, Units};
 use super::generic::Points;
-use super::signature::{Sequence, Zone, ZonePoint};
+use super::signature::{Sequence, ZonePoint};
 use crate::affine::flow::ModeFlow;
-use crate::affine::mode::{AffineMode, AffineSystem, Exit, Row};
+use crate::affine::mode::{AffineMode, AffineSystem, Exit, Guard, Row};
 
 /// What is known of a zone.
 #[derive(Clone, Debug, PartialEq)]
@@ -119,6 +121,8 @@ struct Zeros<'a> {
     system: &'a AffineSystem,
     sequence: &'a Sequence,
     units: &'a Units<'a>,
+    /// Of every mode, once it is asked for.
+    rates: Vec<OnceCell<Rates>>,
     entries: Vec<Forms>,
     ends: Vec<Forms>,
 }
@@ -131,6 +135,7 @@ impl<'a> Zeros<'a> {
             system,
             sequence,
             units,
+            rates: vec![OnceCell::new(); system.modes.len()],
             entries: vec![Forms::default(); count],
             ends: vec![Forms::default(); count],
         };
@@ -140,6 +145,11 @@ impl<'a> Zeros<'a> {
 
     fn mode(&self, zone: usize) -> &'a AffineMode {
         &self.system.modes[self.sequence.zone(zone).mode]
+    }
+
+    fn rates(&self, zone: usize) -> &Rates {
+        let rates = &self.rates[self.sequence.zone(zone).mode];
+        rates.get_or_init(|| Rates::new(&self.mode(zone).matrix))
     }
 
     fn of_surface(&self, zone: usize) -> Forms {
@@ -157,7 +167,7 @@ impl<'a> Zeros<'a> {
     /// What is zero at the end of a zone, and at the next entry, where these are at its own entry; `None` where it has no end.
     fn through(&self, zone: usize, entry: &Forms) -> Option<(Forms, Option<Forms>)> {
         let way = self.sequence.zone(zone).way?;
-        let mut end = entry.invariant(self.mode(zone), self.units);
+        let mut end = entry.invariant(self.mode(zone), self.rates(zone), self.units);
         self.on_surface(zone, &mut end);
         end.insert(&self.mode(zone).guards[way.guard].row, self.units);
         let exit = exit_of(self.system, self.sequence, zone);
@@ -298,7 +308,7 @@ pub fn facts(
         } else if let Some(known) = known.filter(|known| known.pivots_are_of(&forms)) {
             known.with(forms)
         } else {
-            with_orders(zeros.mode(zone), sequence.zone(zone), units, forms)
+            with_orders(&zeros, zone, forms)
         };
         told.push((zone, facts.clone()));
         facts
@@ -311,25 +321,17 @@ pub fn facts(
 }
 
 /// The facts of a zone of a linear mode.
-fn with_orders(
-    mode: &AffineMode,
-    zone: &Zone,
-    units: &Units,
-    (zero, end): (Forms, Forms),
-) -> ZoneFacts {
-    let AffineMode { matrix, guards, .. } = mode;
-    let orders = |forms: &Forms| {
-        let order = |guard| forms.order(guard, matrix, units);
-        guards.iter().map(|guard| order(&guard.row)).collect()
-    };
+fn with_orders(zeros: &Zeros, zone: usize, (zero, end): (Forms, Forms)) -> ZoneFacts {
+    let (guards, units) = (&zeros.mode(zone).guards, zeros.units);
+    let order = |forms: &Forms, guard: &Guard| forms.order(&guard.row, zeros.rates(zone), units);
+    let orders = |forms: &Forms| guards.iter().map(|guard| order(forms, guard)).collect();
     let at_entry: Vec<Option<usize>> = orders(&zero);
     let states = |pivot: usize| pivot < units.states;
-    let divided = zone.way.and_then(|way| {
+    let divided = zeros.sequence.zone(zone).way.and_then(|way| {
         if zero.pivots.iter().all(|pivot| states(*pivot)) {
             return at_entry[way.guard];
         }
-        let set = zero.with_pivots(states);
-        set.order(&guards[way.guard].row, matrix, units)
+        order(&zero.with_pivots(states), &guards[way.guard])
     });
     ZoneFacts {
         at_entry,
