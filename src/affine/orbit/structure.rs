@@ -281,12 +281,11 @@ pub fn facts(
     let mut zeros = Zeros::new(system, sequence, units);
     if let Some(known) = known
         && let Some(first) = known.iter().position(|zone| zone.forgets)
+        && let Some(zeros) = zeros.again(first, known.iter().map(ZoneFacts::pivots))
     {
-        if let Some(zeros) = zeros.again(first, known.iter().map(ZoneFacts::pivots)) {
-            let forms = zeros.entries.into_iter().zip(zeros.ends);
-            let pairs = known.iter().zip(forms);
-            return pairs.map(|(zone, forms)| zone.with(forms)).collect();
-        }
+        let forms = zeros.entries.into_iter().zip(zeros.ends);
+        let pairs = known.iter().zip(forms);
+        return pairs.map(|(zone, forms)| zone.with(forms)).collect();
     }
     zeros.find();
     let count = sequence.len();
