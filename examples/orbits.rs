@@ -46,6 +46,9 @@ const PROBLEMS: [(&str, &str); 8] = [
     ),
 ];
 
+/// A wave of the tube, whose guards and resets have the parameter of the branch.
+const WAVE: &str = include_str!("../problems/wave_as_orbit.ron");
+
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let wanted: Vec<String> = std::env::args().skip(1).collect();
     let own = PROBLEMS.map(|(name, text)| (name.to_owned(), text.to_owned()));
@@ -56,6 +59,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         ("25 masses".to_owned(), masses(25)),
         ("Duffing, its folds".to_owned(), folds()),
         ("cubic spring, its grazes".to_owned(), grazes()),
+        ("a wave".to_owned(), WAVE.to_owned()),
+        ("a wave of fixed speed".to_owned(), wave_of_fixed_speed()),
     ];
     let zones = [2, 8, 40, 100].map(|count| (format!("{count} zones"), zones(count)));
     println!("| problem | states | points | events | ms | µs a point |\n|---|---|---|---|---|---|");
@@ -128,6 +133,13 @@ fn curve_time(
 fn median(mut times: Vec<f64>) -> f64 {
     times.sort_by(f64::total_cmp);
     times[times.len() / 2]
+}
+
+/// The same wave with its speed held: its period follows.
+fn wave_of_fixed_speed() -> String {
+    let (text, _) = WAVE.split_once("    output:").unwrap_or((WAVE, ""));
+    let text = text.replace(r#", period: "2*pi/(n*c)", free: "c""#, "");
+    text.replace(r#""n": 4.0, "#, "") + ")"
 }
 
 /// A hardening oscillator round both folds of its resonance, integrated to a tolerance.

@@ -84,6 +84,18 @@ impl Row {
     /// cᵀM with derivatives: the rate of a form of states and phase.
     pub(super) fn through(&self, matrix: &MatrixBy) -> Row {
         let mut through = Row::zero(matrix.at.ncols());
+        self.add_through(matrix, &mut through);
+        through
+    }
+
+    /// The same in place of another form of this length.
+    pub(super) fn put_through(&self, matrix: &MatrixBy, through: &mut Row) {
+        through.at.fill(0.0);
+        through.by.iter_mut().for_each(|by| by.fill(0.0));
+        self.add_through(matrix, through);
+    }
+
+    fn add_through(&self, matrix: &MatrixBy, through: &mut Row) {
         let add = |row: &Vector, matrix: &Matrix, sum: &mut Vector| {
             let (row, matrix) = (row.as_slice(), matrix.as_slice());
             add_product(1.0, row, 1, matrix, sum.as_mut_slice());
@@ -98,7 +110,6 @@ impl Row {
                 add(&self.at, &matrix.by[p], &mut through.by[p]);
             }
         }
-        through
     }
 
     pub(super) fn negative(&self) -> Row {

@@ -201,13 +201,20 @@ impl Curve for Boundary {
         };
         let point = place.node.point.clone();
         let at = Node::on(&curve, point.clone()).ok_or(NotFound)?;
-        let entered = walk::enter(&curve, &at, step.ds, 20, 1e-12, |from, to| {
-            let to = to.ok()?;
-            let inside = |other| curve.room(other, &to).0 > 0.0;
-            // round the corner, not back
-            let forwards = from.tangent.dot(&place.node.tangent) > 0.0;
-            (forwards && curve.neighbours().into_iter().all(inside)).then_some(())
-        });
+        let entered = walk::enter(
+            &curve,
+            (&at, &walk::EITHER_WAY),
+            step.ds,
+            20,
+            1e-12,
+            |from, to| {
+                let to = to.ok()?;
+                let inside = |other| curve.room(other, &to).0 > 0.0;
+                // round the corner, not back
+                let forwards = from.tangent.dot(&place.node.tangent) > 0.0;
+                (forwards && curve.neighbours().into_iter().all(inside)).then_some(())
+            },
+        );
         let (node, ds, ()) = entered.ok_or(NotFound)?;
         let found = Found {
             point,

@@ -462,23 +462,26 @@ impl<C: Curve> Walker<C> {
     }
 }
 
+/// Signs of a tangent along which a curve may go either way.
+pub(crate) const EITHER_WAY: [f64; 2] = [1.0, -1.0];
+
 /// Lengths of the first step into another curve: each a quarter of the one before.
 pub(crate) const SHORTER: f64 = 0.25;
 
-/// The first step from a point along its tangent, either way, that `admit` admits, and its length. Tried from
+/// The first step from a point along its tangent, times one of these signs, that `admit` admits, and its length. Tried from
 /// `ds` down, `tries` times. `admit` sees the node that sets out and the step or why there is none.
 pub fn enter<S: System, T>(
     system: &S,
-    node: &Node,
+    (node, signs): (&Node, &[f64]),
     mut ds: f64,
     tries: usize,
     tolerance: f64,
     mut admit: impl FnMut(&Node, Result<Node, arclength::Refusal<S::Failure>>) -> Option<T>,
 ) -> Option<(Node, f64, T)> {
     for _ in 0..tries {
-        for sign in [1.0, -1.0] {
+        for sign in signs {
             let from = Node {
-                tangent: &node.tangent * sign,
+                tangent: &node.tangent * *sign,
                 ..node.clone()
             };
             let step = arclength::advance(system, &from, &[], ds, tolerance).map(|step| step.node);

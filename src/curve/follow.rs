@@ -471,18 +471,27 @@ impl<P: Plane> EventCurve<P> {
         });
         let from = Node::on(&system, point).filter(|node| node.residual <= AT_SECOND)?;
         let (ds, tolerance) = (step.ds.min(step.steps.ds), step.steps.tolerance);
-        let (node, ds, own) = walk::enter(&system, &from, ds, TRIES, tolerance, |_, to| {
-            let own = vanishing(&system, &to.ok()?, vanish)?;
-            let nascent = |margin: &MarginOf<P>| {
-                let key = P::key(margin);
-                is_duration::<P>(margin) && candidate.nascent.contains(&key.1) && own.contains(&key)
-            };
-            // the event itself goes on, alone as before, and new zones do grow
-            let admitted = own.contains(&P::key(margin))
-                && own.len() <= self.own.len()
-                && !vanish.iter().any(nascent);
-            admitted.then_some(own)
-        })?;
+        let (node, ds, own) = walk::enter(
+            &system,
+            (&from, &walk::EITHER_WAY),
+            ds,
+            TRIES,
+            tolerance,
+            |_, to| {
+                let own = vanishing(&system, &to.ok()?, vanish)?;
+                let nascent = |margin: &MarginOf<P>| {
+                    let key = P::key(margin);
+                    is_duration::<P>(margin)
+                        && candidate.nascent.contains(&key.1)
+                        && own.contains(&key)
+                };
+                // the event itself goes on, alone as before, and new zones do grow
+                let admitted = own.contains(&P::key(margin))
+                    && own.len() <= self.own.len()
+                    && !vanish.iter().any(nascent);
+                admitted.then_some(own)
+            },
+        )?;
         Some((system, node, ds, own))
     }
 }

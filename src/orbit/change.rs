@@ -313,6 +313,8 @@ struct Entry<'a, O: Orbit> {
     candidate: &'a Candidate<O>,
     /// The event with the tangent into the side on which nascent zones grow.
     node: Node,
+    /// Signs of that along which an admissible branch may set out: where a zone opens its duration is negative on the way back.
+    signs: &'static [f64],
     /// Whether margins tell that no branch sets out; the shortest step decides.
     leads_nowhere: bool,
 }
@@ -332,7 +334,10 @@ impl<'a, O: Orbit> Entry<'a, O> {
         if growth(candidate, watched, &node.tangent) < 0.0 {
             node.tangent.neg_mut();
         }
+        let opens = |zone: &usize| node.tangent[orbit.duration_index(*zone)] >= TOLD;
+        let is_one_way = candidate.nascent.iter().any(opens);
         Some(Entry {
+            signs: &walk::EITHER_WAY[..if is_one_way { 1 } else { 2 }],
             leads_nowhere: is_only
                 && !orbit.is_layered()
                 && leads_nowhere(orbit, watched, &node.tangent),
@@ -343,7 +348,8 @@ impl<'a, O: Orbit> Entry<'a, O> {
 
     /// The first admissible step, tried from `ds` down.
     fn along(&self, ds: f64, tries: usize, tolerance: f64) -> Result<Beyond<O>, NotEntered<O>> {
-        enter_along(&self.candidate.orbit, &self.node, ds, tries, tolerance)
+        let from = (&self.node, self.signs);
+        enter_along(&self.candidate.orbit, from, ds, tries, tolerance)
     }
 
     /// The shortest step, where margins tell that there is none.
@@ -402,7 +408,9 @@ pub fn enter<O: Orbit>(
         .iter()
         .filter_map(|part| settled(candidate, &entry.node, part * ds, tolerance));
     settled
-        .filter_map(|node| enter_along(orbit, &node, ds, TRIES, tolerance).ok())
+        .filter_map(|node| {
+            enter_along(orbit, (&node, &walk::EITHER_WAY), ds, TRIES, tolerance).ok()
+        })
         .find(|beyond| beyond.ds > length)
         .map_or(direct, Ok)
 }
@@ -465,16 +473,16 @@ fn leads_nowhere<O: Orbit>(orbit: &O, margins: &[O::Margin], tangent: &Vector) -
     falls && rises
 }
 
-/// The first admissible step from an event along its tangent.
+/// The first admissible step from an event along its tangent, times one of these signs.
 fn enter_along<O: Orbit>(
     orbit: &O,
-    node: &Node,
+    (node, signs): (&Node, &[f64]),
     ds: f64,
     tries: usize,
     tolerance: f64,
 ) -> Result<Beyond<O>, NotEntered<O>> {
     let mut refused = Err(NotEntered::NoSolution);
-    let entered = walk::enter(orbit, node, ds, tries, tolerance, |from, step| {
+    let entered = walk::enter(orbit, (node, signs), ds, tries, tolerance, |from, step| {
         let forwards = from.tangent == node.tangent;
         let refusal = match step.map(|to| orbit.examination(&to.point)) {
             Ok(Ok(examination)) if examination.verdict() == Verdict::Positive => return Some(()),

@@ -225,6 +225,30 @@ fn derivatives_in_the_free_parameter_are_those_of_differences() {
     }
 }
 
+/// The equations know of every sequence of the branch what is zero at its switches, which changes with both parameters. They
+/// are the same numbers wherever they were evaluated before: by an orbit that has seen the branch, and by a new one.
+#[test]
+fn equations_do_not_depend_on_where_they_were_evaluated_before() {
+    let case = fast_in_mismatch();
+    let (orbit, point) = orbit(&case, 1.242_700_800_630_082);
+    let (_, all) = follow(&orbit, &point, false, case.range, 400);
+    let mut sequences = Vec::new();
+    for found in all.iter().step_by(5) {
+        let (used, point): (&AffineOrbit, _) = (&found.orbit, &found.node.point);
+        sequences.push(used.sequence.to_string());
+        let new = AffineOrbit::new(used.setting.clone(), used.sequence.clone()).unwrap();
+        let mut beside = point.clone();
+        beside[point.len() - 1] *= 1.01;
+        residual(used, &beside);
+        assert_eq!(residual(used, point), residual(&new, point));
+        let jacobian = |orbit: &AffineOrbit| newton::jacobian(orbit, point).unwrap().0;
+        assert_eq!(jacobian(used), jacobian(&new));
+    }
+    sequences.sort();
+    sequences.dedup();
+    assert!(sequences.len() >= 5, "{sequences:?}");
+}
+
 /// A rotation at the angular velocity c in two halves, of the period 2π/c: prescribed to be T, it has c = 2π/T whatever
 /// the first guess, and no fold, no doubling and no stability is told.
 #[test]

@@ -55,6 +55,7 @@ impl Points {
             let share = ((point + 1) as f64 * ((index + 2) as f64).sqrt()).fract();
             MOVED * (2.0 * share - 1.0)
         };
+        let forms: Vec<Row> = forms.rows().collect();
         let moved = (0..POINTS).filter_map(|point| {
             let states = state.iter().enumerate();
             let mut state: Vec<f64> = states
@@ -65,7 +66,7 @@ impl Points {
             for _ in 0..STEPS {
                 let z = system.lift(mode, &state, phase);
                 let series = field.series(&z, 0, true, true);
-                let jets = forms.rows.iter().map(|row| series.jet(row, 0));
+                let jets = forms.iter().map(|row| series.jet(row, 0));
                 let (values, rows): (Vec<f64>, Vec<Vec<f64>>) = jets
                     .map(|(value, by_z, _)| (value, slopes(&by_z, &z, system.harmonics, units)))
                     .unzip();

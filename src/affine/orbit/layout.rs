@@ -68,6 +68,11 @@ impl Setting {
         std::iter::once(self.parameter).chain(second).collect()
     }
 
+    /// Whether derivatives in two parameters are asked for.
+    pub(super) fn varies_in_two(&self) -> bool {
+        self.prescribed.is_some() || self.second.is_some()
+    }
+
     /// Index of the parameter that is free for a prescribed period.
     pub fn free(&self) -> Option<usize> {
         self.prescribed.as_ref().map(|prescribed| prescribed.free())
@@ -147,12 +152,23 @@ impl Posed {
         }
     }
 
-    /// The same at another value of the parameter; `None` where that takes more than other numbers.
-    fn moved_to(mut self, origin: &AffineSystem, value: f64) -> Option<Posed> {
-        let linear = |facts: &ZoneFacts| facts.is_constant() && facts.generic.is_none();
+    /// The same at another value of the parameter, with the facts that hold in the system there where any of these change
+    /// with it; `None` where that takes more than other numbers.
+    fn moved_to(
+        mut self,
+        origin: &AffineSystem,
+        value: f64,
+        changed: impl FnOnce(&AffineSystem, &[ZoneFacts]) -> Vec<ZoneFacts>,
+    ) -> Option<Posed> {
+        let linear = |facts: &ZoneFacts| facts.generic.is_none();
         let lasts = self.moved && self.facts.iter().all(linear);
-        let moved = lasts && self.system.move_to(origin, value);
-        moved.then(|| Posed::new(self.system, self.facts, self.longest, true))
+        if !lasts || !self.system.move_to(origin, value) {
+            return None;
+        }
+        if !self.facts.iter().all(ZoneFacts::is_constant) {
+            self.facts = Arc::new(changed(&self.system, &self.facts));
+        }
+        Some(Posed::new(self.system, self.facts, self.longest, true))
     }
 
     /// The scales of z that balance the matrix of a mode, and its norm then.
@@ -182,9 +198,9 @@ impl Posed {
         }
     }
 
-    /// Whether what facts follow from is the same in the system at another value of the parameter: rates and resets but
-    /// for the values of entries that are not zero. A zero by chance is no fact, since its derivative in the parameter is
-    /// none. Conditions have no part in them.
+    /// Whether what facts follow from is the same in the system at another value of the parameter, but for the values of
+    /// entries that are not zero. A zero by chance is no fact, since its derivative in the parameter is none. Conditions
+    /// have no part in them.
     fn has_same_zeros(&self, other: &AffineSystem, sequence: &Sequence) -> bool {
         let known = &self.system;
         let zeros = |one: &Matrix, other: &Matrix| {
@@ -196,9 +212,17 @@ impl Posed {
             let mut slopes = one.by.iter().zip(&other.by);
             zeros(&one.at, &other.at) && slopes.all(|(one, other)| zeros(one, other))
         };
+        let same_rows = |one: &Row, other: &Row| {
+            let none = |one: &Vector, other: &Vector| {
+                let mut pairs = one.iter().zip(other);
+                pairs.all(|(one, other)| (*one == 0.0) == (*other == 0.0))
+            };
+            let mut slopes = one.by.iter().zip(&other.by);
+            none(&one.at, &other.at) && slopes.all(|(one, other)| none(one, other))
+        };
         let same_guards = |(one, other): (&Guard, &Guard)| {
             let mut exits = one.exits.iter().zip(&other.exits);
-            one.row == other.row
+            same_rows(&one.row, &other.row)
                 && one.exits.len() == other.exits.len()
                 && exits.all(|(one, other)| same_zeros(&one.reset, &other.reset))
         };
@@ -213,10 +237,21 @@ impl Posed {
                 .all(|zone| alike((&known.modes[zone.mode], &other.modes[zone.mode])))
     }
 
-    /// Its facts for a system with the same zeros, where none of them changes with the parameter.
-    fn lasting_facts(&self, other: &AffineSystem) -> Option<Arc<Vec<ZoneFacts>>> {
+    /// Its facts for a system with the same zeros, where none of them changes with the parameter. Where guards do, a fact
+    /// may come to rest at one value alone.
+    fn lasting_facts(
+        &self,
+        other: &AffineSystem,
+        sequence: &Sequence,
+    ) -> Option<Arc<Vec<ZoneFacts>>> {
         let told_by_forms = self.facts.iter().all(|facts| facts.generic.is_none());
-        let last = self.facts.iter().all(ZoneFacts::is_constant);
+        let mut zones = sequence.0.iter();
+        let same_guards = zones.all(|zone| {
+            let (one, other) = (&self.system.modes[zone.mode], &other.modes[zone.mode]);
+            let mut guards = one.guards.iter().zip(&other.guards);
+            guards.all(|(one, other)| one.row == other.row)
+        });
+        let last = same_guards && self.facts.iter().all(ZoneFacts::is_constant);
         last.then(|| match told_by_forms {
             true => self.facts.clone(),
             false => Arc::new(self.facts.iter().map(|facts| facts.at(other)).collect()),
@@ -409,6 +444,7 @@ impl AffineOrbit {
                     .free
                     .unwrap_or(self.setting.scales.parameter),
             ],
+            varying: 1 + usize::from(self.setting.varies_in_two()),
         }
     }
 
@@ -461,11 +497,16 @@ impl AffineOrbit {
             Some(_) => None,
         };
         let origin = self.origin.get_or_init(of_origin).as_ref();
+        let facts = |system: &AffineSystem, known: Option<&[ZoneFacts]>| {
+            let zones = self.unpack(point, system.omega.value);
+            facts(system, &self.sequence, &self.units(), &zones, known)
+        };
         let mut known = last;
         if let Some(origin) = origin {
             match known.take().map(Arc::try_unwrap) {
                 Some(Ok(own)) => {
-                    if let Some(posed) = own.moved_to(origin, value) {
+                    let changed = |system: &_, known: &_| facts(system, Some(known));
+                    if let Some(posed) = own.moved_to(origin, value, changed) {
                         return Ok(posed);
                     }
                 }
@@ -491,12 +532,10 @@ impl AffineOrbit {
         let known = known.filter(|posed| posed.has_same_zeros(&system, &self.sequence));
         let lasting = known
             .as_ref()
-            .and_then(|posed| posed.lasting_facts(&system));
+            .and_then(|posed| posed.lasting_facts(&system, &self.sequence));
         let facts = lasting.unwrap_or_else(|| {
-            let zones = self.unpack(point, system.omega.value);
             let known = known.as_ref().map(|posed| posed.facts.as_slice());
-            let (sequence, units) = (&self.sequence, self.units());
-            Arc::new(facts(&system, sequence, &units, &zones, known))
+            Arc::new(facts(&system, known))
         });
         Ok(Posed::new(system, facts, setting.scales.time, is_moved))
     }

@@ -1,6 +1,7 @@
 //! The passage of an orbit through a zone: where it ends, and forms of z along it with all their derivatives.
 
 use std::borrow::Cow;
+use std::ops::Range;
 
 use crate::affine::exponential::{TERMS, propagator};
 use crate::affine::flow::MOST_PIECES;
@@ -33,6 +34,25 @@ impl Jet {
             by_time: 0.0,
             by: row.by.each_ref().map(|by| by.dot(entry)),
         }
+    }
+
+    /// A component of z at the entry of a zone.
+    pub fn of_component(component: usize, entry: &Vector) -> Jet {
+        let mut by_z = Vector::zeros(entry.len());
+        by_z[component] = 1.0;
+        Jet {
+            value: entry[component],
+            by_z,
+            by_time: 0.0,
+            by: [0.0; VARYING],
+        }
+    }
+
+    /// Puts another form at the entry in its place.
+    fn put_at_entry(&mut self, row: &Row, entry: &Vector) {
+        self.value = row.at.dot(entry);
+        self.by_z.copy_from(&row.at);
+        self.by = row.by.each_ref().map(|by| by.dot(entry));
     }
 
     /// Zero, where z has this length.
@@ -390,9 +410,18 @@ impl<'a> Passage<'a> {
 
     /// A form at the end of a linear mode.
     fn linear_at_end(&self, row: &Row) -> Jet {
+        let mut terms = row.at.iter().enumerate().filter(|(_, c)| **c != 0.0);
+        // most resets leave most states as they are
+        let by_z = match (terms.next(), terms.next()) {
+            (Some((component, c)), None) => {
+                let entries = self.flow.row(component);
+                Vector::from_iterator(row.at.len(), entries.iter().map(|entry| entry * c))
+            }
+            _ => self.flow.tr_mul(&row.at),
+        };
         Jet {
             value: row.at.dot(&self.end),
-            by_z: self.flow.tr_mul(&row.at),
+            by_z,
             by_time: row.at.dot(&self.rate),
             by: self.along(&row.at, row.by.each_ref().map(|by| by.dot(&self.end))),
         }
@@ -406,9 +435,21 @@ impl<'a> Passage<'a> {
 
     /// The derivatives of a form at the entry, from an order on: so many, or as many as are known.
     pub fn derivatives_at_entry(&self, row: &Row, from: usize, count: usize) -> Vec<Jet> {
-        let orders = from..from + count;
+        let mut jets = Vec::with_capacity(count);
+        self.each_derivative_at_entry(row, from..from + count, |_, jet| jets.push(jet.clone()));
+        jets
+    }
+
+    /// Calls a function with the number of each of these derivatives, counted from zero, and the derivative.
+    fn each_derivative_at_entry(
+        &self,
+        row: &Row,
+        orders: Range<usize>,
+        mut call: impl FnMut(usize, &Jet),
+    ) {
         if let Some(Numerical { first, .. }) = &self.numerical {
-            let of = |order: usize| {
+            let known = orders.take_while(|order| *order <= ORDER);
+            for (index, order) in known.enumerate() {
                 let (value, by_z, by) = first.jet(row, order);
                 let jet = Jet {
                     value,
@@ -416,21 +457,26 @@ impl<'a> Passage<'a> {
                     by_time: 0.0,
                     by,
                 };
-                jet.scaled(factorial(order))
-            };
-            return orders.take_while(|order| *order <= ORDER).map(of).collect();
+                call(index, &jet.scaled(factorial(order)));
+            }
+            return;
         }
-        let mut last: Option<Cow<Row>> = None;
-        let of = |_| {
-            let next = match &last {
-                None => derivative(self.mode, row, from),
-                Some(last) => Cow::Owned(last.through(&self.mode.matrix)),
-            };
-            let jet = Jet::at_entry(&next, &self.entry);
-            last = Some(next);
-            jet
-        };
-        orders.map(of).collect()
+        if orders.is_empty() {
+            return;
+        }
+        let form = derivative(self.mode, row, orders.start);
+        let mut jet = Jet::at_entry(&form, &self.entry);
+        call(0, &jet);
+        if orders.len() > 1 {
+            let mut form = form.into_owned();
+            let mut next = form.clone();
+            for index in 1..orders.len() {
+                form.put_through(&self.mode.matrix, &mut next);
+                std::mem::swap(&mut form, &mut next);
+                jet.put_at_entry(&form, &self.entry);
+                call(index, &jet);
+            }
+        }
     }
 
     /// Whether the time is so short that a series at the entry holds.
@@ -455,14 +501,13 @@ impl<'a> Passage<'a> {
         let mut second = forms[1].by_time;
         // tᵏ/k!, and the powers below
         let (mut power, mut before) = (1.0, [0.0, 0.0]);
-        let taylor = self.derivatives_at_entry(row, 0, order);
-        for (k, jet) in taylor.into_iter().enumerate() {
-            forms[0].add(-power, &jet);
-            forms[1].add(-before[0], &jet);
+        self.each_derivative_at_entry(row, 0..order, |k, jet| {
+            forms[0].add(-power, jet);
+            forms[1].add(-before[0], jet);
             second -= before[1] * jet.value;
             before = [power, before[0]];
             power *= self.time / (k + 1) as f64;
-        }
+        });
         let [mut q, mut rate] = forms;
         let m = order as f64;
         let t = self.time;
@@ -488,11 +533,11 @@ impl<'a> Passage<'a> {
         let (mut q, mut rate, mut second) = (zero(), zero(), 0.0);
         // tʲ/k!, j = k − m, and the two powers below with the factors of their derivatives
         let mut weights = [factorial(order).recip(), 0.0, 0.0];
-        let taylor = self.derivatives_at_entry(row, order, TERMS as usize + 1);
-        for (j, jet) in taylor.into_iter().enumerate() {
+        let orders = order..order + TERMS as usize + 1;
+        self.each_derivative_at_entry(row, orders, |j, jet| {
             let next = (j + 1) as f64;
-            q.add(weights[0], &jet);
-            rate.add(weights[1], &jet);
+            q.add(weights[0], jet);
+            rate.add(weights[1], jet);
             second += weights[2] * jet.value;
             let k = next + order as f64;
             weights = [
@@ -500,7 +545,7 @@ impl<'a> Passage<'a> {
                 weights[0] * next / k,
                 weights[1] * next / k,
             ];
-        }
+        });
         q.by_time = rate.value;
         rate.by_time = second;
         [q, rate]

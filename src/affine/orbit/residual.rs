@@ -137,14 +137,15 @@ impl AffineOrbit {
                         equations.add_next(row, next, &at.at_entry(next, guard, order), factor);
                         continue;
                     }
-                } else if let Some(form) = pivot.map(|index| &facts.zero.rows[index]) {
-                    equations.add_next(row, next, &at.at_entry(next, form, 0), unit.recip());
+                } else if let Some(form) = pivot.and_then(|index| facts.zero.row(index)) {
+                    equations.add_next(row, next, &at.at_entry(next, &form, 0), unit.recip());
                     continue;
                 }
-                let own = Row::unit(entry.len(), state);
-                let arrives = exit.map_or_else(|| own.clone(), |exit| exit.reset.row(state));
+                let own = || Row::unit(entry.len(), state);
+                let arrives = exit.map_or_else(own, |exit| exit.reset.row(state));
                 equations.add(row, zone, &passage.at_end(&arrives), unit.recip());
-                equations.add_next(row, next, &Jet::at_entry(&own, &entry), -unit.recip());
+                let begins = Jet::of_component(state, &entry);
+                equations.add_next(row, next, &begins, -unit.recip());
             }
             let row = first + n;
             let mode = &at.posed.system.modes[self.sequence.zone(zone).mode];

@@ -3,11 +3,13 @@
 //! A zone ends where its guard is zero, and what is zero there may stay so through the reset and along the next
 //! flow. From nothing round the cycle to a fixed point all of these facts are found.
 
-use super::forms::{Forms, Units};
+use std::cell::OnceCell;
+
+use super::forms::{Forms, Rates, Units};
 use super::generic::Points;
 use super::signature::{Sequence, ZonePoint};
 use crate::affine::flow::ModeFlow;
-use crate::affine::mode::{AffineMode, AffineSystem, Exit, Row};
+use crate::affine::mode::{AffineMode, AffineSystem, Exit, Guard, Row};
 
 /// What is known of a zone.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,6 +27,9 @@ pub struct ZoneFacts {
     pub divided: usize,
     /// Where it is not the forms that tell: what does.
     pub generic: Option<Generic>,
+    /// Whether this is the zone after which one round finds all forms: what is zero at the next entry does not depend on
+    /// what is zero at its own.
+    pub forgets: bool,
 }
 
 /// What generic points of a zone tell where its system is not linear.
@@ -44,10 +49,30 @@ pub struct Generic {
 impl ZoneFacts {
     /// Whether none of them changes with the parameter.
     pub fn is_constant(&self) -> bool {
-        let rows = self.zero.rows.iter().chain(&self.end.rows);
-        let mut derivatives = rows.flat_map(|row| &row.by);
         self.generic.as_ref().is_none_or(|generic| generic.lasts)
-            && derivatives.all(|by| by.iter().all(|by| *by == 0.0))
+            && self.zero.are_constant()
+            && self.end.are_constant()
+    }
+
+    /// The components of the forms at the entry and at the end.
+    fn pivots(&self) -> (&[usize], &[usize]) {
+        (&self.zero.pivots, &self.end.pivots)
+    }
+
+    fn pivots_are_of(&self, (zero, end): &(Forms, Forms)) -> bool {
+        self.pivots() == (&zero.pivots, &end.pivots)
+    }
+
+    /// The same facts with other values of the forms.
+    fn with(&self, (zero, end): (Forms, Forms)) -> ZoneFacts {
+        ZoneFacts {
+            zero,
+            end,
+            at_entry: self.at_entry.clone(),
+            at_end: self.at_end.clone(),
+            generic: None,
+            ..*self
+        }
     }
 
     /// The same facts at another value of the parameter.
@@ -91,6 +116,156 @@ pub fn section(mode: &AffineMode) -> usize {
     (0..states).find(depends).unwrap_or(0)
 }
 
+/// Forms that are zero at the entries and at the ends of the zones of a sequence.
+struct Zeros<'a> {
+    system: &'a AffineSystem,
+    sequence: &'a Sequence,
+    units: &'a Units<'a>,
+    /// Of every mode, once it is asked for.
+    rates: Vec<OnceCell<Rates>>,
+    entries: Vec<Forms>,
+    ends: Vec<Forms>,
+}
+
+impl<'a> Zeros<'a> {
+    /// Nothing but what sliding modes have from their entries to their ends: they lie in their surfaces.
+    fn new(system: &'a AffineSystem, sequence: &'a Sequence, units: &'a Units<'a>) -> Zeros<'a> {
+        let count = sequence.len();
+        let mut zeros = Zeros {
+            system,
+            sequence,
+            units,
+            rates: vec![OnceCell::new(); system.modes.len()],
+            entries: vec![Forms::default(); count],
+            ends: vec![Forms::default(); count],
+        };
+        zeros.entries = (0..count).map(|zone| zeros.of_surface(zone)).collect();
+        zeros
+    }
+
+    fn mode(&self, zone: usize) -> &'a AffineMode {
+        &self.system.modes[self.sequence.zone(zone).mode]
+    }
+
+    fn rates(&self, zone: usize) -> &Rates {
+        let rates = &self.rates[self.sequence.zone(zone).mode];
+        rates.get_or_init(|| Rates::new(&self.mode(zone).matrix))
+    }
+
+    fn of_surface(&self, zone: usize) -> Forms {
+        let mut forms = Forms::default();
+        self.on_surface(zone, &mut forms);
+        forms
+    }
+
+    fn on_surface(&self, zone: usize, forms: &mut Forms) {
+        if let Some(surface) = &self.mode(zone).surface {
+            forms.insert(surface, self.units);
+        }
+    }
+
+    /// What is zero at the end of a zone, and at the next entry, where these are at its own entry; `None` where it has no end.
+    fn through(&self, zone: usize, entry: &Forms) -> Option<(Forms, Option<Forms>)> {
+        let way = self.sequence.zone(zone).way?;
+        let mut end = entry.invariant(self.mode(zone), self.rates(zone), self.units);
+        self.on_surface(zone, &mut end);
+        end.insert(&self.mode(zone).guards[way.guard].row, self.units);
+        let exit = exit_of(self.system, self.sequence, zone);
+        let next = exit.map(|exit| {
+            let mut next = end.after(exit, &self.system.program, self.units);
+            self.on_surface(zone + 1, &mut next);
+            next
+        });
+        Some((end, next))
+    }
+
+    /// Whether two zones are of one mode, begin with the same forms, and take the same exit: they end with the same.
+    fn are_alike(&self, one: usize, other: usize) -> bool {
+        let kind = |zone: usize| (self.sequence.zone(zone).mode, self.sequence.zone(zone).way);
+        kind(one) == kind(other) && self.entries[one] == self.entries[other]
+    }
+
+    /// Goes through a zone, or takes over what a zone like it has led to: of a series of impacts one is gone through.
+    fn go_through(&mut self, zone: usize, gone: &mut Vec<usize>) {
+        let next = |zone: usize| (zone + 1) % self.entries.len();
+        let led = match gone.iter().find(|known| self.are_alike(**known, zone)) {
+            Some(known) => Some((
+                self.ends[*known].clone(),
+                Some(self.entries[next(*known)].clone()),
+            )),
+            None => {
+                gone.push(zone);
+                self.through(zone, &self.entries[zone])
+            }
+        };
+        if let Some((end, entry)) = led {
+            let next = next(zone);
+            self.ends[zone] = end;
+            if let Some(entry) = entry {
+                self.entries[next] = entry;
+            }
+        }
+    }
+
+    /// Goes round until nothing more is found.
+    fn find(&mut self) {
+        let count = self.entries.len();
+        // what begins as in the round before ends as it did there
+        let mut before: Vec<Option<Forms>> = vec![None; count];
+        loop {
+            let size = |zeros: &Zeros| zeros.entries.iter().map(Forms::len).sum::<usize>();
+            let least = size(self);
+            let mut gone: Vec<usize> = Vec::new();
+            for (zone, before) in before.iter_mut().enumerate() {
+                if before.as_ref() == Some(&self.entries[zone]) {
+                    gone.push(zone);
+                } else {
+                    *before = Some(self.entries[zone].clone());
+                    self.go_through(zone, &mut gone);
+                }
+            }
+            if size(self) <= least {
+                break;
+            }
+        }
+    }
+
+    /// The components of the forms at the entry and at the end of every zone.
+    fn pivots(&self) -> impl Iterator<Item = (&[usize], &[usize])> {
+        let zones = self.entries.iter().zip(&self.ends);
+        zones.map(|(entry, end)| (entry.pivots.as_slice(), end.pivots.as_slice()))
+    }
+
+    /// Whether what is zero at the entry after a zone does not depend on what is zero at its own.
+    fn forgets(&self, zone: usize) -> bool {
+        let led = self.through(zone, &self.of_surface(zone));
+        let next = &self.entries[(zone + 1) % self.entries.len()];
+        led.is_some_and(|(_, entry)| entry.is_some_and(|entry| entry.pivots == next.pivots))
+    }
+
+    /// The same forms in one round, from a zone on that forgets; `None` where they are not those of these pivots.
+    fn again<'z>(
+        &self,
+        first: usize,
+        mut pivots: impl Iterator<Item = (&'z [usize], &'z [usize])>,
+    ) -> Option<Zeros<'a>> {
+        let mut zeros = Zeros::new(self.system, self.sequence, self.units);
+        let (count, mut gone) = (zeros.entries.len(), Vec::new());
+        for zone in first..first + count {
+            zeros.go_through(zone % count, &mut gone);
+        }
+        if let Some((end, _)) = zeros.through(first, &zeros.entries[first]) {
+            zeros.ends[first] = end;
+        }
+        let mut own = zeros.entries.iter().zip(&zeros.ends);
+        let same = own.all(|(entry, end)| {
+            let known = pivots.next();
+            known.is_some_and(|known| entry.pivots == known.0 && end.pivots == known.1)
+        });
+        same.then_some(zeros)
+    }
+}
+
 /// The facts of every zone of a sequence that the system has; its zones next to these are looked at where that is not
 /// linear. Of a linear system that differs from one with `known` facts in the values of the parameter alone they are
 /// of the same orders.
@@ -101,108 +276,71 @@ pub fn facts(
     zones: &[ZonePoint],
     known: Option<&[ZoneFacts]>,
 ) -> Vec<ZoneFacts> {
-    let known = known.filter(|_| system.program.made() == 0);
+    let linear = system.program.made() == 0;
+    let known = known.filter(|_| linear);
+    let mut zeros = Zeros::new(system, sequence, units);
+    if let Some(known) = known
+        && let Some(first) = known.iter().position(|zone| zone.forgets)
+        && let Some(zeros) = zeros.again(first, known.iter().map(ZoneFacts::pivots))
+    {
+        let forms = zeros.entries.into_iter().zip(zeros.ends);
+        let pairs = known.iter().zip(forms);
+        return pairs.map(|(zone, forms)| zone.with(forms)).collect();
+    }
+    zeros.find();
     let count = sequence.len();
-    let mode = |zone: usize| &system.modes[sequence.zone(zone).mode];
-    // a sliding mode lies in its surface from its entry to its end
-    let on_surface = |zone: usize, forms: &mut Forms| {
-        if let Some(surface) = &mode(zone).surface {
-            forms.insert(surface, units);
-        }
-    };
-    let mut entries = vec![Forms::default(); count];
-    for (zone, entry) in entries.iter_mut().enumerate() {
-        on_surface(zone, entry);
-    }
-    let mut ends = vec![Forms::default(); count];
-    // zones alike that begin with the same forms end with the same: of a series of impacts one is gone through
-    let alike = |entries: &[Forms], one: usize, other: usize| {
-        let kind = |zone: usize| (sequence.zone(zone).mode, sequence.zone(zone).way);
-        kind(one) == kind(other) && entries[one] == entries[other]
-    };
-    loop {
-        let before: usize = entries.iter().map(Forms::len).sum();
-        let mut gone: Vec<usize> = Vec::new();
-        for zone in 0..count {
-            let next = (zone + 1) % count;
-            if let Some(known) = gone.iter().find(|known| alike(&entries, **known, zone)) {
-                ends[zone] = ends[*known].clone();
-                entries[next] = entries[known + 1].clone();
-                continue;
-            }
-            let Some(way) = sequence.zone(zone).way else {
-                continue;
-            };
-            gone.push(zone);
-            let mut end = entries[zone].invariant(mode(zone), units);
-            on_surface(zone, &mut end);
-            end.insert(&mode(zone).guards[way.guard].row, units);
-            if let Some(exit) = exit_of(system, sequence, zone) {
-                entries[next] = end.after(exit, &system.program, units);
-                on_surface(next, &mut entries[next]);
-            }
-            ends[zone] = end;
-        }
-        if entries.iter().map(Forms::len).sum::<usize>() <= before {
-            break;
-        }
-    }
-    let of = |index: usize| {
-        let (zero, end) = (entries[index].clone(), ends[index].clone());
-        let same = |known: &&ZoneFacts| {
-            (&known.zero.pivots, &known.end.pivots) == (&zero.pivots, &end.pivots)
-        };
-        if let Some(known) = known.map(|known| &known[index]).filter(same) {
-            return ZoneFacts {
-                zero,
-                end,
-                at_entry: known.at_entry.clone(),
-                at_end: known.at_end.clone(),
-                divided: known.divided,
-                generic: None,
-            };
-        }
-        let AffineMode { matrix, guards, .. } = mode(index);
-        if system.program.made() > 0 {
-            return generic(system, sequence, index, units, zones, (zero, end));
-        }
-        let orders = |forms: &Forms| {
-            let order = |guard| forms.order(guard, matrix, units);
-            guards.iter().map(|guard| order(&guard.row)).collect()
-        };
-        let at_entry: Vec<Option<usize>> = orders(&zero);
-        let states = |pivot: &usize| *pivot < system.states;
-        let divided = sequence.zone(index).way.and_then(|way| {
-            if zero.pivots.iter().all(states) {
-                return at_entry[way.guard];
-            }
-            let mut set = zero.clone();
-            let kept: Vec<bool> = zero.pivots.iter().map(states).collect();
-            let mut keep = kept.iter();
-            set.rows.retain(|_| keep.next() == Some(&true));
-            set.pivots.retain(states);
-            set.order(&guards[way.guard].row, matrix, units)
-        });
-        ZoneFacts {
-            at_entry,
-            at_end: orders(&end),
-            divided: divided.unwrap_or(0),
-            zero,
-            end,
-            generic: None,
-        }
-    };
+    let first = (0..count).find(|zone| linear && zeros.forgets(*zone));
+    // as they are found at other values of the parameter
+    let again = first.and_then(|first| zeros.again(first, zeros.pivots()));
+    let first = first.filter(|_| again.is_some());
+    let zeros = again.unwrap_or(zeros);
     let mut told: Vec<(usize, ZoneFacts)> = Vec::new();
     let every = (0..count).map(|zone| {
-        let mut known = told.iter();
-        let linear = system.program.made() == 0;
-        if let Some((_, known)) = known.find(|(known, _)| linear && alike(&entries, *known, zone)) {
-            return known.clone();
+        let forms = (zeros.entries[zone].clone(), zeros.ends[zone].clone());
+        let alike = |known: &&(usize, ZoneFacts)| linear && zeros.are_alike(known.0, zone);
+        let known = known.map(|known| &known[zone]);
+        if let Some((_, told)) = told.iter().find(alike) {
+            return told.clone();
         }
-        told.push((zone, of(zone)));
-        told[told.len() - 1].1.clone()
+        let facts = if !linear {
+            generic(system, sequence, zone, units, zones, forms)
+        } else if let Some(known) = known.filter(|known| known.pivots_are_of(&forms)) {
+            known.with(forms)
+        } else {
+            with_orders(&zeros, zone, forms)
+        };
+        told.push((zone, facts.clone()));
+        facts
     });
-    every.collect()
+    let mut every: Vec<ZoneFacts> = every.collect();
+    for (zone, facts) in every.iter_mut().enumerate() {
+        facts.forgets = first == Some(zone);
+    }
+    every
+}
+
+/// The facts of a zone of a linear mode.
+fn with_orders(zeros: &Zeros, zone: usize, (zero, end): (Forms, Forms)) -> ZoneFacts {
+    let (guards, units) = (&zeros.mode(zone).guards, zeros.units);
+    let order = |forms: &Forms, guard: &Guard| forms.order(&guard.row, zeros.rates(zone), units);
+    let orders = |forms: &Forms| guards.iter().map(|guard| order(forms, guard)).collect();
+    let at_entry: Vec<Option<usize>> = orders(&zero);
+    let states = |pivot: usize| pivot < units.states;
+    let divided = zeros.sequence.zone(zone).way.and_then(|way| {
+        if zero.pivots.iter().all(|pivot| states(*pivot)) {
+            return at_entry[way.guard];
+        }
+        order(&zero.with_pivots(states), &guards[way.guard])
+    });
+    ZoneFacts {
+        at_entry,
+        at_end: orders(&end),
+        divided: divided.unwrap_or(0),
+        zero,
+        end,
+        generic: None,
+        forgets: false,
+    }
 }
 
 /// The facts of a zone by points next to it.
@@ -267,5 +405,6 @@ fn generic(
             end: last,
             lasts,
         }),
+        forgets: false,
     }
 }
