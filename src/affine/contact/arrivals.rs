@@ -75,6 +75,7 @@ impl Instant<'_> {
         for (contact, to) in self.together {
             digits[*contact] = *to;
         }
+        self.follow(self.contact, &mut digits);
         // what is released leaves by the sign of what was too much, as long as nothing else changes
         let mut seen = vec![false; digits.len()];
         seen[self.contact] = self.is_friction(self.contact) && self.before[self.contact] == STICK;
@@ -113,6 +114,33 @@ impl Instant<'_> {
 
     fn is_friction(&self, contact: usize) -> bool {
         matches!(self.forms.laws[contact], Law::Friction { .. })
+    }
+
+    /// Lets sliders follow the friction on the same slip: one that gives goes on where that sticks or slips on, and holds
+    /// where it slips back.
+    fn follow(&self, friction: usize, digits: &mut [usize]) {
+        let Law::Friction { slip, .. } = &self.forms.laws[friction] else {
+            return;
+        };
+        for (contact, law) in self.forms.laws.iter().enumerate() {
+            let Law::Jenkins { slip: own, .. } = law else {
+                continue;
+            };
+            let gives = match self.before[contact] {
+                GIVES_FORWARD => 1.0,
+                GIVES_BACKWARD => -1.0,
+                _ => continue,
+            };
+            let Some(along) = own.sign_of_ratio(slip) else {
+                continue;
+            };
+            let back = match digits[friction] {
+                FORWARD => along * gives < 0.0,
+                BACKWARD => along * gives > 0.0,
+                _ => false,
+            };
+            digits[contact] = if back { HELD } else { self.before[contact] };
+        }
     }
 
     /// Whether a contact ends by the guard of the instant.
@@ -245,6 +273,7 @@ impl Instant<'_> {
                 passed.push(trial.digits.clone());
                 let mut digits = trial.digits.clone();
                 digits[contact] = to;
+                self.follow(contact, &mut digits);
                 // the same states again are no way on
                 if passed.contains(&digits) {
                     continue;

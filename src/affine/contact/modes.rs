@@ -272,6 +272,12 @@ impl ContactForms {
         held.collect()
     }
 
+    /// Whether a slip is zero all along in a mode.
+    fn is_held(&self, own: usize, digits: &[usize], slip: &Form) -> bool {
+        let held = self.held(own, digits);
+        held.iter().any(|held| slip.sign_of_ratio(held).is_some())
+    }
+
     /// The guards of a contact in a mode with these forces.
     fn endings(
         &self,
@@ -345,6 +351,12 @@ impl ContactForms {
                         GIVES_BACKWARD,
                     ),
                 ]
+            }
+            // the friction on its slip sticks: it goes on where that does, which is decided there
+            (Law::Jenkins { slip, .. }, GIVES_FORWARD | GIVES_BACKWARD)
+                if self.is_held(own, digits, slip) =>
+            {
+                vec![plain(Form::number(1.0), HELD)]
             }
             (Law::Jenkins { slip, .. }, GIVES_FORWARD) => vec![plain(slip.clone(), HELD)],
             (Law::Jenkins { slip, .. }, GIVES_BACKWARD) => {
