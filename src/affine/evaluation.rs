@@ -60,6 +60,18 @@ impl FormMode<'_> {
         }
         Ok(self)
     }
+
+    /// An expression that is none of the mode's own as it is within it.
+    ///
+    /// # Errors
+    /// An operation that has no result there.
+    pub fn of_mode(&self, form: &Form) -> Result<Form, Obstacle> {
+        if form.beyond.is_empty() {
+            return Ok(form.clone());
+        }
+        let guards: Vec<Form> = self.switches.iter().map(|one| one.guard.clone()).collect();
+        form.where_positive(&guards, &mut HashMap::new())
+    }
 }
 
 /// Where an expression stands: told only if it is wrong.
@@ -156,7 +168,11 @@ impl<'a, 'p, C: Coefficient> Evaluation<'a, 'p, C> {
         form.map_err(|flaw| SystemError::at(path(), Mistake::Expression(flaw)))
     }
 
-    fn form(&self, path: Path, expression: &Expression) -> Result<Form<C>, SystemError> {
+    /// An expression as a form.
+    ///
+    /// # Errors
+    /// It has no finite value, or no form, with its place.
+    pub fn form(&self, path: Path, expression: &Expression) -> Result<Form<C>, SystemError> {
         let form = self.evaluate(path, expression)?;
         form.settled().map_err(|obstacle| {
             let flaw = Flaw {

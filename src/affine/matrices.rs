@@ -4,9 +4,10 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 use super::evaluation::{Evaluation, FormMode, FormSwitch};
-use super::expression::Algebra;
+use super::expression::{Algebra, Flaw};
 use super::form::{Dual, Form};
 use super::mode::{AffineMode, AffineSystem, Exit, Guard};
+use super::monitor::{Monitor, MonitoredSystem};
 use super::rows::{MatrixBy, Row};
 use super::series::{Field, Terms};
 use super::sliding::{SlidingField, SlidingForms};
@@ -70,8 +71,30 @@ impl System {
             .all(|expression| expression.degree(&of).is_some())
     }
 
+    /// The same as [`System::at`] with the forms of its monitors laid out in it.
+    ///
+    /// # Errors
+    /// As [`System::at`]; an expression of a monitor that has no finite value.
+    pub fn monitored(
+        &self,
+        values: &[f64],
+        varying: &[usize],
+    ) -> Result<MonitoredSystem, SystemError> {
+        self.evaluated_with(values, varying, &self.monitors)
+    }
+
     /// The same as [`System::at`] for a forcing of any frequency.
     fn evaluated(&self, values: &[f64], varying: &[usize]) -> Result<AffineSystem, SystemError> {
+        Ok(self.evaluated_with(values, varying, &[])?.system)
+    }
+
+    /// The same with the forms of monitors.
+    fn evaluated_with(
+        &self,
+        values: &[f64],
+        varying: &[usize],
+        monitors: &[Monitor],
+    ) -> Result<MonitoredSystem, SystemError> {
         let parameter = Dual::parameters(values, varying);
         let evaluation = Evaluation::new(self, &parameter, Dual::number(PI))?;
         let omega = evaluation.frequency()?;
@@ -87,9 +110,10 @@ impl System {
                 })
             });
         let modes = within.collect::<Result<Vec<FormMode>, _>>()?;
+        let observed = self.observed(&evaluation, &modes, monitors)?;
         let mut numerical = vec![None; self.sliding.len()];
         loop {
-            match self.laid_out(&modes, omega, &numerical) {
+            match self.laid_out(&modes, omega, &numerical, &observed) {
                 // what has no affine field slides by one that is not
                 Err((error, Some(index))) if numerical[index].is_none() => {
                     let [first, second] = self.sliding[index].map(|side| &modes[side]);
@@ -101,17 +125,51 @@ impl System {
         }
     }
 
-    /// The system with the terms of all forms as components of z; the index of the sliding mode that fails.
+    /// The forms of monitors in every mode, as they are within it.
+    fn observed(
+        &self,
+        evaluation: &Evaluation<Dual>,
+        modes: &[FormMode],
+        monitors: &[Monitor],
+    ) -> Result<Vec<Vec<Form>>, SystemError> {
+        let forms = monitors
+            .iter()
+            .map(|monitor| evaluation.form(&|| monitor.path(), &monitor.expression));
+        let forms = forms.collect::<Result<Vec<Form>, _>>()?;
+        let of_mode = |mode: Option<&FormMode>| {
+            let within = monitors.iter().zip(&forms).map(|(monitor, form)| {
+                let within = mode.map_or_else(|| Ok(form.clone()), |mode| mode.of_mode(form));
+                within.map_err(|obstacle| {
+                    let flaw = Flaw {
+                        wrong: obstacle.into(),
+                        span: monitor.expression.span.clone(),
+                    };
+                    SystemError::at(monitor.path(), Mistake::Expression(flaw))
+                })
+            });
+            within.collect::<Result<Vec<Form>, _>>()
+        };
+        let of_file = modes.iter().map(Some);
+        let all = of_file.chain(self.sliding.iter().map(|_| None));
+        all.map(of_mode).collect()
+    }
+
+    /// The system with the terms of all forms as components of z, those observed in the modes included; the index of the
+    /// sliding mode that fails.
     fn laid_out(
         &self,
         modes: &[FormMode],
         omega: Dual,
         numerical: &[Option<SlidingForms>],
-    ) -> Result<AffineSystem, (SystemError, Option<usize>)> {
+        observed: &[Vec<Form>],
+    ) -> Result<MonitoredSystem, (SystemError, Option<usize>)> {
         let forms = modes.iter().flat_map(FormMode::forms);
         let sliding = numerical.iter().flatten();
         let sliding = sliding.flat_map(|forms| forms.rates.iter().chain(&forms.falls));
-        let forms: Vec<&Form> = forms.chain(sliding).collect();
+        let forms: Vec<&Form> = forms
+            .chain(sliding)
+            .chain(observed.iter().flatten())
+            .collect();
         let harmonics = forms.iter().map(|form| form.highest()).max().unwrap_or(0);
         let mut terms = Terms::new(self.source.states.len(), harmonics);
         forms.iter().for_each(|form| terms.add(form));
@@ -164,7 +222,12 @@ impl System {
                 how,
             );
         }
-        Ok(system)
+        let rows = observed.iter();
+        let rows = rows.map(|forms| forms.iter().map(|form| shape.row(form)).collect());
+        Ok(MonitoredSystem {
+            forms: rows.collect(),
+            system,
+        })
     }
 }
 
@@ -255,6 +318,7 @@ impl Shape {
                 .collect(),
             rest: switch.switch.rest,
             tangent: None,
+            name: switch.switch.name.clone(),
         }
     }
 }

@@ -6,7 +6,7 @@
 //! mode whose rates are not affine, by [`recurrence`], `exponential` those of matrices, `stiff` what is slow of one, [`flow`] either with the
 //! signs of its guards, [`motion`] follows it through its switches,
 //! and [`course`] sees it at equal times; [`steady`] has the equilibria, [`orbit`] the periodic orbits, whose period [`closure`]
-//! may prescribe.
+//! may prescribe, and of which [`monitor`]s are numbers.
 
 pub mod closure;
 pub mod course;
@@ -17,6 +17,7 @@ pub mod flow;
 pub mod form;
 mod matrices;
 pub mod mode;
+pub mod monitor;
 pub mod motion;
 pub mod orbit;
 pub mod recurrence;

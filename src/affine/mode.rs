@@ -24,6 +24,8 @@ pub struct Exit {
     pub rest: Option<usize>,
     /// Where sliding ends by its own condition: the guard of `to` that is zero there together with its rate.
     pub tangent: Option<usize>,
+    /// The name of the switch.
+    pub name: Option<String>,
 }
 
 impl Exit {

@@ -14,6 +14,7 @@ use serde::ser::SerializeMap;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::expression::{Expression, Flaw, Function, Obstacle, Wrong};
+use super::monitor::Monitor;
 
 /// Part of a component by which the terms of degree 17 may change it over a step of an integrated flow, where none is
 /// given: as much as in an exact one.
@@ -153,6 +154,9 @@ pub struct SwitchSource {
     /// The mode that begins where infinitely many of these switches end in finite time.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rest: Option<String>,
+    /// A name by which monitors call it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
 }
 
 /// What is wrong with a system.
@@ -179,6 +183,9 @@ pub enum Mistake {
     /// A mode that there is not.
     #[error("`{0}` is no mode")]
     NoMode(String),
+    /// A switch that there is not.
+    #[error("no switch has the name `{0}`")]
+    NoSwitch(String),
     /// The phase without a forcing.
     #[error("`phase` has no meaning without `forcing`")]
     NoForcing,
@@ -240,7 +247,7 @@ impl SystemError {
     }
 
     /// With the nearest of the names that would be right.
-    fn near<'a>(mut self, name: &str, known: impl Iterator<Item = &'a str>) -> SystemError {
+    pub(super) fn near<'a>(mut self, name: &str, known: impl Iterator<Item = &'a str>) -> SystemError {
         let close = known.map(|known| (strsim::osa_distance(name, known), known));
         let nearest = close.min_by_key(|(distance, _)| *distance);
         let letters = name.chars().count();
@@ -263,6 +270,7 @@ pub(crate) struct Switch {
     pub reset: Vec<(usize, Expression)>,
     pub conditions: Vec<Expression>,
     pub rest: Option<usize>,
+    pub name: Option<String>,
 }
 
 /// A mode, its expressions read: the rates in the order of the states.
@@ -285,6 +293,8 @@ pub struct System {
     pub(crate) sliding: Vec<[usize; 2]>,
     /// Whether modes that have an exact flow are integrated like the others.
     pub(crate) integrated: bool,
+    /// Numbers that are asked for of its orbits.
+    pub(super) monitors: Vec<Monitor>,
 }
 
 impl TryFrom<Source> for System {
@@ -346,6 +356,7 @@ impl System {
             modes,
             sliding,
             integrated: false,
+            monitors: Vec::new(),
             source,
         })
     }
@@ -401,13 +412,14 @@ impl System {
         self.mode_names().position(|known| known == name)
     }
 
-    /// Names of parameters that no expression has.
+    /// Names of parameters that no expression has, those of monitors included.
     pub fn unused_parameters(&self) -> Vec<&str> {
         let mut used = HashSet::new();
         let mut take = |name: &str, _: &Range<usize>| {
             used.insert(name.to_owned());
         };
-        let all = self.expressions().chain(&self.define);
+        let monitors = self.monitors.iter().map(|monitor| &monitor.expression);
+        let all = self.expressions().chain(&self.define).chain(monitors);
         all.for_each(|expression| expression.names(&mut take));
         let names = self.source.parameters.names();
         names.filter(|name| !used.contains(*name)).collect()
@@ -445,6 +457,18 @@ impl Source {
     /// An expression in the parameters alone.
     pub(super) fn of_parameters(&self, path: &str, text: &str) -> Result<Expression, SystemError> {
         Reader { source: self }.expression(path, text, Scope::Parameters)
+    }
+
+    /// An expression in states, parameters, abbreviations and the phase.
+    pub(super) fn of_all(&self, path: &str, text: &str) -> Result<Expression, SystemError> {
+        let all = Scope::All(self.define.0.len());
+        Reader { source: self }.expression(path, text, all)
+    }
+
+    /// Names of switches.
+    pub fn switch_names(&self) -> impl Iterator<Item = &str> {
+        let switches = self.modes.0.iter().flat_map(|(_, mode)| &mode.until);
+        switches.filter_map(|switch| switch.name.as_deref())
     }
 
     /// Every name is a word and stands for one thing.
@@ -614,6 +638,7 @@ impl Reader<'_> {
                 reset: reset.collect::<Result<_, SystemError>>()?,
                 conditions: conditions.collect::<Result<_, _>>()?,
                 rest: rest.transpose()?,
+                name: switch.name.clone(),
             })
         });
         let switches = switches.collect::<Result<_, SystemError>>()?;

@@ -134,7 +134,12 @@ pub struct Posed {
 }
 
 impl Posed {
-    fn new(system: AffineSystem, facts: Arc<Vec<ZoneFacts>>, longest: f64, moved: bool) -> Posed {
+    pub(super) fn new(
+        system: AffineSystem,
+        facts: Arc<Vec<ZoneFacts>>,
+        longest: f64,
+        moved: bool,
+    ) -> Posed {
         Posed {
             propagators: Mutex::new(vec![None; facts.len()]),
             facts,
@@ -155,7 +160,7 @@ impl Posed {
     }
 
     /// The scales of z that balance the matrix of a mode, and its norm then.
-    fn balance(&self, mode: usize) -> &(Vector, f64) {
+    pub(super) fn balance(&self, mode: usize) -> &(Vector, f64) {
         self.balances[mode]
             .get_or_init(|| balance(&self.system.modes[mode].matrix.at, self.longest.recip()))
     }

@@ -45,6 +45,14 @@ pub(super) fn flaw_at(source: &Source, outline: &Outline, path: &str, error: &Sy
             names.extend(error.nearest.clone());
             format!("the modes are {}", list(source.modes.names()))
         }
+        Mistake::NoSwitch(name) => {
+            names.extend(error.nearest.clone());
+            let mut known = source.switch_names().peekable();
+            match known.peek() {
+                Some(_) => format!("the names of switches are {}", list(known)),
+                None => format!("add `name: \"{name}\"` to an entry of `until`"),
+            }
+        }
         Mistake::NoForcing => {
             "add for example `forcing: \"1.5\"`, its angular frequency, to `system`".to_owned()
         }
