@@ -49,6 +49,11 @@ impl<T> Ordered<T> {
         self.0.iter().position(|(known, _)| known == name)
     }
 
+    /// Whether there is nothing in it.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
     /// Names in order.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.0.iter().map(|(name, _)| name.as_str())
@@ -98,12 +103,12 @@ pub struct Source {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub forcing: Option<String>,
     /// Abbreviations, each in terms of what stands before it.
-    #[serde(default, skip_serializing_if = "is_empty")]
+    #[serde(default, skip_serializing_if = "Ordered::is_empty")]
     pub define: Ordered<String>,
     /// Modes by name.
     pub modes: Ordered<ModeSource>,
     /// Sliding modes by name, each with the two modes that meet in its surface.
-    #[serde(default, skip_serializing_if = "is_empty")]
+    #[serde(default, skip_serializing_if = "Ordered::is_empty")]
     pub sliding: Ordered<(String, String)>,
     /// Tolerance of the steps in which modes without an exact flow are integrated.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -120,10 +125,6 @@ impl Source {
         };
         self.parameters.names().eq(other.parameters.names()) && bare(self) == bare(other)
     }
-}
-
-fn is_empty<T>(map: &Ordered<T>) -> bool {
-    map.0.is_empty()
 }
 
 /// A mode.
@@ -146,7 +147,7 @@ pub struct SwitchSource {
     /// The mode that begins.
     pub to: String,
     /// States that jump, and their new values as expressions in the old ones.
-    #[serde(default, skip_serializing_if = "is_empty")]
+    #[serde(default, skip_serializing_if = "Ordered::is_empty")]
     pub reset: Ordered<String>,
     /// Expressions that are not negative where this way is taken.
     #[serde(default, rename = "if", skip_serializing_if = "Vec::is_empty")]
@@ -502,17 +503,22 @@ impl Source {
     }
 }
 
+/// Whether a text is a name: a letter followed by letters, digits and `_`.
+pub(crate) fn is_name(text: &str) -> bool {
+    let mut letters = text.chars();
+    let first = letters
+        .next()
+        .is_some_and(|c| c.is_alphabetic() || c == '_');
+    first && letters.all(|c| c.is_alphanumeric() || c == '_')
+}
+
 fn check_name<'a>(
     section: &str,
     name: &'a str,
     reserved: bool,
     seen: &mut HashSet<&'a str>,
 ) -> Result<(), SystemError> {
-    let mut letters = name.chars();
-    let first = letters
-        .next()
-        .is_some_and(|c| c.is_alphabetic() || c == '_');
-    let bad = if !first || !letters.all(|c| c.is_alphanumeric() || c == '_') {
+    let bad = if !is_name(name) {
         BadName::NoWord
     } else if reserved {
         BadName::Reserved

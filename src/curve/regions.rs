@@ -258,6 +258,7 @@ impl<P: Plane> Section<P> {
             let limits = follow::Limits {
                 range,
                 stop_at: targets.to_vec(),
+                monitors: Vec::new(),
                 steps,
             };
             let mut beside = match &system.condition {

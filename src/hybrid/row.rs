@@ -43,6 +43,16 @@ impl Named {
     }
 }
 
+/// The monitors of a system with their values.
+fn monitors(system: &System, values: Option<&[Option<f64>]>) -> Named {
+    let all = system.monitors().iter().enumerate();
+    let value = |index: usize| values.and_then(|values| values.get(index).copied().flatten());
+    Named(
+        all.map(|(index, monitor)| (monitor.name.clone(), value(index)))
+            .collect(),
+    )
+}
+
 /// What a row tells of an orbit.
 #[derive(Clone, Debug, Serialize)]
 pub struct OrbitColumns<'a> {
@@ -51,6 +61,7 @@ pub struct OrbitColumns<'a> {
     period: f64,
     switches: &'a [f64],
     extremes: Named,
+    monitors: Named,
     stable: Option<&'static str>,
     unstable: Option<usize>,
     multiplier_re: Option<f64>,
@@ -59,7 +70,8 @@ pub struct OrbitColumns<'a> {
 
 impl<'a> OrbitColumns<'a> {
     /// An orbit.
-    pub fn new(source: &Source, point: &'a OrbitPoint) -> OrbitColumns<'a> {
+    pub fn new(system: &System, point: &'a OrbitPoint) -> OrbitColumns<'a> {
+        let source = &system.source;
         let leading = point.leading();
         OrbitColumns {
             regimes: &point.regimes,
@@ -67,6 +79,7 @@ impl<'a> OrbitColumns<'a> {
             period: point.period,
             switches: &point.switches,
             extremes: Named::extremes(source, Some(&point.extremes)),
+            monitors: monitors(system, Some(&point.monitors)),
             stable: point.stable.map(Stability::word),
             unstable: point.unstable,
             multiplier_re: leading.map(|value| value.re),
@@ -76,10 +89,11 @@ impl<'a> OrbitColumns<'a> {
 
     /// What is at these values of the parameters where there is no orbit: an equilibrium in a mode, or nothing.
     pub fn without(
-        source: &Source,
+        system: &System,
         values: Option<&[f64]>,
         rest: Option<(&'a str, &[f64])>,
     ) -> OrbitColumns<'a> {
+        let source = &system.source;
         let state = rest.map(|(_, state)| state.iter().map(|x| (*x, *x)).collect::<Vec<_>>());
         OrbitColumns {
             regimes: rest.map_or("", |(mode, _)| mode),
@@ -87,6 +101,7 @@ impl<'a> OrbitColumns<'a> {
             period: f64::NAN,
             switches: &[],
             extremes: Named::extremes(source, state.as_deref()),
+            monitors: monitors(system, None),
             stable: None,
             unstable: None,
             multiplier_re: None,
@@ -110,12 +125,12 @@ pub struct OrbitRow<'a> {
 
 impl<'a> OrbitRow<'a> {
     /// A row for the names of its columns.
-    pub fn columns(source: &Source) -> OrbitRow<'a> {
+    pub fn columns(system: &System) -> OrbitRow<'a> {
         OrbitRow {
             point: 0,
             label: None,
             kind: None,
-            orbit: OrbitColumns::without(source, None, None),
+            orbit: OrbitColumns::without(system, None, None),
             newton: 0,
             residual: 0.0,
             leg: 0,
@@ -123,12 +138,12 @@ impl<'a> OrbitRow<'a> {
     }
 
     /// A point.
-    pub fn new(source: &Source, point: &'a OrbitPoint) -> OrbitRow<'a> {
+    pub fn new(system: &System, point: &'a OrbitPoint) -> OrbitRow<'a> {
         OrbitRow {
             point: point.point,
             label: point.label,
             kind: point.kind,
-            orbit: OrbitColumns::new(source, point),
+            orbit: OrbitColumns::new(system, point),
             newton: point.newton,
             residual: point.residual,
             leg: point.leg,
@@ -144,6 +159,7 @@ pub struct OrbitEventRow<'a> {
     kind: Option<EventType>,
     parameters: Named,
     period: f64,
+    monitors: Named,
     multiplier_re: Option<f64>,
     multiplier_im: Option<f64>,
     regimes_before: &'a str,
@@ -155,12 +171,13 @@ pub struct OrbitEventRow<'a> {
 
 impl<'a> OrbitEventRow<'a> {
     /// A row for the names of its columns.
-    pub fn columns(source: &Source) -> OrbitEventRow<'a> {
+    pub fn columns(system: &System) -> OrbitEventRow<'a> {
         OrbitEventRow {
             label: 0,
             kind: None,
-            parameters: Named::parameters(source, None),
+            parameters: Named::parameters(&system.source, None),
             period: 0.0,
+            monitors: monitors(system, None),
             multiplier_re: None,
             multiplier_im: None,
             regimes_before: "",
@@ -183,6 +200,7 @@ impl<'a> OrbitEventRow<'a> {
                     .collect(),
             ),
             period: event.period,
+            monitors: Named(event.monitors.clone()),
             multiplier_re: event.leading.map(|value| value.re),
             multiplier_im: event.leading.map(|value| value.im),
             regimes_before: &event.regimes_before,

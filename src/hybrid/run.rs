@@ -252,11 +252,16 @@ impl Runner {
             }),
             _ => None,
         };
+        let monitors = self.problem.system.monitors().iter();
         OrbitEvent {
             label: point.label.unwrap_or_default(),
             kind: special.kind(),
             parameters: parameters.collect(),
             period: point.period,
+            monitors: monitors
+                .map(|one| one.name.clone())
+                .zip(point.monitors.iter().copied())
+                .collect(),
             leading: point.leading(),
             regimes_before: before.unwrap_or_else(|| point.regimes.clone()),
             regimes_after: beyond().unwrap_or_else(|| point.regimes.clone()),
@@ -319,7 +324,8 @@ impl Run for Runner {
 /// What is asked for of the legs.
 fn plan(problem: &SystemProblem, continuation: &Continuation<String>) -> legs::Plan {
     let most = continuation.max_points.unwrap_or(DEFAULT_MAX_POINTS);
-    continuation.plan(most, problem.output.profiles)
+    let number = |name: &str| problem.system.monitor(name);
+    continuation.plan(most, problem.output.profiles, number)
 }
 
 /// The row of a change of the sequence beyond which the orbit is this one: where multipliers jump so that stability does,
@@ -387,6 +393,7 @@ pub(crate) fn point(
         period,
         switches,
         extremes: examination.extremes.clone(),
+        monitors: orbit.monitors(unknowns),
         stable,
         unstable: tells.and(outside),
         multipliers: multipliers.unwrap_or_default(),

@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::cascade::Cascade;
 use super::change::{self, Beyond, Both};
 use super::events::{self, Event, Located};
+use super::monitor::MonitorStop;
 use super::special::{Change, Close, Ending, Failure, NoFollower, Refusal, Special, Stop};
 use super::switch::is_in_family;
 use super::{EventType, Examined, Orbit, find, retrace};
@@ -26,6 +27,8 @@ pub struct Limits {
     pub range: (f64, f64),
     /// User points.
     pub stop_at: Vec<f64>,
+    /// Values of monitors at which one is wanted, too.
+    pub monitors: Vec<MonitorStop>,
     /// Step lengths and tolerance.
     pub steps: Steps,
 }
@@ -36,6 +39,7 @@ impl Limits {
         Limits {
             range,
             stop_at: Vec::new(),
+            monitors: Vec::new(),
             steps: Steps::default(),
         }
     }
@@ -305,7 +309,7 @@ impl<O: Orbit> Curve for Track<O> {
         events::located(
             self.orbit.as_ref(),
             self.limits.range,
-            &self.limits.stop_at,
+            (&self.limits.stop_at, &self.limits.monitors),
             step,
         )
     }
@@ -385,6 +389,10 @@ impl<O: Orbit> Curve for Track<O> {
             Event::User(value) => {
                 found.parameter = *value;
                 found.special = Some(Special::User(orbit.parameter(), *value));
+            }
+            Event::Monitor(MonitorStop { monitor, value }) => {
+                let name = orbit.monitor_name(*monitor).to_owned();
+                found.special = Some(Special::Monitor(name, *value));
             }
             Event::Edge(value) => {
                 found.parameter = *value;

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::follow::{Follower, Found, Limits, State};
+use super::monitor::MonitorStop;
 use super::special::{Ending, Failure, ResumeMismatch, Special};
 use super::{EventType, Orbit};
 use crate::continuation::walk::End as WalkEnd;
@@ -19,6 +20,8 @@ pub struct Plan {
     pub directions: Vec<bool>,
     /// Values of the parameter at which a user point is wanted.
     pub stop_at: Vec<f64>,
+    /// Values of monitors at which one is wanted, too.
+    pub monitors: Vec<MonitorStop>,
     /// Types of events that end the run, each with the occurrence that does.
     pub stop_after: Vec<(EventType, usize)>,
     /// Step lengths and tolerance.
@@ -42,6 +45,7 @@ impl Plan {
         Limits {
             range: self.range,
             stop_at: self.stop_at.clone(),
+            monitors: self.monitors.clone(),
             steps: self.steps,
         }
     }

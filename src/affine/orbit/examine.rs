@@ -233,12 +233,9 @@ impl OrbitAt<'_> {
                 return Ok(of_stages(stages));
             }
         }
-        parts(flow, self.entry(zone), duration).map_err(|count| OrbitFailure::Long {
-            mode: self.orbit.sequence.zone(zone).name.clone(),
-            duration,
-            pieces: count,
-            most: MOST_PIECES,
-        })
+        let name = &self.orbit.sequence.zone(zone).name;
+        parts(flow, self.entry(zone), duration)
+            .map_err(|count| OrbitFailure::long(name, duration, count))
     }
 
     /// The stationary place of a guard next to a time, by Newton's method.

@@ -12,7 +12,7 @@ use super::signature::Sequence;
 pub use super::signature::ZonePoint;
 use super::structure::{ZoneFacts, facts, section};
 use crate::affine::closure::Prescribed;
-use crate::affine::flow::ModeFlow;
+use crate::affine::flow::{MOST_PIECES, ModeFlow};
 use crate::affine::mode::{AffineMode, AffineSystem, Guard, MatrixBy, Row};
 use crate::affine::stiff::STIFF;
 use crate::affine::system::{System, SystemError};
@@ -111,6 +111,18 @@ pub enum OrbitFailure {
         /// Most of them.
         most: f64,
     },
+}
+
+impl OrbitFailure {
+    /// A zone of a mode that takes so many pieces, more than are followed.
+    pub(super) fn long(mode: &str, duration: f64, pieces: f64) -> OrbitFailure {
+        OrbitFailure::Long {
+            mode: mode.to_owned(),
+            duration,
+            pieces,
+            most: MOST_PIECES,
+        }
+    }
 }
 
 /// Exponentials with the bits of their time, where there are any.

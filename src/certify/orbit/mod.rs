@@ -219,6 +219,7 @@ fn prepared(item: &Item, special: &Special<AffineOrbit>, text: &str) -> Result<P
         Special::User(..) | Special::Edge(..) => {
             Condition::Value(decimal_of(text, "continuation", value))
         }
+        Special::Monitor(..) => return Err(Open::Monitor),
         Special::Start | Special::Closed => {
             let name = orbit.parameter();
             Condition::Value(decimal_of(

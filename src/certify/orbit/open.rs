@@ -48,6 +48,9 @@ pub enum Open {
     /// The period is prescribed.
     #[error("not covered: orbits whose period is prescribed, with a parameter that is free for it")]
     Prescribed,
+    /// A value of a monitor.
+    #[error("not covered: a value of a monitor")]
+    Monitor,
     /// Expressions that have no affine form in intervals.
     #[error(
         "not covered: {0} is not affine in the states, or a function of parameters that cannot be enclosed"

@@ -18,7 +18,8 @@ use super::{
 };
 use crate::affine::closure::Prescribed;
 use crate::affine::motion::Place;
-use crate::affine::system::{Ordered, Source, System};
+use crate::affine::monitor::{self, MonitorSource};
+use crate::affine::system::{Ordered, Source, System, SystemError};
 
 /// Most periods of the forcing in one orbit.
 pub(crate) const MAX_PERIODS: usize = 1000;
@@ -38,6 +39,9 @@ pub struct SystemProblem<S = System> {
     pub system: S,
     /// The orbit to begin with.
     pub orbit: Orbit,
+    /// Numbers of orbits: columns of the results.
+    #[serde(default, skip_serializing_if = "Ordered::is_empty")]
+    pub monitor: Ordered<MonitorSource>,
     /// The branch to follow in a parameter of the system.
     #[serde(default)]
     pub continuation: Option<Continuation<String>>,
@@ -191,6 +195,7 @@ impl<S> SystemProblem<S> {
             title: self.title,
             system,
             orbit: self.orbit,
+            monitor: self.monitor,
             continuation: self.continuation,
             stability: self.stability,
             curve: self.curve,
@@ -252,6 +257,23 @@ impl Beginning {
             state: state.collect::<Option<_>>()?,
         })
     }
+}
+
+/// A system with the monitors of a problem.
+fn monitored(
+    system: System,
+    written: &SystemProblem<Source>,
+    outline: &Outline,
+) -> Result<System, Flaw> {
+    if written.monitor.is_empty() {
+        return Ok(system);
+    }
+    let flawed =
+        |error: SystemError| mistake::flaw_at(&written.system, outline, &error.path, &error);
+    let monitors = monitor::read(&written.system, &written.monitor).map_err(flawed)?;
+    let system = system.with_monitors(monitors);
+    system.monitored(&system.values(), &[]).map_err(flawed)?;
+    Ok(system)
 }
 
 impl SystemProblem {
@@ -349,6 +371,7 @@ impl SystemProblem {
             parameters.names().map(str::to_owned).collect(),
             own("period"),
             states.iter().flat_map(extrema).collect(),
+            self.monitor.names().map(str::to_owned).collect(),
             own("unstable multiplier_re multiplier_im newton residual leg"),
         ]
         .concat()
@@ -364,6 +387,7 @@ impl SystemProblem {
         let flawed = |error| mistake::flaw(&written.system, outline, &error);
         let system = System::new(source).map_err(flawed)?;
         system.at(&system.values(), &[]).map_err(flawed)?;
+        let system = monitored(system, &written, outline)?;
         let mut problem = written.with(system);
         let shows = |plot: &SystemPlot| matches!(plot, SystemPlot::Phase(..) | SystemPlot::Time(_));
         problem.output.with_profiles(outline, shows);
