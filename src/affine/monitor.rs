@@ -132,9 +132,4 @@ impl System {
     pub fn monitors(&self) -> &[Monitor] {
         &self.monitors
     }
-
-    /// The number of a monitor by its name.
-    pub fn monitor(&self, name: &str) -> Option<usize> {
-        self.monitors.iter().position(|one| one.name == name)
-    }
 }

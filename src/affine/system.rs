@@ -413,14 +413,13 @@ impl System {
         self.mode_names().position(|known| known == name)
     }
 
-    /// Names of parameters that no expression has, those of monitors included.
+    /// Names of parameters that no expression has.
     pub fn unused_parameters(&self) -> Vec<&str> {
         let mut used = HashSet::new();
         let mut take = |name: &str, _: &Range<usize>| {
             used.insert(name.to_owned());
         };
-        let monitors = self.monitors.iter().map(|monitor| &monitor.expression);
-        let all = self.expressions().chain(&self.define).chain(monitors);
+        let all = self.expressions().chain(&self.define);
         all.for_each(|expression| expression.names(&mut take));
         let names = self.source.parameters.names();
         names.filter(|name| !used.contains(*name)).collect()

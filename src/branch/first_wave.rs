@@ -178,7 +178,6 @@ impl Search<'_> {
         let limits = Limits {
             range,
             stop_at: Vec::new(),
-            monitors: Vec::new(),
             steps: search_steps(self.steps, wave.model.law),
         };
         let mut follower = Follower::new(wave, &point, target == range.1, limits)?;

@@ -258,7 +258,6 @@ impl<P: Plane> Section<P> {
             let limits = follow::Limits {
                 range,
                 stop_at: targets.to_vec(),
-                monitors: Vec::new(),
                 steps,
             };
             let mut beside = match &system.condition {

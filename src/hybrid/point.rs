@@ -29,8 +29,8 @@ pub struct OrbitPoint {
     pub switches: Vec<f64>,
     /// Least and largest value of every state.
     pub extremes: Vec<(f64, f64)>,
-    /// Values of the monitors, of those that have one.
-    pub monitors: Vec<Option<f64>>,
+    /// Names and values of the monitors, of those that have one.
+    pub monitors: Vec<(String, Option<f64>)>,
     /// Stability; `None` when not asked for.
     pub stable: Option<Stability>,
     /// Multipliers outside the unit circle; `None` when not asked for or without a limit.

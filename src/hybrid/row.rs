@@ -20,6 +20,10 @@ impl Serialize for Named {
 }
 
 impl Named {
+    fn without_values<'a>(names: impl Iterator<Item = &'a str>) -> Named {
+        Named(names.map(|name| (name.to_owned(), None)).collect())
+    }
+
     fn parameters(source: &Source, values: Option<&[f64]>) -> Named {
         let names = source.parameters.names().enumerate();
         let value = |index: usize| values.and_then(|values| values.get(index).copied());
@@ -43,16 +47,6 @@ impl Named {
     }
 }
 
-/// The monitors of a system with their values.
-fn monitors(system: &System, values: Option<&[Option<f64>]>) -> Named {
-    let all = system.monitors().iter().enumerate();
-    let value = |index: usize| values.and_then(|values| values.get(index).copied().flatten());
-    Named(
-        all.map(|(index, monitor)| (monitor.name.clone(), value(index)))
-            .collect(),
-    )
-}
-
 /// What a row tells of an orbit.
 #[derive(Clone, Debug, Serialize)]
 pub struct OrbitColumns<'a> {
@@ -70,8 +64,7 @@ pub struct OrbitColumns<'a> {
 
 impl<'a> OrbitColumns<'a> {
     /// An orbit.
-    pub fn new(system: &System, point: &'a OrbitPoint) -> OrbitColumns<'a> {
-        let source = &system.source;
+    pub fn new(source: &Source, point: &'a OrbitPoint) -> OrbitColumns<'a> {
         let leading = point.leading();
         OrbitColumns {
             regimes: &point.regimes,
@@ -79,7 +72,7 @@ impl<'a> OrbitColumns<'a> {
             period: point.period,
             switches: &point.switches,
             extremes: Named::extremes(source, Some(&point.extremes)),
-            monitors: monitors(system, Some(&point.monitors)),
+            monitors: Named(point.monitors.clone()),
             stable: point.stable.map(Stability::word),
             unstable: point.unstable,
             multiplier_re: leading.map(|value| value.re),
@@ -89,11 +82,10 @@ impl<'a> OrbitColumns<'a> {
 
     /// What is at these values of the parameters where there is no orbit: an equilibrium in a mode, or nothing.
     pub fn without(
-        system: &System,
+        source: &Source,
         values: Option<&[f64]>,
         rest: Option<(&'a str, &[f64])>,
     ) -> OrbitColumns<'a> {
-        let source = &system.source;
         let state = rest.map(|(_, state)| state.iter().map(|x| (*x, *x)).collect::<Vec<_>>());
         OrbitColumns {
             regimes: rest.map_or("", |(mode, _)| mode),
@@ -101,7 +93,7 @@ impl<'a> OrbitColumns<'a> {
             period: f64::NAN,
             switches: &[],
             extremes: Named::extremes(source, state.as_deref()),
-            monitors: monitors(system, None),
+            monitors: Named::default(),
             stable: None,
             unstable: None,
             multiplier_re: None,
@@ -124,13 +116,19 @@ pub struct OrbitRow<'a> {
 }
 
 impl<'a> OrbitRow<'a> {
-    /// A row for the names of its columns.
-    pub fn columns(system: &System) -> OrbitRow<'a> {
+    /// A row for the names of its columns, with those of monitors.
+    pub fn columns<'b>(
+        source: &Source,
+        monitors: impl Iterator<Item = &'b str>,
+    ) -> OrbitRow<'a> {
         OrbitRow {
             point: 0,
             label: None,
             kind: None,
-            orbit: OrbitColumns::without(system, None, None),
+            orbit: OrbitColumns {
+                monitors: Named::without_values(monitors),
+                ..OrbitColumns::without(source, None, None)
+            },
             newton: 0,
             residual: 0.0,
             leg: 0,
@@ -138,12 +136,12 @@ impl<'a> OrbitRow<'a> {
     }
 
     /// A point.
-    pub fn new(system: &System, point: &'a OrbitPoint) -> OrbitRow<'a> {
+    pub fn new(source: &Source, point: &'a OrbitPoint) -> OrbitRow<'a> {
         OrbitRow {
             point: point.point,
             label: point.label,
             kind: point.kind,
-            orbit: OrbitColumns::new(system, point),
+            orbit: OrbitColumns::new(source, point),
             newton: point.newton,
             residual: point.residual,
             leg: point.leg,
@@ -170,14 +168,17 @@ pub struct OrbitEventRow<'a> {
 }
 
 impl<'a> OrbitEventRow<'a> {
-    /// A row for the names of its columns.
-    pub fn columns(system: &System) -> OrbitEventRow<'a> {
+    /// A row for the names of its columns, with those of monitors.
+    pub fn columns<'b>(
+        source: &Source,
+        monitors: impl Iterator<Item = &'b str>,
+    ) -> OrbitEventRow<'a> {
         OrbitEventRow {
             label: 0,
             kind: None,
-            parameters: Named::parameters(&system.source, None),
+            parameters: Named::parameters(source, None),
             period: 0.0,
-            monitors: monitors(system, None),
+            monitors: Named::without_values(monitors),
             multiplier_re: None,
             multiplier_im: None,
             regimes_before: "",

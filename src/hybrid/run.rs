@@ -86,6 +86,7 @@ impl Runner {
             point,
             directions,
         } = begin(problem, continuation, named)?;
+        let orbit = orbit.with_monitors(problem.monitors());
         let scales = orbit.setting.scales.clone();
         let values = orbit.setting.values.clone();
         let plan = plan(problem, continuation).going(&directions);
@@ -116,6 +117,7 @@ impl Runner {
         let scales = progress.scales.clone();
         let posed = parameter.and_then(|index| first.posed(problem, index, scales));
         let orbit = posed.ok_or(ResumeMismatch::Progress)?;
+        let orbit = orbit.with_monitors(problem.monitors());
         let plan = plan(problem, continuation).going(&progress.directions);
         Ok(Runner {
             problem: problem.clone(),
@@ -252,16 +254,12 @@ impl Runner {
             }),
             _ => None,
         };
-        let monitors = self.problem.system.monitors().iter();
         OrbitEvent {
             label: point.label.unwrap_or_default(),
             kind: special.kind(),
             parameters: parameters.collect(),
             period: point.period,
-            monitors: monitors
-                .map(|one| one.name.clone())
-                .zip(point.monitors.iter().copied())
-                .collect(),
+            monitors: point.monitors.clone(),
             leading: point.leading(),
             regimes_before: before.unwrap_or_else(|| point.regimes.clone()),
             regimes_after: beyond().unwrap_or_else(|| point.regimes.clone()),
@@ -324,7 +322,7 @@ impl Run for Runner {
 /// What is asked for of the legs.
 fn plan(problem: &SystemProblem, continuation: &Continuation<String>) -> legs::Plan {
     let most = continuation.max_points.unwrap_or(DEFAULT_MAX_POINTS);
-    let number = |name: &str| problem.system.monitor(name);
+    let number = |name: &str| problem.monitor.index(name);
     continuation.plan(most, problem.output.profiles, number)
 }
 
@@ -393,7 +391,11 @@ pub(crate) fn point(
         period,
         switches,
         extremes: examination.extremes.clone(),
-        monitors: orbit.monitors(unknowns),
+        monitors: {
+            let names = orbit.setting.system.monitors().iter();
+            let names = names.map(|monitor| monitor.name.clone());
+            names.zip(orbit.monitors(unknowns)).collect()
+        },
         stable,
         unstable: tells.and(outside),
         multipliers: multipliers.unwrap_or_default(),

@@ -6,7 +6,7 @@ use super::cell::CellRow;
 use super::plane::Plane;
 use crate::affine::motion::Halt;
 use crate::affine::orbit::start::{NoStart as NoOrbit, Search};
-use crate::affine::system::System;
+use crate::affine::system::{Source, System};
 use crate::continuation::newton;
 use crate::hybrid::row::OrbitColumns;
 use crate::hybrid::run::point;
@@ -167,7 +167,7 @@ pub struct SettledColumns<'a> {
 
 impl<'a> CellRow<SettledColumns<'a>> {
     /// A row for the names of its columns.
-    pub fn columns(system: &'a System) -> CellRow<SettledColumns<'a>> {
+    pub fn columns(source: &Source) -> CellRow<SettledColumns<'a>> {
         CellRow {
             row: 0,
             column: 0,
@@ -176,7 +176,7 @@ impl<'a> CellRow<SettledColumns<'a>> {
             found: "",
             there: SettledColumns {
                 periods: None,
-                orbit: OrbitColumns::without(system, None, None),
+                orbit: OrbitColumns::without(source, None, None),
             },
             why: String::new(),
         }
@@ -184,9 +184,10 @@ impl<'a> CellRow<SettledColumns<'a>> {
 
     /// What was found at a point.
     pub fn settled(system: &'a System, cell: &'a Outcome) -> CellRow<SettledColumns<'a>> {
+        let source = &system.source;
         let (orbit, periods, why) = match &cell.found {
             Settled::Orbit { point, periods } => {
-                (OrbitColumns::new(system, point), *periods, String::new())
+                (OrbitColumns::new(source, point), *periods, String::new())
             }
             Settled::Nothing(reason) => {
                 let (rest, why) = match reason {
@@ -195,7 +196,7 @@ impl<'a> CellRow<SettledColumns<'a>> {
                     other => (None, other.to_string()),
                 };
                 let rest = rest.map(|place| (system.mode_name(place.mode), &place.state[..]));
-                let orbit = OrbitColumns::without(system, Some(&cell.parameters), rest);
+                let orbit = OrbitColumns::without(source, Some(&cell.parameters), rest);
                 (orbit, None, why)
             }
         };

@@ -27,8 +27,6 @@ pub struct Limits {
     pub range: (f64, f64),
     /// User points.
     pub stop_at: Vec<f64>,
-    /// Values of monitors at which one is wanted, too.
-    pub monitors: Vec<MonitorStop>,
     /// Step lengths and tolerance.
     pub steps: Steps,
 }
@@ -39,7 +37,6 @@ impl Limits {
         Limits {
             range,
             stop_at: Vec::new(),
-            monitors: Vec::new(),
             steps: Steps::default(),
         }
     }
@@ -151,6 +148,8 @@ pub struct Track<O> {
     /// Their boundary-value problem.
     pub orbit: Arc<O>,
     limits: Arc<Limits>,
+    /// Values of monitors at which a user point is wanted, too.
+    monitors: Arc<[MonitorStop]>,
     /// Direction of the parameter: +1 or −1.
     heading: f64,
     /// Changes of signature in a row that are alike.
@@ -183,6 +182,7 @@ impl<O: Orbit> Walker<Track<O>> {
         let branch = Track {
             orbit: Arc::new(orbit),
             limits: Arc::new(limits.ordered()),
+            monitors: Arc::default(),
             heading,
             cascade: Cascade::default(),
         };
@@ -221,6 +221,7 @@ impl<O: Orbit> Walker<Track<O>> {
         let branch = Track {
             orbit: Arc::new(posed),
             limits: Arc::new(limits.ordered()),
+            monitors: Arc::default(),
             heading: state.heading,
             cascade: state.cascade,
         };
@@ -232,6 +233,12 @@ impl<O: Orbit> Walker<Track<O>> {
             creeping: state.creeping,
             ..Walker::begin(branch, node, steps)?
         })
+    }
+
+    /// The same with user points at these values of monitors, too.
+    pub fn stopping_at(mut self, monitors: &[MonitorStop]) -> Follower<O> {
+        self.curve.monitors = monitors.into();
+        self
     }
 
     /// The state to resume from.
@@ -309,7 +316,7 @@ impl<O: Orbit> Curve for Track<O> {
         events::located(
             self.orbit.as_ref(),
             self.limits.range,
-            (&self.limits.stop_at, &self.limits.monitors),
+            (&self.limits.stop_at, &self.monitors),
             step,
         )
     }
@@ -730,6 +737,7 @@ impl<O: Orbit> Track<O> {
         let curve = Track {
             orbit: orbit.clone(),
             limits: self.limits.clone(),
+            monitors: self.monitors.clone(),
             heading: if change.turned_back {
                 -self.heading
             } else {

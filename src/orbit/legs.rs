@@ -45,7 +45,6 @@ impl Plan {
         Limits {
             range: self.range,
             stop_at: self.stop_at.clone(),
-            monitors: self.monitors.clone(),
             steps: self.steps,
         }
     }
@@ -354,7 +353,7 @@ fn follower<O: Orbit>(
     if point.len() != first.unknowns() {
         return Err(ResumeMismatch::FirstWave);
     }
-    Ok(match &progress.state {
+    let follower = match &progress.state {
         Some(state) => Follower::resume(first, state.clone(), plan.limits())?,
         None => Follower::new(
             first.clone(),
@@ -362,5 +361,6 @@ fn follower<O: Orbit>(
             *up,
             plan.limits(),
         )?,
-    })
+    };
+    Ok(follower.stopping_at(&plan.monitors))
 }

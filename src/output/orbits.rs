@@ -37,8 +37,9 @@ impl Recorded for Runner {
     }
 
     fn headers(problem: &SystemProblem) -> Headers {
-        let branch = table::columns(&OrbitRow::columns(&problem.system));
-        let events = table::columns(&OrbitEventRow::columns(&problem.system));
+        let source = &problem.system.source;
+        let branch = table::columns(&OrbitRow::columns(source, problem.monitor.names()));
+        let events = table::columns(&OrbitEventRow::columns(source, problem.monitor.names()));
         Headers {
             branch: table::line_of(&branch),
             events: table::line_of(&events),
@@ -50,10 +51,11 @@ impl Recorded for Runner {
     }
 
     fn lines(problem: &SystemProblem, item: &Item) -> Lines<LabelledOrbit> {
+        let source = &problem.system.source;
         let event = item.event.as_ref();
         let saved = item.saved.as_ref();
         Lines {
-            branch: table::line(&OrbitRow::new(&problem.system, &item.point)),
+            branch: table::line(&OrbitRow::new(source, &item.point)),
             event: event.map(|event| table::line(&OrbitEventRow::new(event))),
             spectrum: item.multipliers.iter().map(table::line).collect(),
             kept: saved.map(|saved| (saved.clone(), saved.label, profile(problem, item))),

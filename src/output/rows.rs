@@ -78,7 +78,7 @@ impl HasPlane for SystemProblem {
     }
 
     fn header(&self) -> String {
-        let row = CellRow::columns(&self.system);
+        let row = CellRow::columns(&self.system.source);
         table::line_of(&table::columns(&row))
     }
 }

@@ -14,6 +14,7 @@ use super::structure::{ZoneFacts, facts, section};
 use crate::affine::closure::Prescribed;
 use crate::affine::flow::{MOST_PIECES, ModeFlow};
 use crate::affine::mode::{AffineMode, AffineSystem, Guard, MatrixBy, Row};
+use crate::affine::monitor::Monitor;
 use crate::affine::stiff::STIFF;
 use crate::affine::system::{System, SystemError};
 use crate::continuation::Node;
@@ -348,6 +349,18 @@ impl AffineOrbit {
         let origin = self.origin.clone();
         // most zones beside an event are those of the event
         Some(AffineOrbit { origin, ..other }.with_memory_of(self))
+    }
+
+    /// The same orbits with monitors.
+    pub fn with_monitors(self, monitors: Vec<Monitor>) -> AffineOrbit {
+        let setting = Setting {
+            system: self.setting.system.clone().with_monitors(monitors),
+            ..(*self.setting).clone()
+        };
+        AffineOrbit {
+            setting: Arc::new(setting),
+            ..self
+        }
     }
 
     /// The same with the passages of other orbits of its zones.

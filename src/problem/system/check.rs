@@ -240,7 +240,9 @@ impl Checks<'_, SystemProblem> {
         let prescribed = self.problem.prescribed();
         let in_period = |name: &str| prescribed.as_ref().is_some_and(|period| period.has(name));
         let mut unused = system.unused_parameters().into_iter();
-        if let Some(name) = unused.find(|name| !in_period(name)) {
+        let monitors = self.problem.monitors();
+        let in_monitor = |name: &str| monitors.iter().any(|one| one.has(name));
+        if let Some(name) = unused.find(|name| !in_period(name) && !in_monitor(name)) {
             let at = self.outline.key_of("system.parameters", name);
             let at = at.unwrap_or_else(|| self.outline.locate("system.parameters"));
             let message = format!("the parameter `{name}` is not used");

@@ -18,7 +18,7 @@ use super::{
 };
 use crate::affine::closure::Prescribed;
 use crate::affine::motion::Place;
-use crate::affine::monitor::{self, MonitorSource};
+use crate::affine::monitor::{self, Monitor, MonitorSource};
 use crate::affine::system::{Ordered, Source, System, SystemError};
 
 /// Most periods of the forcing in one orbit.
@@ -259,29 +259,17 @@ impl Beginning {
     }
 }
 
-/// A system with the monitors of a problem.
-fn monitored(
-    system: System,
-    written: &SystemProblem<Source>,
-    outline: &Outline,
-) -> Result<System, Flaw> {
-    if written.monitor.is_empty() {
-        return Ok(system);
-    }
-    let flawed =
-        |error: SystemError| mistake::flaw_at(&written.system, outline, &error.path, &error);
-    let monitors = monitor::read(&written.system, &written.monitor).map_err(flawed)?;
-    let system = system.with_monitors(monitors);
-    system.monitored(&system.values(), &[]).map_err(flawed)?;
-    Ok(system)
-}
-
 impl SystemProblem {
     /// The period, where it is prescribed.
     pub fn prescribed(&self) -> Option<Prescribed> {
         let (period, free) = self.orbit.period.as_ref().zip(self.orbit.free.as_ref())?;
         let source = &self.system.source;
         Prescribed::new(source, period, source.parameters.index(free)?).ok()
+    }
+
+    /// The monitors.
+    pub fn monitors(&self) -> Vec<Monitor> {
+        monitor::read(&self.system.source, &self.monitor).unwrap_or_default()
     }
 
     /// Values of the parameters, in the order of the file.
@@ -387,7 +375,14 @@ impl SystemProblem {
         let flawed = |error| mistake::flaw(&written.system, outline, &error);
         let system = System::new(source).map_err(flawed)?;
         system.at(&system.values(), &[]).map_err(flawed)?;
-        let system = monitored(system, &written, outline)?;
+        if !written.monitor.is_empty() {
+            let flawed = |error: SystemError| {
+                mistake::flaw_at(&written.system, outline, &error.path, &error)
+            };
+            let monitors = monitor::read(&written.system, &written.monitor).map_err(flawed)?;
+            let observed = system.clone().with_monitors(monitors);
+            observed.monitored(&system.values(), &[]).map_err(flawed)?;
+        }
         let mut problem = written.with(system);
         let shows = |plot: &SystemPlot| matches!(plot, SystemPlot::Phase(..) | SystemPlot::Time(_));
         problem.output.with_profiles(outline, shows);
