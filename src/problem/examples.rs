@@ -6,7 +6,8 @@ const OF_TUBES: &str = include_str!("examples.ron");
 const OF_SYSTEMS: &str = include_str!("examples_system.ron");
 
 /// Fields that hold a map: what stands in it has names of the user's own.
-const MAPS: [&str; 9] = [
+const MAPS: [&str; 10] = [
+    "monitor",
     "parameters",
     "define",
     "modes",

@@ -173,7 +173,10 @@ impl<P> Checks<'_, P> {
                 let name = excerpt(name);
                 let message =
                     format!("the user point names `{name}`, but the branch is in `{column}`");
-                let help = format!("write `({column}: {value:?})` or the bare number");
+                let help = match monitors.contains(&name.as_str()) {
+                    true => format!("write `(\"{name}\", {value:?})`"),
+                    false => format!("write `({column}: {value:?})` or the bare number"),
+                };
                 return self.refuse(&path, message, help);
             }
             self.admit(&path, value, (lower..=upper).contains(&value), &rule)?;

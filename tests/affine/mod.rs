@@ -9,6 +9,7 @@ mod crossings;
 mod cycles;
 mod ending;
 mod matrices;
+mod monitors;
 mod motion;
 mod nonlinear;
 mod orbits;

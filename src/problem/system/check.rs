@@ -231,6 +231,13 @@ impl Checks<'_, SystemProblem> {
             }
             seen.push(name);
         }
+        for (name, monitor) in &self.problem.monitor.0 {
+            if let Some((_, number)) = monitor.switch() {
+                let path = format!("{MONITOR}.{name}.2");
+                let rule = "`1` is the first switch of this name in the period";
+                self.admit(&path, number, number > 0, rule)?;
+            }
+        }
         Ok(())
     }
 
