@@ -217,6 +217,11 @@ impl Rule {
                 Function::Abs if a.high <= 0.0 => -a,
                 Function::Abs => Interval::new(0.0, a.magnitude()),
                 Function::Tanh => one - Interval::point(2.0) / ((a + a).exp() + one),
+                Function::Asin => a.asin(),
+                Function::Acos => a.acos(),
+                Function::Atan => a.atan(),
+                Function::Sinh => a.sinh(),
+                Function::Cosh => a.cosh(),
             },
         }
     }

@@ -13,7 +13,7 @@ use serde::de::{MapAccess, Visitor};
 use serde::ser::SerializeMap;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use super::expression::{Expression, Flaw, Function, Obstacle, Wrong};
+use super::expression::{Expression, Flaw, Obstacle, Wrong};
 use super::monitor::Monitor;
 
 /// Part of a component by which the terms of degree 17 may change it over a step of an integrated flow, where none is
@@ -315,6 +315,9 @@ impl From<System> for Source {
 /// What every expression may name beside states, parameters and abbreviations.
 const RESERVED: [&str; 2] = ["phase", "pi"];
 
+/// Functions whose names nothing else may have. Of the others a name is told by its lack of brackets.
+const RESERVED_FUNCTIONS: [&str; 8] = ["sin", "cos", "tan", "exp", "ln", "sqrt", "abs", "tanh"];
+
 impl System {
     /// Reads every expression and looks up every name.
     ///
@@ -482,10 +485,9 @@ impl Source {
             ("parameters", self.parameters.names().collect()),
             ("define", self.define.names().collect()),
         ]);
-        let functions = Function::ALL.map(|(name, _)| name);
         for (section, names) in values {
             for name in names {
-                let reserved = RESERVED.contains(&name) || functions.contains(&name);
+                let reserved = RESERVED.contains(&name) || RESERVED_FUNCTIONS.contains(&name);
                 check_name(section, name, reserved, &mut seen)?;
             }
         }
