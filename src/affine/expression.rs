@@ -453,7 +453,7 @@ fn number(text: &mut Text) -> ModalResult<Node> {
 fn named(text: &mut Text) -> ModalResult<Node> {
     let first = |c: char| c.is_alphabetic() || c == '_';
     let more = |c: char| c.is_alphanumeric() || c == '_';
-    let name = (one_of(first), take_while(0.., more)).take();
+    let mut name = (one_of(first), take_while(0.., more)).take();
     let name: &str = name.parse_next(text)?;
     let closed = || cut_err(preceded(multispace0, ')'));
     let opened = || (multispace0, '(', multispace0);

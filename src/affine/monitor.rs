@@ -1,12 +1,8 @@
-//! Monitors: numbers of an orbit that a problem asks for, as they are written and once their expressions are read, and
-//! the expressions laid out in a system at given values of its parameters.
+//! Monitors: numbers of an orbit that a problem asks for, as they are written and once their expressions are read.
 
 use serde::{Deserialize, Serialize};
 
 use super::expression::Expression;
-use super::mode::AffineSystem;
-use super::rows::Row;
-use super::system::{Mistake, Ordered, Source, System, SystemError};
 
 /// A monitor as it is written.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -34,7 +30,7 @@ fn first() -> usize {
 
 impl MonitorSource {
     /// Its expression, and the place of that among its entries.
-    fn expression(&self) -> (usize, &str) {
+    pub(super) fn expression(&self) -> (usize, &str) {
         match self {
             MonitorSource::Max(text)
             | MonitorSource::Min(text)
@@ -81,55 +77,5 @@ impl Monitor {
         let mut found = false;
         self.expression.names(&mut |one, _| found |= one == name);
         found
-    }
-}
-
-/// Monitors of a system, their expressions read.
-///
-/// # Errors
-/// An expression that is none, with its place; a switch that no entry of `until` is the name of.
-pub fn read(
-    source: &Source,
-    written: &Ordered<MonitorSource>,
-) -> Result<Vec<Monitor>, SystemError> {
-    let monitors = written.0.iter().map(|(name, one)| {
-        let (place, text) = one.expression();
-        let expression = source.of_all(&format!("{MONITOR}.{name}.{place}"), text)?;
-        if let Some((switch, _)) = one.switch()
-            && !source.switch_names().any(|known| known == switch)
-        {
-            let mistake = Mistake::NoSwitch(switch.to_owned());
-            let error = SystemError::at(format!("{MONITOR}.{name}.0"), mistake);
-            return Err(error.near(switch, source.switch_names()));
-        }
-        Ok(Monitor {
-            name: name.clone(),
-            source: one.clone(),
-            expression,
-        })
-    });
-    monitors.collect()
-}
-
-/// A system in which the expressions of its monitors are laid out, too. The flows of its modes have nothing to do with what
-/// these expressions are made of.
-#[derive(Clone, Debug)]
-pub struct MonitoredSystem {
-    /// The system.
-    pub system: AffineSystem,
-    /// The forms of all monitors in every mode.
-    pub forms: Vec<Vec<Row>>,
-}
-
-impl System {
-    /// The same system with monitors.
-    pub fn with_monitors(mut self, monitors: Vec<Monitor>) -> System {
-        self.monitors = monitors;
-        self
-    }
-
-    /// Its monitors.
-    pub fn monitors(&self) -> &[Monitor] {
-        &self.monitors
     }
 }

@@ -292,7 +292,7 @@ pub(super) fn located<O: Orbit>(
             });
         }
     }
-    let monitors = monitor::located(orbit, monitors, step, &changes).ok_or(Refusal::NotFound)?;
+    let monitors = at_monitors(orbit, monitors, step, &changes).ok_or(Refusal::NotFound)?;
     let exact = fold.into_iter().chain(targets).chain(monitors);
     Ok(exact.chain(changes).chain(crossings).collect())
 }
@@ -428,6 +428,26 @@ fn targets<O: Orbit>(
         );
     }
     Some(located)
+}
+
+/// Where monitors have values that are asked for within a step, before the first of its changes. `None` if a place is not
+/// found.
+fn at_monitors<O: Orbit>(
+    orbit: &O,
+    stops: &[MonitorStop],
+    step: &Step<O>,
+    changes: &[(Place, Located<O>)],
+) -> Option<Vec<(Place, Located<O>)>> {
+    let places = changes.iter().map(|(place, _)| place);
+    let first = places.min_by(|one, other| one.s.total_cmp(&other.s));
+    let end = first.map_or((step.ds, step.to), |place| (place.s, &place.node));
+    let all = monitor::located(orbit, stops, step, end)?.into_iter();
+    let events = all.map(|one| {
+        let event = Event::Monitor(one.stop);
+        let uncertainty = one.uncertainty;
+        (one.place, Located { event, uncertainty })
+    });
+    Some(events.collect())
 }
 
 /// Margins that vanish within a step.

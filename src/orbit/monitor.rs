@@ -4,7 +4,8 @@
 //! smooth but for an extreme that another place takes over. A change of side within a step is therefore bracketed first, and
 //! then brought to rounding by Newton's method; what only jumps past a value does not have it.
 
-use super::events::{Event, Located};
+use serde::{Deserialize, Serialize};
+
 use super::{Orbit, uncertainty};
 use crate::continuation::Node;
 use crate::continuation::locate::{self, Least, Place};
@@ -21,8 +22,17 @@ pub struct Measured {
     pub gradient: Vec<f64>,
 }
 
+impl Measured {
+    /// Its largest derivative; 1 where there is none.
+    pub fn slope(&self) -> f64 {
+        let sizes = self.gradient.iter().map(|by| by.abs());
+        let largest = sizes.fold(0.0, f64::max);
+        if largest > 0.0 { largest } else { 1.0 }
+    }
+}
+
 /// A value of a monitor that is asked for.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MonitorStop {
     /// Number of the monitor.
     pub monitor: usize,
@@ -62,20 +72,27 @@ const BESIDE: f64 = 1e-6;
 /// A step from a place at which a monitor has a value but for this part of it does not meet it once more at once.
 const ON_VALUE: f64 = 1e-12;
 
-/// Where monitors have the values that are asked for within a step, up to the first change of signature in it. `None` if a
-/// place is not found.
+/// A place at which a monitor has a value that is asked for.
+pub(super) struct LocatedMonitor {
+    /// The place.
+    pub place: Place,
+    /// The value, and of which monitor.
+    pub stop: MonitorStop,
+    /// The error of the parameter there, in physical units.
+    pub uncertainty: f64,
+}
+
+/// Where monitors have the values that are asked for within a step, up to an end at an arclength. `None` if a place is not
+/// found.
 pub(super) fn located<O: Orbit>(
     orbit: &O,
     stops: &[MonitorStop],
     step: &Segment<O::Examination>,
-    changes: &[(Place, Located<O>)],
-) -> Option<Vec<(Place, Located<O>)>> {
+    end: (f64, &Node),
+) -> Option<Vec<LocatedMonitor>> {
     let mut all = Vec::new();
-    let places = changes.iter().map(|(place, _)| place);
-    let first = places.min_by(|one, other| one.s.total_cmp(&other.s));
-    let (end, to) = first.map_or((step.ds, step.to), |place| (place.s, &place.node));
     for stop in stops {
-        for bracket in brackets(orbit, *stop, step, (end, to)) {
+        for bracket in brackets(orbit, *stop, step, end) {
             all.extend(zero(orbit, *stop, step, bracket)?);
         }
     }
@@ -135,7 +152,7 @@ fn zero<O: Orbit>(
     stop: MonitorStop,
     step: &Segment<O::Examination>,
     [low, high]: Signs,
-) -> Option<Option<(Place, Located<O>)>> {
+) -> Option<Option<LocatedMonitor>> {
     let tolerance = step.steps.tolerance;
     let size = |value: f64| value.abs().max(stop.value.abs());
     let narrow = NARROW * step.ds;
@@ -150,10 +167,9 @@ fn zero<O: Orbit>(
     };
     let (s, node) = near?;
     let measured = orbit.measured(stop.monitor, &node.point).ok()??;
-    let largest = measured.gradient.iter().fold(0.0, |most: f64, by| most.max(by.abs()));
     let mut constraint = AtValue {
         stop,
-        size: if largest > 0.0 { largest } else { 1.0 },
+        size: measured.slope(),
     };
     let place = locate::solve(orbit, step.from, &node.point, &mut constraint, tolerance);
     let place = place.filter(|place| (place.s - s).abs() <= BESIDE * step.ds);
@@ -165,9 +181,9 @@ fn zero<O: Orbit>(
     if met && place.s <= narrow {
         return Some(None);
     }
-    let located = Located {
+    Some(Some(LocatedMonitor {
         uncertainty: uncertainty(orbit, &mut constraint, &place),
-        event: Event::Monitor(stop),
-    };
-    Some(Some((place, located)))
+        place,
+        stop,
+    }))
 }

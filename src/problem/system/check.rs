@@ -7,7 +7,7 @@ use super::super::outline::{Outline, Subject};
 use super::super::rules::{Check, Checks, ORDER, lengths};
 use super::super::scan::{MAX_SCANNED, MAX_VALUES};
 use super::super::{
-    Continuation, Curve, Scan, ScanValues, Section, Sweep, SystemCurve, SystemMap, fields,
+    Continuation, Curve, Scan, ScanValues, Section, Sweep, SystemCurve, SystemCurveEvent, SystemMap, fields,
 };
 use super::mistake::flaw_at;
 use super::{Beginning, OrbitStart, SystemPlot, SystemProblem};
@@ -589,6 +589,15 @@ impl Checks<'_, SystemProblem> {
             return self.refuse("curve.sector", message, "leave it out");
         }
         self.label_without_index(section.event.kind().is_none())?;
+        if let SystemCurveEvent::Constant(name) = &section.event {
+            let monitors: Vec<&str> = self.problem.monitor.names().collect();
+            if !monitors.contains(&name.as_str()) {
+                let known = known(name, &monitors);
+                let message = format!("`{}` is no monitor{known}", excerpt(name));
+                let help = "name an entry of the section `monitor`";
+                return self.refuse("curve.event.0", message, help);
+            }
+        }
         self.steps("curve", [section.ds, section.ds_min, section.ds_max])
     }
 

@@ -86,12 +86,12 @@ fn functions() -> Vec<&'static str> {
 
 /// What an expression may have.
 fn about_expression(source: &Source, wrong: &Wrong) -> String {
-    let functions = || list(functions().into_iter());
+    let listed = || list(functions().into_iter());
     match wrong {
         Wrong::TooLong(_) | Wrong::TooDeep(_) => "name parts of it in `define`".to_owned(),
         Wrong::Unreadable => format!(
             "an expression has numbers, names, `+ - * / ^`, brackets and the functions {}",
-            functions()
+            listed()
         ),
         Wrong::Unclosed => "close every bracket that is opened".to_owned(),
         Wrong::Unopened => "remove it, or open a bracket before it".to_owned(),

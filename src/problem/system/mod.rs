@@ -18,7 +18,8 @@ use super::{
 };
 use crate::affine::closure::Prescribed;
 use crate::affine::motion::Place;
-use crate::affine::monitor::{self, Monitor, MonitorSource};
+use crate::affine::monitor::{Monitor, MonitorSource};
+use crate::affine::monitored;
 use crate::affine::system::{Ordered, Source, System, SystemError};
 
 /// Most periods of the forcing in one orbit.
@@ -269,7 +270,7 @@ impl SystemProblem {
 
     /// The monitors.
     pub fn monitors(&self) -> Vec<Monitor> {
-        monitor::read(&self.system.source, &self.monitor).unwrap_or_default()
+        monitored::read(&self.system.source, &self.monitor).unwrap_or_default()
     }
 
     /// Values of the parameters, in the order of the file.
@@ -379,7 +380,7 @@ impl SystemProblem {
             let flawed = |error: SystemError| {
                 mistake::flaw_at(&written.system, outline, &error.path, &error)
             };
-            let monitors = monitor::read(&written.system, &written.monitor).map_err(flawed)?;
+            let monitors = monitored::read(&written.system, &written.monitor).map_err(flawed)?;
             let observed = system.clone().with_monitors(monitors);
             observed.monitored(&system.values(), &[]).map_err(flawed)?;
         }
