@@ -342,11 +342,15 @@ impl CoefficientTable {
             Rule::Function(Function::Atan) => {
                 // u̇w = ȧ with w = 1 + a²
                 self.convolve(helper, [a, a], (0..k + 1, k), |_| 1.0);
-                self.divide((own, helper), Some(a), [own, helper], (1..k, k), |i| -over_k(i));
+                self.divide((own, helper), Some(a), [own, helper], (1..k, k), |i| {
+                    -over_k(i)
+                });
             }
             Rule::Function(Function::Asin | Function::Acos) => {
                 // u̇w = ȧ with ẇ = −au̇: w = ±√(1 − a²)
-                self.divide((own, helper), Some(a), [own, helper], (1..k, k), |i| -over_k(i));
+                self.divide((own, helper), Some(a), [own, helper], (1..k, k), |i| {
+                    -over_k(i)
+                });
                 self.convolve(helper, [own, a], later, |i| -over_k(i));
             }
             Rule::Function(Function::Ln) => {

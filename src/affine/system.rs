@@ -248,7 +248,11 @@ impl SystemError {
     }
 
     /// With the nearest of the names that would be right.
-    pub(super) fn near<'a>(mut self, name: &str, known: impl Iterator<Item = &'a str>) -> SystemError {
+    pub(super) fn near<'a>(
+        mut self,
+        name: &str,
+        known: impl Iterator<Item = &'a str>,
+    ) -> SystemError {
         let close = known.map(|known| (strsim::osa_distance(name, known), known));
         let nearest = close.min_by_key(|(distance, _)| *distance);
         let letters = name.chars().count();

@@ -121,7 +121,9 @@ impl Orbits {
     /// The system, with the monitor that keeps its value.
     fn system(&self) -> System {
         let monitors = monitored::read(&self.system.source, &self.monitor);
-        self.system.clone().with_monitors(monitors.unwrap_or_default())
+        self.system
+            .clone()
+            .with_monitors(monitors.unwrap_or_default())
     }
 }
 

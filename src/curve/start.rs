@@ -254,7 +254,9 @@ fn kept_at(item: &hybrid::Item, name: &str) -> Result<Kept, NoCurve<Orbits>> {
         Some(Special::Monitor(_, value)) => Some(*value),
         _ => {
             let mut values = item.point.monitors.iter();
-            values.find(|(known, _)| known == name).and_then(|(_, value)| *value)
+            values
+                .find(|(known, _)| known == name)
+                .and_then(|(_, value)| *value)
         }
     };
     let kept = monitor.zip(value);

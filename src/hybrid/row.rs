@@ -117,10 +117,7 @@ pub struct OrbitRow<'a> {
 
 impl<'a> OrbitRow<'a> {
     /// A row for the names of its columns, with those of monitors.
-    pub fn columns<'b>(
-        source: &Source,
-        monitors: impl Iterator<Item = &'b str>,
-    ) -> OrbitRow<'a> {
+    pub fn columns<'b>(source: &Source, monitors: impl Iterator<Item = &'b str>) -> OrbitRow<'a> {
         OrbitRow {
             point: 0,
             label: None,

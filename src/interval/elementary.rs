@@ -295,7 +295,10 @@ mod tests {
             ((-two.ln()).cosh(), point(1.25)),
             (point(0.0).sinh(), point(0.0)),
         ] {
-            assert!(!found.intersection(value).is_empty(), "{found:?}, {value:?}");
+            assert!(
+                !found.intersection(value).is_empty(),
+                "{found:?}, {value:?}"
+            );
             assert!(found.width() <= 4e-15, "{found:?}");
         }
         // the inverse of the tangent, and x itself for small x

@@ -37,8 +37,8 @@ use crate::continuation::locate::Place;
 use crate::continuation::newton::{self, Constraint, System};
 use crate::continuation::walk::Segment;
 use crate::linalg::{Matrix, Vector};
-use monitor::Measured;
 pub use event::{EventType, UnknownType};
+use monitor::Measured;
 use sign::Verdict;
 pub use stability::Stability;
 

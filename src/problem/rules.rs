@@ -4,11 +4,11 @@ use std::fmt::Debug;
 
 use super::error::{Flaw, excerpt};
 use super::expectation::MAX_EXPECTATIONS;
+use super::explanation::known;
 use super::fields::not_admitted;
 use super::map::MAX_MAP_POINTS;
 use super::outline::Outline;
 use super::tube::place_of;
-use super::explanation::known;
 use super::{Continuation, Expectation, MAX_USER_POINTS, Map, MapPoints, Toward, UserPoint};
 
 pub(super) type Check = Result<(), Flaw>;

@@ -93,30 +93,52 @@ fn monitors_of_an_impact_oscillator_are_right_to_rounding() {
         assert!((monitor(item, "work") - lost).abs() <= 1e-13);
         // there and back, with one turn: travel is twice the distance
         let travel = 2.0 * (monitor(item, "peak") - monitor(item, "low"));
-        assert!((monitor(item, "travel") - travel).abs() <= 1e-13, "{travel}");
-        let second = item.point.monitors.iter().find(|(name, _)| name == "no_second");
-        assert_eq!(second.unwrap().1, None, "an orbit with one impact has no second");
+        assert!(
+            (monitor(item, "travel") - travel).abs() <= 1e-13,
+            "{travel}"
+        );
+        let second = item
+            .point
+            .monitors
+            .iter()
+            .find(|(name, _)| name == "no_second");
+        assert_eq!(
+            second.unwrap().1,
+            None,
+            "an orbit with one impact has no second"
+        );
     }
 }
 
 /// A = |1 − ω² + icω| √((d − Vy)² + V²(e + W)²/ω²) at the speed V.
 #[test]
 fn a_value_of_a_monitor_is_located_to_rounding() {
-    let items = points(&impact("(\"hit\", 0.5), (\"hit\", 1.1), (\"loss\", 0.3)", "(0.15, 1.0)"));
-    let users = items.iter().filter(|item| item.point.kind == Some(EventType::UZ));
-    let users: Vec<(&Item, &str)> = users.map(|item| (item, &*item.event.as_ref().unwrap().what)).collect();
+    let items = points(&impact(
+        "(\"hit\", 0.5), (\"hit\", 1.1), (\"loss\", 0.3)",
+        "(0.15, 1.0)",
+    ));
+    let users = items
+        .iter()
+        .filter(|item| item.point.kind == Some(EventType::UZ));
+    let users: Vec<(&Item, &str)> = users
+        .map(|item| (item, &*item.event.as_ref().unwrap().what))
+        .collect();
     let of = |what: &str| -> Vec<&Item> {
         let same = users.iter().filter(|(_, known)| known.contains(what));
         same.map(|(item, _)| *item).collect()
     };
-    let [half] = of("hit = 0.5")[..] else { panic!() };
+    let [half] = of("hit = 0.5")[..] else {
+        panic!()
+    };
     let value = half.point.parameters[0];
     assert!((value - 0.30833205715293267775).abs() <= 4e-15, "{value}");
     let error = half.event.as_ref().unwrap().uncertainty;
     assert!(error > 0.0 && error < 1e-12, "{error:e}");
     assert_eq!(of("hit = 1.1").len(), 1);
     // the loss is least between the two
-    let [one, other] = of("loss = 0.3")[..] else { panic!() };
+    let [one, other] = of("loss = 0.3")[..] else {
+        panic!()
+    };
     for item in [one, other] {
         assert!((monitor(item, "loss") - 0.3).abs() <= 1e-14);
     }
@@ -172,7 +194,9 @@ fn monitors_of_an_integrated_flow_are_right_to_rounding() {
         assert!(off.abs() <= 1e-13, "{off:e}");
         assert!(monitor(item, "zero").abs() <= 1e-13);
     }
-    let mut users = items.iter().filter(|item| item.point.kind == Some(EventType::UZ));
+    let mut users = items
+        .iter()
+        .filter(|item| item.point.kind == Some(EventType::UZ));
     let user = users.next().unwrap();
     assert!((monitor(user, "fast") - 3.0).abs() <= 1e-14);
     assert!(users.next().is_none());
@@ -220,7 +244,9 @@ fn switches_are_counted_as_the_column_of_switches_has_them() {
         ];
         agrees(item, &figures, 1e-14);
     }
-    let user = items.iter().find(|item| item.point.kind == Some(EventType::UZ));
+    let user = items
+        .iter()
+        .find(|item| item.point.kind == Some(EventType::UZ));
     let value = user.unwrap().point.parameters[0];
     assert!((value - 0.2 * (e * e - 1.0)).abs() <= 1e-14);
 }

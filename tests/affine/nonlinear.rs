@@ -107,8 +107,20 @@ fn every_function_has_its_series() {
 fn every_function_has_its_derivatives() {
     const STEP: f64 = 1e-5;
     for text in [
-        "sin(t)", "tan(t)", "tanh(t)", "exp(t)", "ln(t)", "sqrt(t)", "t^1.3", "asin(t)", "acos(t)", "atan(t)", "sinh(t)", "cosh(t)",
-        "max(t, t^2)", "min(t, t^2)",
+        "sin(t)",
+        "tan(t)",
+        "tanh(t)",
+        "exp(t)",
+        "ln(t)",
+        "sqrt(t)",
+        "t^1.3",
+        "asin(t)",
+        "acos(t)",
+        "atan(t)",
+        "sinh(t)",
+        "cosh(t)",
+        "max(t, t^2)",
+        "min(t, t^2)",
     ] {
         let file = format!(
             r#"(states: ["t", "y"], modes: {{"only": (rates: {{"t": "1 + 0.5*t", "y": "{text}"}})}})"#
@@ -129,7 +141,10 @@ fn every_function_has_its_derivatives() {
             let difference = (above.value(k, 1) - below.value(k, 1)) / (2.0 * STEP);
             // central: an error of STEP²/6 times a third derivative, which grows like k³, and of rounding
             let off = (gradient[0] - difference).abs();
-            assert!(off <= 1e-6 * difference.abs().max(1.0), "{text}, {k}: {off:e}");
+            assert!(
+                off <= 1e-6 * difference.abs().max(1.0),
+                "{text}, {k}: {off:e}"
+            );
         }
     }
 }

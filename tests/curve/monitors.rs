@@ -86,7 +86,8 @@ fn a_monitor_keeps_its_value_along_a_curve() {
             let off = a / force(speed, w) - 1.0;
             assert!(off.abs() <= 2e-12, "{a}, {w}: {off:e}");
         }
-        let ends = [curve.points.first(), curve.points.last()].map(|end| end.unwrap().parameters[1]);
+        let ends =
+            [curve.points.first(), curve.points.last()].map(|end| end.unwrap().parameters[1]);
         assert!(ends.contains(&0.9), "{ends:?}");
     }
 }

@@ -48,7 +48,10 @@ impl Doubling {
     /// Over a time so short that the series holds.
     fn first(matrix: &MatrixBy, form: &MatrixBy, states: usize, norm: f64, time: f64) -> Doubling {
         let moving = |by: &Matrix| by.iter().any(|by| *by != 0.0);
-        let slopes = matrix.by.each_ref().map(|by| Some(by).filter(|by| moving(by)));
+        let slopes = matrix
+            .by
+            .each_ref()
+            .map(|by| Some(by).filter(|by| moving(by)));
         let (at, by) = propagator(&matrix.at, slopes, states, norm, time);
         let mut term = form.at.clone();
         let mut terms: [Option<Matrix>; VARYING] = std::array::from_fn(|p| {
@@ -145,15 +148,15 @@ pub(super) fn of_square(
     }
 }
 
-/// The integral of a row over a passage that is known piece by piece, the row being a part of its series.
-pub(super) fn of_series(passage: &Integrated, row: &Row, entry: &Vector, at_end: f64) -> Jet {
-    let mut sum = Jet::nothing(entry.len());
-    sum.by_time = at_end;
+/// The integral of a row over a passage that takes this time and is known piece by piece, the row being a part of its series;
+/// `size` is the length of z.
+pub(super) fn of_series(passage: &Integrated, row: &Row, size: usize, time: f64) -> Jet {
+    let mut sum = Jet::nothing(size);
     for stage in &passage.stages {
         let (flow, by) = &stage.by;
         let mut weight = 1.0;
         for k in 0..=ORDER {
-            weight *= stage.time;
+            weight *= stage.time.copysign(time);
             let (value, slopes, own) = stage.series.jet(row, k);
             let factor = weight / (k + 1) as f64;
             let base = slopes.rows(0, flow.nrows());

@@ -188,7 +188,7 @@ impl Observer<'_> {
     /// The form of a monitor at the entry of a zone.
     fn at_entry(&self, number: usize, zone: usize) -> Jet {
         let entry = self.at.entry(zone);
-        let series = self.field(number, zone).series(&entry, 0, true, true);
+        let series = self.field(number, zone).series(&entry, SIDE, true, true);
         let (value, by_z, by) = series.jet(self.row(number, zone), 0);
         Jet {
             value,
@@ -205,7 +205,8 @@ impl Observer<'_> {
 
     fn of_passage(&self, number: usize, zone: usize, passage: &Passage) -> Jet {
         // just before its end: there an absolute value has the sign that it has had
-        let series = self.field(number, zone).series(&passage.end, 0, true, false);
+        let field = self.field(number, zone);
+        let series = field.series(&passage.end, SIDE, true, false);
         let (value, gradient, by) = series.jet(self.row(number, zone), 0);
         Jet {
             value,
@@ -228,7 +229,11 @@ impl Observer<'_> {
             let square = self.at.posed.system.program.quadratic(row);
             let jet = match square.filter(|_| mode.field.is_exact) {
                 Some(form) => {
-                    let norm = self.at.posed.balance(self.at.orbit.sequence.zone(zone).mode).1;
+                    let norm = self
+                        .at
+                        .posed
+                        .balance(self.at.orbit.sequence.zone(zone).mode)
+                        .1;
                     integral::of_square(mode, &form, norm, &passage.entry, &passage.end, time)
                 }
                 None => {
@@ -238,7 +243,11 @@ impl Observer<'_> {
                         ..mode.clone()
                     };
                     let known = Integrated::new(&mode, &passage.entry, time);
-                    integral::of_series(&known, row, &passage.entry, at_end)
+                    let size = passage.entry.len();
+                    Jet {
+                        by_time: at_end,
+                        ..integral::of_series(&known, row, size, time)
+                    }
                 }
             };
             self.add(zone, &jet, &mut sum);
@@ -314,7 +323,10 @@ impl Observer<'_> {
     /// The flow of a zone in which the form of a monitor is watched after all guards, and its parts.
     fn flow(&self, number: usize, zone: usize) -> Result<(ModeFlow, Vec<Part>), OrbitFailure> {
         let at = &self.at;
-        let (name, mode) = (&at.orbit.sequence.zone(zone).name, at.orbit.sequence.zone(zone).mode);
+        let (name, mode) = (
+            &at.orbit.sequence.zone(zone).name,
+            at.orbit.sequence.zone(zone).mode,
+        );
         let balance = || at.posed.balance(mode).clone();
         let longest = at.orbit.setting.scales.time;
         let mut flow = ModeFlow::balanced(&at.posed.system.modes[mode], longest, balance);
@@ -330,6 +342,9 @@ impl Observer<'_> {
         }
     }
 }
+
+/// Order of the series that tells on which side of its kink an absolute value is at a switch.
+const SIDE: usize = 2;
 
 /// Part of a piece by which Newton's method moves a turn that its polynomial has.
 const CLOSE: f64 = 1e-3;

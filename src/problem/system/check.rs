@@ -7,7 +7,8 @@ use super::super::outline::{Outline, Subject};
 use super::super::rules::{Check, Checks, ORDER, lengths};
 use super::super::scan::{MAX_SCANNED, MAX_VALUES};
 use super::super::{
-    Continuation, Curve, Scan, ScanValues, Section, Sweep, SystemCurve, SystemCurveEvent, SystemMap, fields,
+    Continuation, Curve, Scan, ScanValues, Section, Sweep, SystemCurve, SystemCurveEvent,
+    SystemMap, fields,
 };
 use super::mistake::flaw_at;
 use super::{Beginning, OrbitStart, SystemPlot, SystemProblem};
@@ -103,11 +104,7 @@ pub(super) fn written(written: &SystemProblem<Source>, outline: &Outline) -> Che
             modes.0.len() + sliding.0.len(),
             MAX_MODES,
         ),
-        (
-            MONITOR.to_owned(),
-            written.monitor.0.len(),
-            MAX_MONITORS,
-        ),
+        (MONITOR.to_owned(), written.monitor.0.len(), MAX_MONITORS),
         (
             "map.starts".to_owned(),
             written.map.as_ref().map_or(0, |map| map.starts.len()),
@@ -218,8 +215,8 @@ impl Checks<'_, SystemProblem> {
                 let message = format!("`{shown}` cannot be a name here: {}", BadName::Twice);
                 return refused(message, "keep one of the two, or give one another name");
             }
-            let of_system = parameters.names().any(|one| one == name)
-                || states.iter().any(|one| one == name);
+            let of_system =
+                parameters.names().any(|one| one == name) || states.iter().any(|one| one == name);
             if of_system {
                 let message = format!("`{shown}` is a state or a parameter already");
                 return refused(message, "choose another name");

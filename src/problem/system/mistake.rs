@@ -75,13 +75,24 @@ pub(super) fn flaw_at(source: &Source, outline: &Outline, path: &str, error: &Sy
 
 /// Names by which functions that jump go elsewhere.
 const JUMPS: [&str; 8] = [
-    "sign", "sgn", "signum", "step", "heaviside", "floor", "ceil", "round",
+    "sign",
+    "sgn",
+    "signum",
+    "step",
+    "heaviside",
+    "floor",
+    "ceil",
+    "round",
 ];
 
 /// The names of all functions.
 fn functions() -> Vec<&'static str> {
     let of_two = Extremum::ALL.iter().map(|(name, _)| *name);
-    Function::ALL.iter().map(|(name, _)| *name).chain(of_two).collect()
+    Function::ALL
+        .iter()
+        .map(|(name, _)| *name)
+        .chain(of_two)
+        .collect()
 }
 
 /// What an expression may have.

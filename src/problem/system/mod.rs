@@ -17,9 +17,9 @@ use super::{
     refuse_at,
 };
 use crate::affine::closure::Prescribed;
-use crate::affine::motion::Place;
 use crate::affine::monitor::{Monitor, MonitorSource};
 use crate::affine::monitored;
+use crate::affine::motion::Place;
 use crate::affine::system::{Ordered, Source, System, SystemError};
 
 /// Most periods of the forcing in one orbit.
