@@ -306,7 +306,8 @@ mod tests {
             let arc = point(x).atan();
             let back = arc.sin() / arc.cos();
             assert!(back.low <= x && x <= back.high, "{x}: {back:?}");
-            assert!(arc.width() <= 1e-15 * arc.high, "{x}: {arc:?}");
+            // a dozen roundings outwards
+            assert!(arc.width() <= 3e-15 * arc.high, "{x}: {arc:?}");
         }
         // what is outside has no value, and an interval has the least within
         assert!(Interval::new(1.5, 2.0).asin().is_empty());

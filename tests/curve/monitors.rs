@@ -1,5 +1,7 @@
 //! Curves along which a monitor keeps its value, against a closed form.
 
+#![allow(clippy::excessive_precision)] // figures as they are printed
+
 use std::f64::consts::TAU;
 
 use brakewave::curve::start::{NoCurve, Start, find_of_system};

@@ -189,7 +189,7 @@ fn expressions_are_marked_where_they_are_wrong() {
         ["A*cos(phase)", "A*cos(w*t)", "t", "`t` is no state", "cos(phase)"],
         ["F - c*v - x", "F - max(x)", ")", "the second is missing here", "max(x, 0)"],
         ["F - c*v - x", "F - sign(v)", "sign(v)", "`sign` is no function", "what jumps is a switch"],
-        ["F - c*v - x", "F - sine(c)", "sine(c)", "`sine` is no function", "did you mean `sin`?"],
+        ["F - c*v - x", "F - sine(c)", "sine(c)", "`sine` is no function", "did you mean `sin` or"],
         ["F - c*v - x", "F/(w - w)", "F/(w - w)", "not a finite number", "division by zero"],
         ["F - c*v - x", "F \\u{2d} c*\\x76v", "\\x76v", "`vv` is no state", ""],
         ["\"F - c*v - x\"", "r#\"F - c*vv\"#", "vv", "`vv` is no state", ""],
