@@ -3,10 +3,12 @@
 //! Where the flow ż = Mz is linear and the form is zᵀQz, its integral from z₀ over a time t is z₀ᵀG(t)z₀ with
 //! G(t) = ∫₀ᵗ exp(Mᵀs) Q exp(Ms) ds, the exponential of the Kronecker sum M ⊕ M applied to Q: its series over a short time,
 //! Σ Lᵏ(Q)t^{k+1}/(k+1)! with L(X) = MᵀX + XM, and then G(2t) = G(t) + exp(Mᵀt) G(t) exp(Mt), which adds and never cancels.
-//! Elsewhere the form is integrated piece by piece with the Taylor series of the flow.
+//! Where the mode is stiff the squares of exp(Mt) have the rounding of what decays: its value is then the sum of those over the pieces of its
+//! slow part. Elsewhere the form is integrated piece by piece with the Taylor series of the flow.
 
 use super::passage::{Integrated, Jet};
-use crate::affine::exponential::{TERMS, propagator};
+use crate::affine::exponential::{TERMS, entries, propagator};
+use crate::affine::flow::Expansion;
 use crate::affine::form::VARYING;
 use crate::affine::mode::{AffineMode, MatrixBy, Row};
 use crate::affine::series::ORDER;
@@ -146,6 +148,19 @@ pub(super) fn of_square(
         by_time: last.dot(&(&form.at * last)),
         by: all.gramian.by.map(|by| by.as_ref().map_or(0.0, square)),
     }
+}
+
+/// The integral of zᵀQz over a piece of a linear mode, whose polynomials are multiplied out.
+pub(super) fn over_piece(form: &Matrix, expansion: &Expansion, length: f64) -> f64 {
+    let mut sum = 0.0;
+    for (i, j, weight) in entries(form) {
+        for (k, a) in expansion.taylor(i).iter().enumerate() {
+            for (l, b) in expansion.taylor(j).iter().enumerate() {
+                sum += weight * a * b / (k + l + 1) as f64;
+            }
+        }
+    }
+    sum * length
 }
 
 /// The integral of a row over a passage that takes this time and is known piece by piece, the row being a part of its series;

@@ -11,11 +11,13 @@ use super::examine::{Part, after, parts, stationary};
 use super::integral;
 use super::layout::{AffineOrbit, OrbitAt, OrbitFailure, Posed};
 use super::passage::{Integrated, Jet, Passage};
+use super::signature::Zone;
 use super::turning::Smooth;
 use crate::affine::flow::{Expansion, ModeFlow};
-use crate::affine::mode::{AffineMode, Row};
+use crate::affine::mode::{AffineMode, MatrixBy, Row};
 use crate::affine::monitor::MonitorSource;
 use crate::affine::series::Field;
+use crate::affine::stiff::STIFF;
 use crate::linalg::Vector;
 use crate::orbit::monitor::Measured;
 
@@ -228,14 +230,7 @@ impl Observer<'_> {
             let passage = self.at.passage(zone, time)?;
             let square = self.at.posed.system.program.quadratic(row);
             let jet = match square.filter(|_| mode.field.is_exact) {
-                Some(form) => {
-                    let norm = self
-                        .at
-                        .posed
-                        .balance(self.at.orbit.sequence.zone(zone).mode)
-                        .1;
-                    integral::of_square(mode, &form, norm, &passage.entry, &passage.end, time)
-                }
+                Some(form) => self.of_square(&form, zone, &passage)?,
                 None => {
                     let at_end = self.of_passage(number, zone, &passage).value;
                     let mode = AffineMode {
@@ -253,6 +248,33 @@ impl Observer<'_> {
             self.add(zone, &jet, &mut sum);
         }
         Ok(sum)
+    }
+
+    /// The integral of zᵀQz over a zone of a linear mode.
+    fn of_square(
+        &self,
+        form: &MatrixBy,
+        zone: usize,
+        passage: &Passage,
+    ) -> Result<Jet, OrbitFailure> {
+        let Zone { mode, name, .. } = self.at.orbit.sequence.zone(zone);
+        let (entry, time) = (&passage.entry, passage.time);
+        let norm = self.at.posed.balance(*mode).1;
+        let linear = self.at.mode(zone);
+        let jet = integral::of_square(linear, form, norm, entry, &passage.end, time);
+        let flow = self.at.posed.flow(*mode);
+        if norm * time <= STIFF || flow.split(time).is_none() {
+            return Ok(jet);
+        }
+        let all = parts(flow, entry.clone(), time);
+        let all = all.map_err(|count| OrbitFailure::long(name, time, count))?;
+        let mut expansion = Expansion::default();
+        let mut value = 0.0;
+        for Part { piece, part, .. } in &all {
+            flow.expand(piece, *part, form.at.nrows(), &mut expansion);
+            value += integral::over_piece(&form.at, &expansion, part * piece.length);
+        }
+        Ok(Jet { value, ..jet })
     }
 
     /// The largest or least value of the form of a monitor.
