@@ -253,9 +253,11 @@ class Folders(unittest.TestCase):
         numbers = "first from to method points sample nan NA inf mode speed max_".split()
         states = ["type", "infinity"]
         follow = 'continuation: (parameter: "first", range: (9.0, 10.5), toward: Up), stability: (), output: (profiles: 2)'
+        monitors = ["setting", "regime", "lead_sector"]
+        follow += ', monitor: {"setting": Max("type"), "regime": Mean("infinity"), "lead_sector": Integral("1")}'
         run = self.compute("run", SYSTEM.replace("PARTS", follow), "named")
         for table in [run.branch, run.events]:
-            self.assertEqual([table[name].dtype for name in numbers], [float] * len(numbers))
+            self.assertEqual([table[name].dtype for name in numbers + monitors], [float] * len(numbers + monitors))
         branch = run.branch
         self.assertEqual(brakewave.parameters(branch), numbers)
         self.assertEqual(brakewave.varying(branch), ["first"])

@@ -148,6 +148,7 @@ impl<O: Told> Display for orbit::special::Special<O> {
             Special::User(parameter, value) => {
                 write!(f, "user point {} = {value}", O::column(parameter))
             }
+            Special::Monitor(name, value) => write!(f, "user point {name} = {value}"),
             Special::Edge(parameter, value) => {
                 write!(f, "edge of the range, {} = {value}", O::column(parameter))
             }

@@ -110,12 +110,15 @@ def ratio(number):
     return number if isinstance(number, Ratio) else Ratio(number)
 
 
+FUNCTIONS = "sin cos tan exp ln sqrt abs tanh asin acos atan sinh cosh".split()
+
+
 def function(name, x):
     """A function of a quotient, where that is one as well."""
-    must(name in ("sin", "cos", "tan", "exp", "ln", "sqrt", "abs", "tanh"), f"`{name}` is no function")
-    if x or name == "ln":
+    must(name in FUNCTIONS, f"`{name}` is no function")
+    if x or name in ("ln", "acos"):
         raise NotCovered(f"coefficients with {name}")
-    return Ratio(int(name in ("cos", "exp")))
+    return Ratio(int(name in ("cos", "exp", "cosh")))
 
 
 class Form:
@@ -228,6 +231,8 @@ def evaluate(text, names, divisors):
             m, cosine, sine = inner.phase, function("cos", plain), function("sin", plain)
             first, second = (cosine, -sine) if name == "cos" else (sine, cosine)
             return Form(waves={(abs(m), 0): first, (abs(m), 1): second if m > 0 else -second})
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id[1:] in ("min", "max"):
+            raise NotCovered("coefficients with min and max")
         parts = [node.left, node.right] if isinstance(node, ast.BinOp) else [getattr(node, "operand", None)]
         operator = OPERATORS.get(type(getattr(node, "op", None)))
         must(operator, f"`{text}` cannot be read")

@@ -246,8 +246,10 @@ class Statements:
         """That a value is one of the problem."""
         continuation = self.source["continuation"]
         ends = [number for number in (*continuation["range"], text) if number is not None]
+        # pairs are values of monitors, and a value may have the name of the parameter
+        bare = lambda it: next(iter(it.values())) if isinstance(it, dict) and it else it
         values = continuation.get("stop_at", []) if self.point["kind"] == "UZ" else ends
-        listed = Fraction(self.proof["condition"].value) in [Fraction(value.text) for value in values]
+        listed = Fraction(self.proof["condition"].value) in [Fraction(it.text) for it in map(bare, values) if not isinstance(it, tuple)]
         must(listed, "the value is not asked for in the problem")
 
     def compare_row(self, name, intervals, **stated):

@@ -36,7 +36,7 @@ from threading import Thread
 
 import numpy
 
-MAPS = "parameters define modes sliding rates reset state within numbers".split()
+MAPS = "parameters define modes sliding rates reset state within numbers monitor".split()
 """Fields that hold a map, whose keys are names of the user's own."""
 
 _ENDINGS = {"run": "", "curve": "_curve", "map": "_map", "scan": "_scan", "simulate": "_simulation", "steady": "_steady"}

@@ -75,20 +75,31 @@ def _own(names):
     return None
 
 
+def _monitors(names, own):
+    """The places of the columns of monitors, whose names are a problem's own, among others that are numbers: after the
+    extrema of the states in branch.csv, after the period in events.csv."""
+    names = names[own.stop :]
+    for before, after in [(["period", "switches"], "stable"), (["period"], "multiplier_re")]:
+        if names[: len(before)] == before and after in names:
+            return range(own.stop + len(before), own.stop + names.index(after))
+    return range(0)
+
+
 def read(source):
     """A table that brakewave has written, from a file or from an open stream.
 
     Numbers are those of the file to the last bit. An empty text is "", an empty number NaN or NA. Columns of a system's
-    parameters and states are numbers, whatever their names are.
+    parameters, states and monitors are numbers, whatever their names are.
     """
     # read as text: whether read_csv rounds correctly depends on the version of pandas
     table = pandas.read_csv(source, dtype=str, keep_default_na=False)
     own = _own(list(table))
+    monitors = range(0) if own is None else _monitors(list(table), own)
     text = _TEXT if own is None else _TEXT + _SYSTEM_TEXT
     typed = {}
     for place, name in enumerate(table):
         cells = table[name]
-        if own is not None and place in own:
+        if own is not None and (place in own or place in monitors):
             typed[name] = _numbers(cells)
             continue
         typed[name] = cells if name in text else _column(cells)

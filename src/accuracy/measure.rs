@@ -139,7 +139,7 @@ pub(super) fn with_stops<P: Clone>(continuation: &Continuation<P>) -> Continuati
     if continuation.stop_at.is_empty() {
         let (low, high) = continuation.range;
         continuation.stop_at = [0.25, 0.5, 0.75]
-            .map(|share| low + share * (high - low))
+            .map(|share| (low + share * (high - low)).into())
             .to_vec();
     }
     continuation

@@ -19,6 +19,8 @@ pub struct FormSwitch<C = Dual> {
     pub tangent: Option<(usize, usize)>,
     /// Number of its guard where several switches have one: of those of contacts. Others with equal forms have one guard.
     pub group: Option<usize>,
+    /// Its name.
+    pub name: Option<String>,
 }
 
 /// A mode with its expressions as forms.
@@ -68,6 +70,18 @@ impl FormMode {
                 .try_for_each(&mut resolve)?;
         }
         Ok(self)
+    }
+
+    /// An expression that is none of the mode's own as it is within it.
+    ///
+    /// # Errors
+    /// An operation that has no result there.
+    pub fn of_mode(&self, form: &Form) -> Result<Form, Obstacle> {
+        if form.beyond.is_empty() {
+            return Ok(form.clone());
+        }
+        let guards: Vec<Form> = self.switches.iter().map(|one| one.guard.clone()).collect();
+        form.where_positive(&guards, &mut HashMap::new())
     }
 }
 
@@ -161,6 +175,7 @@ impl<'a, 'p, C: Coefficient> Evaluation<'a, 'p, C> {
                 conditions: Vec::new(),
                 tangent: None,
                 group: None,
+                name: None,
             }],
         }))
     }
@@ -205,7 +220,11 @@ impl<'a, 'p, C: Coefficient> Evaluation<'a, 'p, C> {
         form.map_err(|flaw| SystemError::at(path(), Mistake::Expression(flaw)))
     }
 
-    fn form(&self, path: Path, expression: &Expression) -> Result<Form<C>, SystemError> {
+    /// An expression as a form.
+    ///
+    /// # Errors
+    /// It has no finite value, or no form, with its place.
+    pub fn form(&self, path: Path, expression: &Expression) -> Result<Form<C>, SystemError> {
         let form = self.evaluate(path, expression)?;
         form.settled().map_err(|obstacle| {
             let flaw = Flaw {
@@ -230,6 +249,7 @@ impl<'a, 'p, C: Coefficient> Evaluation<'a, 'p, C> {
             rest: switch.rest,
             tangent: None,
             group: None,
+            name: switch.name.clone(),
             guard: self.form(&|| format!("{}.zero", path()), &switch.zero)?,
             reset: reset.collect::<Result<_, SystemError>>()?,
             conditions: conditions.collect::<Result<_, _>>()?,

@@ -1,4 +1,4 @@
-//! Expressions of a problem file: numbers, names, `+ - * / ^`, functions of one argument, brackets.
+//! Expressions of a problem file: numbers, names, `+ - * / ^`, functions of one argument, `min` and `max` of two, brackets.
 //!
 //! `^` binds more closely than the sign before it and groups to the right: `-x^2` is −(x²). An expression is
 //! read once; what its names stand for is said when it is evaluated, in any [`Algebra`]: real numbers for a
@@ -41,11 +41,21 @@ pub enum Function {
     Abs,
     /// Hyperbolic tangent.
     Tanh,
+    /// Arc sine, from −π/2 to π/2.
+    Asin,
+    /// Arc cosine, from 0 to π.
+    Acos,
+    /// Arc tangent, from −π/2 to π/2.
+    Atan,
+    /// Hyperbolic sine.
+    Sinh,
+    /// Hyperbolic cosine.
+    Cosh,
 }
 
 impl Function {
     /// All of them with the names by which expressions call them.
-    pub const ALL: [(&str, Function); 8] = [
+    pub const ALL: [(&str, Function); 13] = [
         ("sin", Function::Sin),
         ("cos", Function::Cos),
         ("tan", Function::Tan),
@@ -54,6 +64,11 @@ impl Function {
         ("sqrt", Function::Sqrt),
         ("abs", Function::Abs),
         ("tanh", Function::Tanh),
+        ("asin", Function::Asin),
+        ("acos", Function::Acos),
+        ("atan", Function::Atan),
+        ("sinh", Function::Sinh),
+        ("cosh", Function::Cosh),
     ];
 
     fn named(name: &str) -> Option<Function> {
@@ -72,7 +87,36 @@ impl Function {
             Function::Sqrt => (x.sqrt(), 0.5 / x.sqrt()),
             Function::Abs => (x.abs(), x.signum()),
             Function::Tanh => (x.tanh(), 1.0 - x.tanh() * x.tanh()),
+            Function::Asin => (x.asin(), root(x).recip()),
+            Function::Acos => (x.acos(), -root(x).recip()),
+            Function::Atan => (x.atan(), (1.0 + x * x).recip()),
+            Function::Sinh => (x.sinh(), x.cosh()),
+            Function::Cosh => (x.cosh(), x.sinh()),
         }
+    }
+}
+
+/// √(1 − x²).
+pub(super) fn root(x: f64) -> f64 {
+    ((1.0 - x) * (1.0 + x)).sqrt()
+}
+
+/// Which of two numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Extremum {
+    /// The lesser.
+    Min,
+    /// The greater.
+    Max,
+}
+
+impl Extremum {
+    /// Both with the names by which expressions call them.
+    pub const ALL: [(&str, Extremum); 2] = [("min", Extremum::Min), ("max", Extremum::Max)];
+
+    fn named(name: &str) -> Option<Extremum> {
+        let mut all = Extremum::ALL.into_iter();
+        all.find_map(|(known, one)| (known == name).then_some(one))
     }
 }
 
@@ -110,6 +154,8 @@ enum Node {
     Binary(Operation, Box<[Expression; 2]>),
     /// A function by its name.
     Call(String, Box<Expression>),
+    /// One of two numbers.
+    Extremum(Extremum, Box<[Expression; 2]>),
 }
 
 /// An expression, with the bytes of the text that it was read from.
@@ -144,9 +190,12 @@ pub enum Wrong {
     /// `**` in the place of `^`.
     #[error("`**` is no operator: a power is written `^`")]
     Stars,
-    /// A function of two arguments.
-    #[error("functions have one argument: nothing may follow a comma")]
+    /// A function of more arguments than it has.
+    #[error("functions have one argument, and `min` and `max` two: nothing may follow this comma")]
     Comma,
+    /// One argument in the place of two.
+    #[error("`min` and `max` have two arguments: the second is missing here")]
+    Second,
     /// A name that stands for nothing.
     #[error("`{0}` is no state, parameter or abbreviation")]
     Unknown(String),
@@ -207,6 +256,21 @@ pub trait Algebra: Clone {
     /// # Errors
     /// Where the algebra has no result.
     fn apply(self, function: Function) -> Result<Self, Obstacle>;
+    /// The lesser or the greater of two elements: b + (a − b ± |a − b|)/2.
+    ///
+    /// # Errors
+    /// Where the algebra has no result.
+    fn extremum(self, extremum: Extremum, other: Self) -> Result<Self, Obstacle> {
+        let apart = self.operate(Operation::Minus, other.clone())?;
+        let size = apart.clone().apply(Function::Abs)?;
+        let way = match extremum {
+            Extremum::Min => Operation::Minus,
+            Extremum::Max => Operation::Plus,
+        };
+        let twice = apart.operate(way, size)?;
+        let more = twice.operate(Operation::Times, Self::number(0.5))?;
+        other.operate(Operation::Plus, more)
+    }
 }
 
 type Text<'a> = LocatingSlice<&'a str>;
@@ -256,7 +320,9 @@ impl Expression {
             Node::Number(_) => {}
             Node::Name(name) => take(name, &self.span),
             Node::Negative(one) | Node::Call(_, one) => one.names(take),
-            Node::Binary(_, both) => both.iter().for_each(|part| part.names(take)),
+            Node::Binary(_, both) | Node::Extremum(_, both) => {
+                both.iter().for_each(|part| part.names(take));
+            }
         }
     }
 
@@ -267,6 +333,10 @@ impl Expression {
             Node::Name(name) => of(name),
             Node::Negative(one) => one.degree(of),
             Node::Call(_, one) => one.degree(of).filter(|degree| *degree == 0),
+            Node::Extremum(_, both) => {
+                let mut all = both.iter().map(|one| one.degree(of));
+                all.all(|degree| degree == Some(0)).then_some(0)
+            }
             Node::Binary(operation, both) => {
                 let [one, other] = &**both;
                 let (one, other) = (one.degree(of)?, other.degree(of)?);
@@ -298,6 +368,11 @@ impl Expression {
                 let (one, other) = (one.evaluate(meaning)?, other.evaluate(meaning)?);
                 one.operate(*operation, other).map_err(Wrong::from)
             }
+            Node::Extremum(extremum, both) => {
+                let [one, other] = &**both;
+                let (one, other) = (one.evaluate(meaning)?, other.evaluate(meaning)?);
+                one.extremum(*extremum, other).map_err(Wrong::from)
+            }
             Node::Call(name, one) => {
                 let argument = one.evaluate(meaning)?;
                 let function = Function::named(name);
@@ -320,6 +395,8 @@ fn unreadable(text: &str, at: usize) -> Wrong {
         Wrong::Unclosed
     } else if rest.starts_with(')') && !open {
         Wrong::Unopened
+    } else if rest.starts_with(')') && ends {
+        Wrong::Second
     } else if before.ends_with("**")
         || rest.starts_with("**")
         || rest.starts_with('*') && before.ends_with('*')
@@ -371,25 +448,38 @@ fn number(text: &mut Text) -> ModalResult<Node> {
         .parse_next(text)
 }
 
-/// A number, a call, a name or something in brackets.
-fn operand(text: &mut Text) -> ModalResult<Expression> {
+/// A name, or a call of a function.
+#[inline(never)]
+fn named(text: &mut Text) -> ModalResult<Node> {
     let first = |c: char| c.is_alphabetic() || c == '_';
     let more = |c: char| c.is_alphanumeric() || c == '_';
-    let name = (one_of(first), take_while(0.., more)).take();
-    let brackets = || {
-        let closed = cut_err(preceded(multispace0, ')'));
-        delimited(('(', multispace0), cut_err(sum), closed)
-    };
-    let named = (name, opt(preceded(multispace0, brackets())));
-    let named = named.map(|(name, argument): (&str, _)| match argument {
-        None => Node::Name(name.to_owned()),
-        Some(argument) => Node::Call(name.to_owned(), Box::new(argument)),
-    });
-    let node = alt((
-        number,
-        named,
-        brackets().map(|inner: Expression| inner.node),
-    ));
+    let mut name = (one_of(first), take_while(0.., more)).take();
+    let name: &str = name.parse_next(text)?;
+    let closed = || cut_err(preceded(multispace0, ')'));
+    let opened = || (multispace0, '(', multispace0);
+    if let Some(extremum) = Extremum::named(name) {
+        let second = preceded(cut_err(','), cut_err(sum));
+        let both = delimited(opened(), (cut_err(sum), second), closed());
+        return opt(both)
+            .map(|both| match both {
+                None => Node::Name(name.to_owned()),
+                Some((one, other)) => Node::Extremum(extremum, Box::new([one, other])),
+            })
+            .parse_next(text);
+    }
+    opt(delimited(opened(), cut_err(sum), closed()))
+        .map(|argument| match argument {
+            None => Node::Name(name.to_owned()),
+            Some(argument) => Node::Call(name.to_owned(), Box::new(argument)),
+        })
+        .parse_next(text)
+}
+
+/// A number, a call, a name or something in brackets.
+fn operand(text: &mut Text) -> ModalResult<Expression> {
+    let closed = cut_err(preceded(multispace0, ')'));
+    let brackets = delimited(('(', multispace0), cut_err(sum), closed);
+    let node = alt((number, named, brackets.map(|inner: Expression| inner.node)));
     let spanned = node.with_span();
     let spanned = delimited(multispace0, spanned, multispace0);
     spanned
@@ -475,6 +565,8 @@ mod tests {
             (" cos ( 0 ) * omega_0", 0.5),
             ("x*-2", -6.0),
             ("sqrt(x + 1)*exp(ln(1))/x", 2.0 / 3.0),
+            ("max(x, 2) - min (x, 2 ) + min(max(1, x), 5)", 4.0),
+            ("acos(0) - asin(1) + atan(0) + sinh(0)*cosh(x)", 0.0),
         ] {
             assert_eq!(value(text), Ok(expected), "{text}");
         }
@@ -490,6 +582,9 @@ mod tests {
             ("", Wrong::Unreadable, 0..0),
             ("x x", Wrong::Juxtaposed, 2..3),
             ("2 x", Wrong::Juxtaposed, 2..3),
+            ("max(x)", Wrong::Second, 5..6),
+            ("max(x, 1, 2)", Wrong::Comma, 8..9),
+            ("sin(x, 1)", Wrong::Comma, 5..6),
         ] {
             let flaw = wrong(text);
             assert_eq!((flaw.wrong, flaw.span), (wrong_by, span), "{text}");

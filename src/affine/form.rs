@@ -4,7 +4,7 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use super::expression::{Algebra, Function, Obstacle, Operation};
+use super::expression::{Algebra, Extremum, Function, Obstacle, Operation};
 
 /// How many parameters may vary at once: two along a curve of events.
 pub const VARYING: usize = 2;
@@ -135,6 +135,14 @@ impl Algebra for Dual {
 
     fn apply(self, function: Function) -> Result<Dual, Obstacle> {
         self.chain(function.at(self.value)).finite()
+    }
+
+    fn extremum(self, extremum: Extremum, other: Dual) -> Result<Dual, Obstacle> {
+        let takes_self = match extremum {
+            Extremum::Min => self.value < other.value,
+            Extremum::Max => self.value > other.value,
+        };
+        Ok(if takes_self { self } else { other })
     }
 }
 
@@ -361,6 +369,17 @@ impl<C: Coefficient> Form<C> {
                         Function::Ln => over(one(), a.clone())?,
                         Function::Sqrt => over(Form::number(0.5), own)?,
                         Function::Abs => over(own, a.clone())?,
+                        Function::Asin | Function::Acos => {
+                            let rest = one().sum(square(a)?, -1.0)?;
+                            let slope = over(one(), rest.apply(Function::Sqrt)?)?;
+                            match function {
+                                Function::Asin => slope,
+                                _ => slope.negative(),
+                            }
+                        }
+                        Function::Atan => over(one(), one().sum(square(a)?, 1.0)?)?,
+                        Function::Sinh => a.clone().apply(Function::Cosh)?,
+                        Function::Cosh => a.clone().apply(Function::Sinh)?,
                     };
                     times(a_rate, slope)?
                 }
@@ -591,6 +610,21 @@ impl<C: Coefficient> Algebra for Form<C> {
             Operation::Over => Form::term(Rule::Quotient, [self, other]),
             Operation::Power => self.power(other),
         }
+    }
+
+    fn extremum(self, extremum: Extremum, other: Form<C>) -> Result<Form<C>, Obstacle> {
+        if self.is_constant() && other.is_constant() {
+            let constant = self.constant.extremum(extremum, other.constant)?;
+            return Ok(Form::constant(constant));
+        }
+        let apart = self.operate(Operation::Minus, other.clone())?;
+        let size = apart.clone().apply(Function::Abs)?;
+        let sign = match extremum {
+            Extremum::Min => -1.0,
+            Extremum::Max => 1.0,
+        };
+        let more = apart.sum(size, sign)?.scaled(C::number(0.5))?;
+        other.sum(more, 1.0)
     }
 
     fn apply(self, function: Function) -> Result<Form<C>, Obstacle> {

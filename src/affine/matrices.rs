@@ -10,6 +10,8 @@ use super::evaluation::{Evaluation, FormMode, FormSwitch};
 use super::expression::Algebra;
 use super::form::{Dual, Form};
 use super::mode::{AffineMode, AffineSystem, Exit, Guard, Modes};
+use super::monitor::Monitor;
+use super::monitored::MonitoredSystem;
 use super::rows::{MatrixBy, Row};
 use super::series::{Field, Program, Terms};
 use super::sliding::{SlidingField, SlidingForms};
@@ -75,14 +77,38 @@ impl System {
             .all(|expression| expression.degree(&of).is_some())
     }
 
+    /// The same as [`System::at`] with the forms of its monitors laid out in it.
+    ///
+    /// # Errors
+    /// As [`System::at`]; an expression of a monitor that has no finite value. Of the modes that contacts make those of these
+    /// numbers are laid out alone.
+    pub fn monitored(
+        &self,
+        values: &[f64],
+        varying: &[usize],
+        modes: &[usize],
+    ) -> Result<MonitoredSystem, SystemError> {
+        self.evaluated_with(values, varying, (&self.monitors, modes))
+    }
+
     /// The same as [`System::at`] for a forcing of any frequency.
     fn evaluated(&self, values: &[f64], varying: &[usize]) -> Result<AffineSystem, SystemError> {
+        Ok(self.evaluated_with(values, varying, (&[], &[]))?.system)
+    }
+
+    /// The same with the forms of monitors.
+    fn evaluated_with(
+        &self,
+        values: &[f64],
+        varying: &[usize],
+        (monitors, asked): (&[Monitor], &[usize]),
+    ) -> Result<MonitoredSystem, SystemError> {
         let parameter = Dual::parameters(values, varying);
         let evaluation = Evaluation::new(self, &parameter, Dual::number(PI))?;
         let omega = evaluation.frequency()?;
         let names = self.source.modes.names();
         if let Some(products) = &self.products {
-            return self.with_contacts(&evaluation, products, omega);
+            return self.with_contacts(&evaluation, (products, omega), (monitors, asked));
         }
         let within = evaluation
             .modes()?
@@ -95,9 +121,10 @@ impl System {
                 })
             });
         let modes = within.collect::<Result<Vec<FormMode>, _>>()?;
+        let observed = self.observed(&evaluation, &modes, monitors)?;
         let mut numerical = vec![None; self.sliding.len()];
         loop {
-            match self.laid_out(&modes, omega, &numerical) {
+            match self.laid_out(&modes, omega, &numerical, &observed) {
                 // what has no affine field slides by one that is not
                 Err((error, Some(index))) if numerical[index].is_none() => {
                     let [first, second] = self.sliding[index].map(|side| &modes[side]);
@@ -109,17 +136,45 @@ impl System {
         }
     }
 
-    /// The system with the terms of all forms as components of z; the index of the sliding mode that fails.
+    /// The forms of monitors in every mode, as they are within it.
+    fn observed(
+        &self,
+        evaluation: &Evaluation<Dual>,
+        modes: &[FormMode],
+        monitors: &[Monitor],
+    ) -> Result<Vec<Vec<Form>>, SystemError> {
+        let forms = monitors
+            .iter()
+            .map(|monitor| evaluation.form(&|| monitor.path(), &monitor.expression));
+        let forms = forms.collect::<Result<Vec<Form>, _>>()?;
+        let of_mode = |mode: Option<&FormMode>| {
+            let within = monitors.iter().zip(&forms).map(|(monitor, form)| {
+                let within = mode.map_or_else(|| Ok(form.clone()), |mode| mode.of_mode(form));
+                within.map_err(|obstacle| monitor.failed(obstacle))
+            });
+            within.collect::<Result<Vec<Form>, _>>()
+        };
+        let of_file = modes.iter().map(Some);
+        let all = of_file.chain(self.sliding.iter().map(|_| None));
+        all.map(of_mode).collect()
+    }
+
+    /// The system with the terms of all forms as components of z, those observed in the modes included; the index of the
+    /// sliding mode that fails.
     fn laid_out(
         &self,
         modes: &[FormMode],
         omega: Dual,
         numerical: &[Option<SlidingForms>],
-    ) -> Result<AffineSystem, (SystemError, Option<usize>)> {
+        observed: &[Vec<Form>],
+    ) -> Result<MonitoredSystem, (SystemError, Option<usize>)> {
         let forms = modes.iter().flat_map(FormMode::forms);
         let sliding = numerical.iter().flatten();
         let sliding = sliding.flat_map(|forms| forms.rates.iter().chain(&forms.falls));
-        let forms: Vec<&Form> = forms.chain(sliding).collect();
+        let forms: Vec<&Form> = forms
+            .chain(sliding)
+            .chain(observed.iter().flatten())
+            .collect();
         let harmonics = forms.iter().map(|form| form.highest()).max().unwrap_or(0);
         let mut terms = Terms::new(self.source.states.len(), harmonics);
         forms.iter().for_each(|form| terms.add(form));
@@ -153,16 +208,21 @@ impl System {
         for mode in system.modes.written_mut() {
             mode.field = field(mode, &program, how);
         }
-        Ok(system)
+        let rows = observed.iter();
+        let rows = rows.map(|forms| forms.iter().map(|form| shape.row(form)).collect());
+        Ok(MonitoredSystem {
+            forms: rows.enumerate().collect(),
+            system,
+        })
     }
 
     /// The system with contacts: modes are made when they are asked for where all of it is affine, and otherwise at once.
     fn with_contacts(
         &self,
         evaluation: &Evaluation<'_, '_, Dual>,
-        products: &Products,
-        omega: Dual,
-    ) -> Result<AffineSystem, SystemError> {
+        (products, omega): (&Products, Dual),
+        (monitors, asked): (&[Monitor], &[usize]),
+    ) -> Result<MonitoredSystem, SystemError> {
         let names: Vec<String> = self.source.contacts.names().map(str::to_owned).collect();
         let at = |(contact, mistake): (usize, ContactMistake)| {
             let path = format!("contacts.{}", names[contact]);
@@ -179,6 +239,19 @@ impl System {
         let section = evaluation.section()?;
         let states = self.source.states.len();
         let how = (self.flow_tolerance(), self.integrated);
+        let monitored = monitors
+            .iter()
+            .map(|monitor| evaluation.form(&|| monitor.path(), &monitor.expression));
+        let monitored = monitored.collect::<Result<Vec<Form>, _>>()?;
+        let of_monitors = |number: usize, mode: &FormMode| -> Result<Vec<Form>, SystemError> {
+            let of_mode = |(monitor, form): (&Monitor, &Form)| {
+                // a mode whose forces are not determined has no value of theirs
+                let form = forms.of_mode(form, number).unwrap_or_default();
+                let form = mode.of_mode(&form);
+                form.map_err(|obstacle| monitor.failed(obstacle))
+            };
+            monitors.iter().zip(&monitored).map(of_mode).collect()
+        };
         let of_section = section.as_ref().map(|mode| &mode.switches[0].guard);
         if !(forms.is_affine() && of_section.is_none_or(|form| form.beyond.is_empty())) {
             let count = forms.few().map_err(|mistake| at((0, mistake)))?;
@@ -191,43 +264,88 @@ impl System {
             });
             let mut modes: Vec<FormMode> = modes.collect();
             modes.extend(section);
+            let observed = modes.iter().enumerate();
+            let observed = observed.map(|(number, mode)| match number < count {
+                true => of_monitors(number, mode),
+                false => Ok(Vec::new()),
+            });
+            let observed = observed.collect::<Result<Vec<_>, _>>()?;
             let mut system = self
-                .laid_out(&modes, omega, &[])
+                .laid_out(&modes, omega, &[], &observed)
                 .map_err(|(error, _)| error)?;
             for (number, mistake) in obstructions {
-                system.modes.written_mut()[number].obstruction = Some(mistake);
+                system.system.modes.written_mut()[number].obstruction = Some(mistake);
             }
             return Ok(system);
         }
-        let highest = of_section.map_or(0, Form::highest);
-        let harmonics = forms.highest().max(highest);
-        let shape = move || Shape {
+        // the modes that monitors are asked for in, with what these have in them
+        let asked: &[usize] = if monitors.is_empty() { &[] } else { asked };
+        let known = asked.iter().map(|number| {
+            let mode = forms.mode(*number).unwrap_or_else(|_| still(states));
+            let observed = of_monitors(*number, &mode)?;
+            Ok((*number, mode, observed))
+        });
+        let known = known.collect::<Result<Vec<_>, SystemError>>()?;
+        let observed = || known.iter().flat_map(|(_, _, observed)| observed);
+        let highest = observed().chain(of_section).map(Form::highest).max();
+        let harmonics = forms.highest().max(highest.unwrap_or(0));
+        let mut terms = Terms::new(states, harmonics);
+        observed().for_each(|form| terms.add(form));
+        let own = Shape {
             states,
             harmonics,
-            terms: Terms::new(states, harmonics),
+            terms,
         };
-        let program = Arc::new(shape().terms.program().clone());
+        let program = Arc::new(own.terms.program().clone());
+        let rows = known.iter().map(|(number, _, observed)| {
+            let rows = observed.iter().map(|form| own.row(form));
+            (*number, rows.collect())
+        });
+        let rows = rows.collect();
         let count = forms.count();
         let all = count + usize::from(section.is_some());
+        let made: Vec<(usize, AffineMode)> = known
+            .iter()
+            .map(|(number, mode, _)| {
+                let mut laid = own.mode(*number, mode, omega);
+                laid.field = field(&laid, &program, how);
+                (*number, laid)
+            })
+            .collect();
         let of = program.clone();
+        let has_terms = program.made() > 0;
         let make = move |number: usize| {
+            if let Some((_, mode)) = made.iter().find(|(known, _)| *known == number) {
+                return mode.clone();
+            }
             let made = match &section {
                 Some(section) if number == count => Ok(section.clone()),
+                // beside terms of monitors only the modes that were asked for are laid out
+                _ if has_terms => Ok(still(states)),
                 _ => forms.mode(number),
             };
             let obstruction = made.as_ref().err().cloned();
             let made = made.unwrap_or_else(|_| still(states));
-            let mut mode = shape().mode(number, &made, omega);
+            let shape = Shape {
+                states,
+                harmonics,
+                terms: Terms::of(&of),
+            };
+            let mut mode = shape.mode(number, &made, omega);
             mode.obstruction = obstruction;
             mode.field = field(&mode, &of, how);
             mode
         };
-        Ok(AffineSystem {
+        let system = AffineSystem {
             states,
             harmonics,
             omega,
             modes: Modes::made(all, Box::new(make)),
             program,
+        };
+        Ok(MonitoredSystem {
+            system,
+            forms: rows,
         })
     }
 }
@@ -353,6 +471,7 @@ impl Shape {
                 .collect(),
             rest: switch.rest,
             tangent: switch.tangent,
+            name: switch.name.clone(),
         }
     }
 }

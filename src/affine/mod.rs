@@ -6,7 +6,7 @@
 //! mode whose rates are not affine, by [`recurrence`], `exponential` those of matrices, `stiff` what is slow of one, [`flow`] either with the
 //! signs of its guards, [`motion`] follows it through its switches,
 //! and [`course`] sees it at equal times; [`steady`] has the equilibria, [`orbit`] the periodic orbits, whose period [`closure`]
-//! may prescribe.
+//! may prescribe, and of which [`monitor`]s are numbers, laid out in a [`monitored`] system.
 
 pub mod closure;
 pub mod contact;
@@ -19,6 +19,8 @@ pub mod form;
 mod matrices;
 pub mod mode;
 pub(crate) mod modes;
+pub mod monitor;
+pub mod monitored;
 pub mod motion;
 pub mod orbit;
 pub mod recurrence;

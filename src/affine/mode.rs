@@ -26,6 +26,8 @@ pub struct Exit {
     pub rest: Option<usize>,
     /// Where sliding or a contact ends by its own condition: the guard of `to` that is zero there, and of how many orders.
     pub tangent: Option<(usize, usize)>,
+    /// The name of the switch.
+    pub name: Option<String>,
 }
 
 impl Exit {

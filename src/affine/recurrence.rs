@@ -8,7 +8,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::expression::Function;
+use super::expression::{Function, root};
 use super::form::{Dual, Rule, VARYING};
 use super::rows::Row;
 use crate::linalg::{Matrix, Vector};
@@ -331,14 +331,34 @@ impl CoefficientTable {
                     Function::Cos => self.scale(helper, (a, 0), (x.sin(), u)),
                     Function::Tan => self.scale(helper, (own, 0), (1.0 + u * u, 2.0 * u)),
                     Function::Tanh => self.scale(helper, (own, 0), (1.0 - u * u, -2.0 * u)),
+                    Function::Sinh => self.scale(helper, (a, 0), (x.cosh(), u)),
+                    Function::Cosh => self.scale(helper, (a, 0), (x.sinh(), u)),
+                    Function::Atan => self.scale(helper, (a, 0), (1.0 + x * x, 2.0 * x)),
+                    Function::Asin => self.scale(helper, (a, 0), (root(x), -x / root(x))),
+                    Function::Acos => self.scale(helper, (a, 0), (-root(x), x / root(x))),
                     _ => {}
                 }
+            }
+            Rule::Function(Function::Atan) => {
+                // u̇w = ȧ with w = 1 + a²
+                self.convolve(helper, [a, a], (0..k + 1, k), |_| 1.0);
+                self.divide((own, helper), Some(a), [own, helper], (1..k, k), |i| {
+                    -over_k(i)
+                });
+            }
+            Rule::Function(Function::Asin | Function::Acos) => {
+                // u̇w = ȧ with ẇ = −au̇: w = ±√(1 − a²)
+                self.divide((own, helper), Some(a), [own, helper], (1..k, k), |i| {
+                    -over_k(i)
+                });
+                self.convolve(helper, [own, a], later, |i| -over_k(i));
             }
             Rule::Function(Function::Ln) => {
                 self.divide((own, a), Some(a), [own, a], (1..k, k), |i| -over_k(i));
             }
             Rule::Function(function) => {
-                // u̇ = ±ȧw with ẇ = ∓ȧu of a sine or a cosine, w = 1 ± u² of a tangent, w = u of the exponential
+                // u̇ = ±ȧw with ẇ = ∓ȧu of a sine or a cosine, ẇ = ȧu of a hyperbolic one, w = 1 ± u² of a tangent, w = u of
+                // the exponential
                 let sign = match function {
                     Function::Cos | Function::Tanh => -1.0,
                     _ => 1.0,
@@ -347,6 +367,10 @@ impl CoefficientTable {
                     Function::Sin | Function::Cos => {
                         self.convolve(own, [a, helper], later.clone(), |i| sign * over_k(i));
                         self.convolve(helper, [a, own], later, |i| -sign * over_k(i));
+                    }
+                    Function::Sinh | Function::Cosh => {
+                        self.convolve(own, [a, helper], later.clone(), over_k);
+                        self.convolve(helper, [a, own], later, over_k);
                     }
                     Function::Tan | Function::Tanh => {
                         self.convolve(own, [a, helper], later, over_k);
@@ -359,10 +383,17 @@ impl CoefficientTable {
     }
 }
 
-/// Whether a rule has a second component that is found with its own: the cosine of a sine, 1 ± u² of a tangent.
+/// Whether a rule has a second component that is found with its own: the cosine of a sine, 1 ± u² of a tangent, the inverse of
+/// the slope of an arc.
 fn has_helper(rule: Rule) -> bool {
-    use Function::{Cos, Sin, Tan, Tanh};
-    matches!(rule, Rule::Function(Sin | Cos | Tan | Tanh))
+    use Function::{Acos, Asin, Atan, Cos, Cosh, Sin, Sinh, Tan, Tanh};
+    let Rule::Function(function) = rule else {
+        return false;
+    };
+    matches!(
+        function,
+        Sin | Cos | Tan | Tanh | Sinh | Cosh | Asin | Acos | Atan
+    )
 }
 
 impl Series {

@@ -52,6 +52,15 @@ impl Terms {
         }
     }
 
+    /// With this program already, for forms that have no terms.
+    pub fn of(program: &Program) -> Terms {
+        Terms {
+            states: program.states,
+            program: program.clone(),
+            known: HashMap::new(),
+        }
+    }
+
     /// Takes in every term of a form.
     pub fn add(&mut self, form: &Form) {
         for (_, term) in &form.beyond {
@@ -125,6 +134,36 @@ impl Program {
         false
     }
 
+    /// The symmetric matrix Q of a row of z that is zᵀQz in the components before those that are made of others; `None`
+    /// where it is no polynomial of degree 2 in them.
+    pub(super) fn quadratic(&self, row: &Row) -> Option<MatrixBy> {
+        let mut matrix = MatrixBy::zero(self.base, self.base);
+        let mut add = |(i, j): (usize, usize), value: Dual| {
+            let half = value.sum(0.5, Dual::default(), 0.0);
+            matrix.add(i, j, half);
+            matrix.add(j, i, half);
+        };
+        for c in (0..self.size()).filter(|c| row.has(*c)) {
+            let factor = row.dual(c);
+            let Some(step) = c.checked_sub(self.base).map(|index| &self.steps[index]) else {
+                // the component after the states is 1
+                add((c, self.states), factor);
+                continue;
+            };
+            let [one, other] = &step.operands;
+            let inner = |operand: &Sparse| operand.terms.iter().all(|(c, _)| *c < self.base);
+            if step.rule != Rule::Product || !inner(one) || !inner(other) {
+                return None;
+            }
+            for (i, a) in &one.terms {
+                for (j, b) in &other.terms {
+                    add((*i, *j), factor.times(a.times(*b)));
+                }
+            }
+        }
+        Some(matrix)
+    }
+
     /// Marks also those components of which the marked ones are made.
     fn complete(&self, needed: &mut [bool]) {
         for (index, step) in self.steps.iter().enumerate().rev() {
@@ -187,6 +226,11 @@ impl Rule {
                 Function::Abs if a.high <= 0.0 => -a,
                 Function::Abs => Interval::new(0.0, a.magnitude()),
                 Function::Tanh => one - Interval::point(2.0) / ((a + a).exp() + one),
+                Function::Asin => a.asin(),
+                Function::Acos => a.acos(),
+                Function::Atan => a.atan(),
+                Function::Sinh => a.sinh(),
+                Function::Cosh => a.cosh(),
             },
         }
     }

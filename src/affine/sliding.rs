@@ -195,6 +195,7 @@ impl AffineSystem {
             conditions,
             rest: None,
             tangent,
+            name: None,
         };
         let released = |row: Row, to: usize, guard: usize| Guard {
             row,
@@ -212,7 +213,9 @@ impl AffineSystem {
             .zip(slides)
         {
             let exits = &mut self.modes.written_mut()[from].guards[guard].exits;
-            exits.insert(0, exit(own, vec![held], None));
+            let name = exits.first().and_then(|exit| exit.name.clone());
+            let slides = exit(own, vec![held], None);
+            exits.insert(0, Exit { name, ..slides });
         }
         self.modes.written_mut().push(AffineMode {
             states: self.states,

@@ -16,7 +16,8 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::contact::law::{Products, stretch};
 use super::contact::{ContactMistake, Law, MAX_CONTACTS};
-use super::expression::{Expression, Flaw, Function, Obstacle, Wrong};
+use super::expression::{Expression, Flaw, Obstacle, Wrong};
+use super::monitor::Monitor;
 
 /// Part of a component by which the terms of degree 17 may change it over a step of an integrated flow, where none is
 /// given: as much as in an exact one.
@@ -49,6 +50,11 @@ impl<T> Ordered<T> {
     /// The index of a name.
     pub fn index(&self, name: &str) -> Option<usize> {
         self.0.iter().position(|(known, _)| known == name)
+    }
+
+    /// Whether there is nothing in it.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
     }
 
     /// Names in order.
@@ -100,19 +106,19 @@ pub struct Source {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub forcing: Option<String>,
     /// Abbreviations, each in terms of what stands before it.
-    #[serde(default, skip_serializing_if = "is_empty")]
+    #[serde(default, skip_serializing_if = "Ordered::is_empty")]
     pub define: Ordered<String>,
     /// Contacts by name, which is that of their force.
-    #[serde(default, skip_serializing_if = "is_empty")]
+    #[serde(default, skip_serializing_if = "Ordered::is_empty")]
     pub contacts: Ordered<Law>,
     /// Rates of a system with contacts that has no modes of its own.
-    #[serde(default, skip_serializing_if = "is_empty")]
+    #[serde(default, skip_serializing_if = "Ordered::is_empty")]
     pub rates: Ordered<String>,
     /// Modes by name.
-    #[serde(default, skip_serializing_if = "is_empty")]
+    #[serde(default, skip_serializing_if = "Ordered::is_empty")]
     pub modes: Ordered<ModeSource>,
     /// Sliding modes by name, each with the two modes that meet in its surface.
-    #[serde(default, skip_serializing_if = "is_empty")]
+    #[serde(default, skip_serializing_if = "Ordered::is_empty")]
     pub sliding: Ordered<(String, String)>,
     /// Tolerance of the steps in which modes without an exact flow are integrated.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -129,10 +135,6 @@ impl Source {
         };
         self.parameters.names().eq(other.parameters.names()) && bare(self) == bare(other)
     }
-}
-
-fn is_empty<T>(map: &Ordered<T>) -> bool {
-    map.0.is_empty()
 }
 
 /// A mode.
@@ -155,7 +157,7 @@ pub struct SwitchSource {
     /// The mode that begins.
     pub to: String,
     /// States that jump, and their new values as expressions in the old ones.
-    #[serde(default, skip_serializing_if = "is_empty")]
+    #[serde(default, skip_serializing_if = "Ordered::is_empty")]
     pub reset: Ordered<String>,
     /// Expressions that are not negative where this way is taken.
     #[serde(default, rename = "if", skip_serializing_if = "Vec::is_empty")]
@@ -163,6 +165,9 @@ pub struct SwitchSource {
     /// The mode that begins where infinitely many of these switches end in finite time.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rest: Option<String>,
+    /// A name by which monitors call it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
 }
 
 /// What is wrong with a system.
@@ -198,6 +203,9 @@ pub enum Mistake {
     /// A mode that there is not.
     #[error("`{0}` is no mode")]
     NoMode(String),
+    /// A switch that there is not.
+    #[error("no switch has the name `{0}`")]
+    NoSwitch(String),
     /// The phase without a forcing.
     #[error("`phase` has no meaning without `forcing`")]
     NoForcing,
@@ -259,7 +267,11 @@ impl SystemError {
     }
 
     /// With the nearest of the names that would be right.
-    fn near<'a>(mut self, name: &str, known: impl Iterator<Item = &'a str>) -> SystemError {
+    pub(super) fn near<'a>(
+        mut self,
+        name: &str,
+        known: impl Iterator<Item = &'a str>,
+    ) -> SystemError {
         let close = known.map(|known| (strsim::osa_distance(name, known), known));
         let nearest = close.min_by_key(|(distance, _)| *distance);
         let letters = name.chars().count();
@@ -282,6 +294,7 @@ pub(crate) struct Switch {
     pub reset: Vec<(usize, Expression)>,
     pub conditions: Vec<Expression>,
     pub rest: Option<usize>,
+    pub name: Option<String>,
 }
 
 /// A mode, its expressions read: the rates in the order of the states.
@@ -312,6 +325,8 @@ pub struct System {
     pub(crate) stretches: Vec<Option<usize>>,
     /// Whether modes that have an exact flow are integrated like the others.
     pub(crate) integrated: bool,
+    /// Numbers that are asked for of its orbits.
+    pub(super) monitors: Vec<Monitor>,
 }
 
 impl TryFrom<Source> for System {
@@ -330,6 +345,9 @@ impl From<System> for Source {
 
 /// What every expression may name beside states, parameters and abbreviations.
 const RESERVED: [&str; 2] = ["phase", "pi"];
+
+/// Functions whose names nothing else may have. Of the others a name is told by its lack of brackets.
+const RESERVED_FUNCTIONS: [&str; 8] = ["sin", "cos", "tan", "exp", "ln", "sqrt", "abs", "tanh"];
 
 impl System {
     /// Reads every expression and looks up every name.
@@ -397,6 +415,7 @@ impl System {
             section: None,
             stretches,
             integrated: false,
+            monitors: Vec::new(),
             source,
         })
     }
@@ -586,6 +605,19 @@ impl Source {
         Ok(())
     }
 
+    /// An expression in states, parameters, abbreviations, forces of contacts and the phase.
+    pub(super) fn of_all(&self, path: &str, text: &str) -> Result<Expression, SystemError> {
+        let all = Scope::Forces(self.define.0.len());
+        Reader { source: self }.expression(path, text, all)
+    }
+
+    /// Names of switches, and of contacts, which name every change of their own.
+    pub fn switch_names(&self) -> impl Iterator<Item = &str> {
+        let switches = self.modes.0.iter().flat_map(|(_, mode)| &mode.until);
+        let written = switches.filter_map(|switch| switch.name.as_deref());
+        written.chain(self.contacts.names())
+    }
+
     /// Every name is a word and stands for one thing.
     fn check_names(&self) -> Result<(), SystemError> {
         let mut seen = HashSet::new();
@@ -598,10 +630,9 @@ impl Source {
             ("define", self.define.names().collect()),
             ("contacts", self.contacts.names().collect()),
         ]);
-        let functions = Function::ALL.map(|(name, _)| name);
         for (section, names) in values {
             for name in names {
-                let reserved = RESERVED.contains(&name) || functions.contains(&name);
+                let reserved = RESERVED.contains(&name) || RESERVED_FUNCTIONS.contains(&name);
                 check_name(section, name, reserved, &mut seen)?;
             }
         }
@@ -618,17 +649,22 @@ impl Source {
     }
 }
 
+/// Whether a text is a name: a letter followed by letters, digits and `_`.
+pub(crate) fn is_name(text: &str) -> bool {
+    let mut letters = text.chars();
+    let first = letters
+        .next()
+        .is_some_and(|c| c.is_alphabetic() || c == '_');
+    first && letters.all(|c| c.is_alphanumeric() || c == '_')
+}
+
 fn check_name<'a>(
     section: &str,
     name: &'a str,
     reserved: bool,
     seen: &mut HashSet<&'a str>,
 ) -> Result<(), SystemError> {
-    let mut letters = name.chars();
-    let first = letters
-        .next()
-        .is_some_and(|c| c.is_alphabetic() || c == '_');
-    let bad = if !first || !letters.all(|c| c.is_alphanumeric() || c == '_') {
+    let bad = if !is_name(name) {
         BadName::NoWord
     } else if reserved {
         BadName::Reserved
@@ -787,6 +823,7 @@ impl Reader<'_> {
                 reset: reset.collect::<Result<_, SystemError>>()?,
                 conditions: conditions.collect::<Result<_, _>>()?,
                 rest: rest.transpose()?,
+                name: switch.name.clone(),
             })
         });
         let switches = switches.collect::<Result<_, SystemError>>()?;

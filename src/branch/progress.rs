@@ -57,7 +57,7 @@ impl Beside {
         model: Model,
     ) -> legs::Plan {
         let points = continuation.most_points(model.law);
-        let plan = continuation.plan(points, problem.output.profiles);
+        let plan = continuation.plan(points, problem.output.profiles, |_| None);
         plan.going(&self.directions)
     }
 

@@ -292,7 +292,8 @@ fn condition(
             let (sector, omega) = (*sector, omega.unwrap_or(0.0));
             (Condition::Crossing { sector, omega }, None)
         }
-        Special::Failed(_) => return Err(Open::Signature),
+        // a wave has no monitors
+        Special::Failed(_) | Special::Monitor(..) => return Err(Open::Signature),
     })
 }
 

@@ -24,7 +24,7 @@ impl RequestedValues {
         let (low, high) = section.range;
         let value = |value: f64| decimal_of(text, "continuation", value);
         RequestedValues {
-            stops: section.stop_at.iter().copied().map(value).collect(),
+            stops: section.values().map(value).collect(),
             ends: [low, high].map(value).into_iter().chain(start).collect(),
         }
     }

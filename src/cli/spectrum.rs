@@ -143,7 +143,7 @@ pub(crate) fn spectrum(arguments: &SpectrumArguments) -> Result<Exit, Failure> {
             .into());
         }
         if value > range.0 && value < range.1 {
-            continuation.stop_at.push(value);
+            continuation.stop_at.push(value.into());
         }
     }
     let branch = match of_file {

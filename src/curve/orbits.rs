@@ -8,10 +8,12 @@ use serde::{Deserialize, Serialize};
 use super::plane::{Condition, NotEvaluated, Plane, Test, TestValues};
 use super::point::{Name, PointType, What};
 use crate::affine::closure::Prescribed;
+use crate::affine::monitor::{Monitor, MonitorSource};
+use crate::affine::monitored;
 use crate::affine::orbit::multipliers::{Monodromy, Multiplier};
 use crate::affine::orbit::symmetry::Kept;
 use crate::affine::orbit::{AffineOrbit, Margin, OrbitFailure, Scales, Sequence, Setting, Watch};
-use crate::affine::system::System;
+use crate::affine::system::{Ordered, System};
 use crate::linalg::{Matrix, Vector};
 use crate::orbit::EventType;
 
@@ -26,6 +28,9 @@ pub struct Orbits {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     prescribed: Option<Prescribed>,
     scales: Scales,
+    /// The monitor that keeps its value, by its name, where one does.
+    #[serde(default, skip_serializing_if = "Ordered::is_empty")]
+    monitor: Ordered<MonitorSource>,
     #[serde(skip)]
     memo: Memo,
 }
@@ -93,15 +98,32 @@ impl Orbits {
         } = (*orbit.setting).clone();
         let values = orbit.values_at(point);
         Orbits {
-            system,
+            system: system.with_monitors(Vec::new()),
             values,
             parameters,
             widths,
             periods,
             prescribed,
             scales,
+            monitor: Ordered::default(),
             memo: Memo::default(),
         }
+    }
+
+    /// The same with a monitor that keeps its value.
+    pub fn keeping(self, monitor: &Monitor) -> Orbits {
+        Orbits {
+            monitor: Ordered(vec![(monitor.name.clone(), monitor.source.clone())]),
+            ..self
+        }
+    }
+
+    /// The system, with the monitor that keeps its value.
+    fn system(&self) -> System {
+        let monitors = monitored::read(&self.system.source, &self.monitor);
+        self.system
+            .clone()
+            .with_monitors(monitors.unwrap_or_default())
     }
 }
 
@@ -199,7 +221,7 @@ impl Plane for Orbits {
             all[parameter] = value;
         }
         let setting = Setting {
-            system: self.system.clone(),
+            system: self.system(),
             values: all,
             parameter: self.parameters[index],
             second: Some(self.parameters[1 - index]),
@@ -366,7 +388,7 @@ impl Plane for Orbits {
         let multipliers = monodromy.multipliers();
         let [doubling, _, torus] = monodromy.tests(&multipliers);
         let on_circle = match condition {
-            Condition::Margin(_) => 0,
+            Condition::Margin(_) | Condition::Constant(_) => 0,
             Condition::Spectral(Critical::Torus) => 2,
             Condition::Fold | Condition::Spectral(_) => 1,
         };
@@ -440,7 +462,7 @@ impl Plane for Orbits {
                     ..pair(1, 1.0)
                 }]
             }
-            Condition::Margin(_) => vec![doubling, pair(1, f64::NAN)],
+            Condition::Margin(_) | Condition::Constant(_) => vec![doubling, pair(1, f64::NAN)],
         };
         TestValues {
             tests,

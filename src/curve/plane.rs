@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::point::{Name, PointType, What};
 use crate::continuation::newton::System;
 use crate::linalg::{Matrix, Vector};
+use crate::orbit::monitor::MonitorStop;
 use crate::orbit::{Data, EventType, Orbit};
 
 /// Margins of the orbits of a plane.
@@ -46,6 +47,8 @@ pub struct TestValues {
 pub enum Condition<P: Plane> {
     /// A margin vanishes.
     Margin(MarginOf<P>),
+    /// A monitor keeps a value.
+    Constant(MonitorStop),
     /// Fold in either parameter.
     Fold,
     /// An event of the spectrum.

@@ -250,7 +250,7 @@ impl<P: Plane> Section<P> {
                 low = further([low - width, TOWARDS_ZERO * low], low);
                 high = further([high + width, high], high);
             }
-            Condition::Margin(_) => {}
+            Condition::Margin(_) | Condition::Constant(_) => {}
         }
         let range = (low, high);
         let zones = MOST_ZONES.max(2 * P::zones(system.signature()));
@@ -449,6 +449,8 @@ fn arms<P: Plane>(
                 found.extend(step(&orbit, &node, INTO));
             }
         }
+        // on both sides there are the same orbits
+        Condition::Constant(_) => {}
         Condition::Spectral(_) => {
             for up in [true, false] {
                 found.push((orbit.clone(), own.clone(), up));

@@ -30,6 +30,9 @@ pub enum Singular<P: Plane = Tube> {
     /// No margin vanishes at a change of regime.
     #[error("no margin vanishes at the event")]
     NoMargin,
+    /// The monitor that is to be constant has no value.
+    #[error("the monitor has no value at the first orbit")]
+    NoValue,
     /// Its Jacobian has no null vector.
     #[error("the event has no tangent")]
     NoTangent,

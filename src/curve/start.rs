@@ -7,6 +7,7 @@ use super::plane::{Condition, MarginOf, Plane};
 use super::system::EventSystem;
 use super::tube::{Hopf, Tube};
 use super::{Limits, Singular};
+use crate::affine::monitor::Monitor;
 use crate::affine::orbit::AffineOrbit;
 use crate::affine::orbit::start::saved as posed;
 use crate::branch::SavedWave;
@@ -15,8 +16,12 @@ use crate::continuation::newton;
 use crate::hybrid::{self, LabelledOrbit};
 use crate::linalg::{self, Vector};
 use crate::orbit::legs::{self, Run};
+use crate::orbit::monitor::MonitorStop;
+use crate::orbit::special::Special;
 use crate::orbit::{EventType, Examined, Orbit};
-use crate::problem::{self, Problem, StabilitySection, SystemCurve, SystemProblem};
+use crate::problem::{
+    self, Problem, StabilitySection, SystemCurve, SystemCurveEvent, SystemProblem, UserPoint,
+};
 use crate::tube::model::{Parameter, Sectors};
 use crate::tube::wave::Wave;
 
@@ -199,16 +204,64 @@ pub fn find_of_system(
     let of_spectrum = kind.is_some_and(EventType::of_spectrum);
     plain.stability = of_spectrum.then(problem::Multipliers::default);
     let branch = begin(&plain).map_err(NoCurve::Run)?;
-    let wanted = kind.map_or_else(String::new, |kind| kind.to_string());
-    let of = |item: &hybrid::Item| item.point.kind;
+    let mut wanted = kind.map_or_else(String::new, |kind| kind.to_string());
+    let kept = match &curve.event {
+        SystemCurveEvent::Constant(name) => Some(name),
+        _ => None,
+    };
+    if let Some(name) = kept {
+        wanted.push_str(&format!(" of {name}"));
+    }
+    let of = |item: &hybrid::Item| match (kept, &item.special) {
+        (None, _) => item.point.kind,
+        (Some(name), Some(Special::Monitor(known, _))) if known == name => Some(EventType::UZ),
+        // a value that nothing asks for is that of the first point
+        (Some(name), Some(Special::Start)) if !asks_for(problem, name) => Some(EventType::UZ),
+        _ => None,
+    };
     let item = event::<Orbits, hybrid::Runner>(branch, (kind, curve.index), wanted, of, watch)?;
     let (orbit, point) = item.orbit();
-    pose_orbit(
-        orbit,
-        point,
-        item.point.kind.unwrap_or(EventType::EP),
-        curve,
-    )
+    let kept = kept.map(|name| kept_at(&item, name)).transpose()?;
+    let kind = match kept {
+        Some(_) => EventType::UZ,
+        None => item.point.kind.unwrap_or(EventType::EP),
+    };
+    pose_orbit(orbit, point, (kind, kept), curve)
+}
+
+/// Whether the branch of a problem asks for a value of a monitor.
+fn asks_for(problem: &SystemProblem, name: &str) -> bool {
+    let stops = problem.continuation.iter().flat_map(|one| &one.stop_at);
+    let mut stops = stops.filter_map(|stop| match stop {
+        UserPoint::Monitor(known, _) => Some(known),
+        UserPoint::Parameter(_) => None,
+    });
+    stops.any(|known| known == name)
+}
+
+/// A monitor with the value that it keeps.
+struct Kept {
+    monitor: Monitor,
+    value: f64,
+}
+
+/// The monitor of this name with its value at a point of a branch: the one that was asked for, if any was.
+fn kept_at(item: &hybrid::Item, name: &str) -> Result<Kept, NoCurve<Orbits>> {
+    let (orbit, _) = item.orbit();
+    let mut monitors = orbit.setting.system.monitors().iter();
+    let monitor = monitors.find(|one| one.name == name).cloned();
+    let value = match &item.special {
+        Some(Special::Monitor(_, value)) => Some(*value),
+        _ => {
+            let mut values = item.point.monitors.iter();
+            values
+                .find(|(known, _)| known == name)
+                .and_then(|(_, value)| *value)
+        }
+    };
+    let kept = monitor.zip(value);
+    let kept = kept.map(|(monitor, value)| Kept { monitor, value });
+    kept.ok_or(NoCurve::Singular(Singular::NoValue))
 }
 
 /// The event of a system that an earlier run labelled, with its saved orbit.
@@ -238,14 +291,14 @@ pub fn labelled_of_system(
         prescribed,
     );
     let (orbit, point) = posed.map_err(none)?;
-    pose_orbit(&orbit, &point, kind, curve)
+    pose_orbit(&orbit, &point, (kind, None), curve)
 }
 
 /// The equations of an event of a system.
 fn pose_orbit(
     orbit: &AffineOrbit,
     point: &Vector,
-    kind: EventType,
+    (kind, kept): (EventType, Option<Kept>),
     curve: &SystemCurve,
 ) -> Result<Start<Orbits>, NoCurve<Orbits>> {
     let limits = Limits::of(curve);
@@ -253,6 +306,18 @@ fn pose_orbit(
     let index = |name: &String| parameters.index(name).unwrap_or(0);
     let pair = [index(&curve.parameters.0), index(&curve.parameters.1)];
     let plane = Orbits::new(orbit, point, pair, limits.widths());
+    if let Some(Kept { monitor, value }) = kept {
+        within(&plane, &limits)?;
+        let constant = Condition::Constant(MonitorStop { monitor: 0, value });
+        let plane = plane.keeping(&monitor);
+        let system = EventSystem::new(plane, orbit.signature().clone(), constant);
+        return Ok(Start {
+            event: kind,
+            point: system.pack(point, &[]),
+            system,
+            limits,
+        });
+    }
     let spectral = match kind {
         EventType::PD => {
             let (matrix, _) = newton::jacobian(orbit, point).map_err(Singular::flow)?;
@@ -362,14 +427,8 @@ fn pose_wave(
 /// What of the spectrum makes an event, and its further unknowns.
 type OfSpectrum<P> = Option<(<P as Plane>::Spectral, Vec<f64>)>;
 
-/// The equations of an event.
-fn pose<P: Plane>(
-    plane: P,
-    orbit: &P::Orbit,
-    point: &Vector,
-    (event, spectral): (EventType, OfSpectrum<P>),
-    limits: Limits,
-) -> Result<Start<P>, NoCurve<P>> {
+/// Refuses an event outside the ranges.
+fn within<P: Plane>(plane: &P, limits: &Limits) -> Result<(), NoCurve<P>> {
     let named = plane.parameters().into_iter().zip(plane.values());
     for ((parameter, value), (low, high)) in named.zip(limits.ranges) {
         if !(value >= low && value <= high) {
@@ -381,6 +440,18 @@ fn pose<P: Plane>(
             });
         }
     }
+    Ok(())
+}
+
+/// The equations of an event.
+fn pose<P: Plane>(
+    plane: P,
+    orbit: &P::Orbit,
+    point: &Vector,
+    (event, spectral): (EventType, OfSpectrum<P>),
+    limits: Limits,
+) -> Result<Start<P>, NoCurve<P>> {
+    within(&plane, &limits)?;
     let (condition, further) = match (event, spectral) {
         (_, Some((spectral, further))) => (Condition::Spectral(spectral), further),
         (EventType::LP, None) => {

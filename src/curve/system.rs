@@ -5,6 +5,7 @@
 //! | event | further unknowns | further equations |
 //! |---|---|---|
 //! | GR, RV, CO, ST, SL | | m(x, p₁, p₂) = 0, the margin that vanishes |
+//! | UZ of a monitor | | n(x, p₁, p₂) = n₀ |
 //! | LP | v | F_x v = 0, (v·v − 1)/2 = 0 |
 //! | HB | ω | Re F_j(iω) = Im F_j(iω) = 0 |
 //! | PD | v | (F_x − 2C)v = 0, (v·v − 1)/2 = 0 |
@@ -17,7 +18,7 @@
 //! over a period with the multipliers μ, H that over half of it with the image at its end.) An orbit is posed in one parameter: posed in p₁ it gives all columns but
 //! the last, posed in p₂ the last.
 //!
-//! Derivatives of F and m are exact. Those of F_x v are one-sided differences, those of F_j and of H in x, p₁, p₂ central
+//! Derivatives of F, m and n are exact. Those of F_x v are one-sided differences, those of F_j and of H in x, p₁, p₂ central
 //! ones, and so are those of a pair μ of M, without switches along its null vectors only: they bend the way of Newton's
 //! iterates and not the equations, which are exact.
 
@@ -30,7 +31,7 @@ use super::plane::{
 use super::tube::Tube;
 use crate::continuation::newton::{Constraint, System};
 use crate::linalg::{self, Matrix, Vector};
-use crate::orbit::AtZero;
+use crate::orbit::{AtZero, Orbit};
 
 /// Step of central differences in scaled unknowns of order one: truncation and rounding both stay
 /// near 1e-10 of the derivative, far below what keeps Newton's convergence fast.
@@ -182,7 +183,7 @@ impl<P: Plane> EventSystem<P> {
         match &self.condition {
             Condition::Fold => true,
             Condition::Spectral(spectral) => P::is_doubling(spectral),
-            Condition::Margin(_) => false,
+            Condition::Margin(_) | Condition::Constant(_) => false,
         }
     }
 
@@ -433,6 +434,25 @@ impl<P: Plane> System for EventSystem<P> {
                         jacobian[(count, column)] = *entry;
                     }
                     jacobian[(count, last + index)] = gradient[count];
+                }
+            }
+            Condition::Constant(stop) => {
+                // in the unit of its largest derivative
+                let mut unit = None;
+                for index in 0..2 {
+                    let (orbit, own) = self.orbit(point, index).map_err(NotEvaluated::Flow)?;
+                    let measured = orbit.measured(stop.monitor, &own);
+                    let Some(measured) = measured.map_err(NotEvaluated::Flow)? else {
+                        residual[count] = f64::NAN;
+                        break;
+                    };
+                    let unit = *unit.get_or_insert_with(|| measured.slope());
+                    residual[count] = (measured.value - stop.value) / unit;
+                    let columns = measured.gradient.iter().enumerate();
+                    for (column, entry) in columns.take(count) {
+                        jacobian[(count, column)] = entry / unit;
+                    }
+                    jacobian[(count, last + index)] = measured.gradient[count] / unit;
                 }
             }
             Condition::Spectral(spectral) if !P::is_doubling(spectral) => {

@@ -29,6 +29,8 @@ pub struct OrbitPoint {
     pub switches: Vec<f64>,
     /// Least and largest value of every state.
     pub extremes: Vec<(f64, f64)>,
+    /// Names and values of the monitors, of those that have one.
+    pub monitors: Vec<(String, Option<f64>)>,
     /// Stability; `None` when not asked for.
     pub stable: Option<Stability>,
     /// Multipliers outside the unit circle; `None` when not asked for or without a limit.
@@ -59,6 +61,8 @@ pub struct OrbitEvent {
     pub parameters: Vec<(String, f64)>,
     /// Period.
     pub period: f64,
+    /// Names and values of the monitors, of those that have one.
+    pub monitors: Vec<(String, Option<f64>)>,
     /// The leading multiplier; `None` when not asked for or without a limit.
     pub leading: Option<Complex<f64>>,
     /// Modes before the event, along the branch.
@@ -88,10 +92,12 @@ impl Occurrence for OrbitEvent {
             "multiplier_re" => self.leading.map(|value| value.re),
             "multiplier_im" => self.leading.map(|value| value.im),
             _ => {
-                let mut parameters = self.parameters.iter();
-                parameters
-                    .find(|(known, _)| known == name)
-                    .map(|(_, value)| *value)
+                let parameters = self.parameters.iter();
+                let parameters = parameters.map(|(known, value)| (known, Some(*value)));
+                let monitors = self.monitors.iter();
+                let monitors = monitors.map(|(known, value)| (known, *value));
+                let mut all = parameters.chain(monitors);
+                all.find(|(known, _)| *known == name)?.1
             }
         }
     }

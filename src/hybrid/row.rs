@@ -22,6 +22,10 @@ impl Serialize for Named {
 }
 
 impl Named {
+    fn without_values<'a>(names: impl Iterator<Item = &'a str>) -> Named {
+        Named(names.map(|name| (name.to_owned(), None)).collect())
+    }
+
     fn parameters(source: &Source, values: Option<&[f64]>) -> Named {
         let names = source.parameters.names().enumerate();
         let value = |index: usize| values.and_then(|values| values.get(index).copied());
@@ -53,6 +57,7 @@ pub struct OrbitColumns<'a> {
     period: f64,
     switches: &'a [f64],
     extremes: Named,
+    monitors: Named,
     stable: Option<&'static str>,
     unstable: Option<usize>,
     multiplier_re: Option<f64>,
@@ -69,6 +74,7 @@ impl<'a> OrbitColumns<'a> {
             period: point.period,
             switches: &point.switches,
             extremes: Named::extremes(source, Some(&point.extremes)),
+            monitors: Named(point.monitors.clone()),
             stable: point.stable.map(Stability::word),
             unstable: point.unstable,
             multiplier_re: leading.map(|value| value.re),
@@ -91,6 +97,7 @@ impl<'a> OrbitColumns<'a> {
             period: f64::NAN,
             switches: &[],
             extremes: Named::extremes(source, state.as_deref()),
+            monitors: Named::default(),
             stable: None,
             unstable: None,
             multiplier_re: None,
@@ -113,13 +120,16 @@ pub struct OrbitRow<'a> {
 }
 
 impl<'a> OrbitRow<'a> {
-    /// A row for the names of its columns.
-    pub fn columns(source: &Source) -> OrbitRow<'a> {
+    /// A row for the names of its columns, with those of monitors.
+    pub fn columns<'b>(source: &Source, monitors: impl Iterator<Item = &'b str>) -> OrbitRow<'a> {
         OrbitRow {
             point: 0,
             label: None,
             kind: None,
-            orbit: OrbitColumns::without(source, None, None),
+            orbit: OrbitColumns {
+                monitors: Named::without_values(monitors),
+                ..OrbitColumns::without(source, None, None)
+            },
             newton: 0,
             residual: 0.0,
             leg: 0,
@@ -148,6 +158,7 @@ pub struct OrbitEventRow<'a> {
     kind: Option<EventType>,
     parameters: Named,
     period: f64,
+    monitors: Named,
     multiplier_re: Option<f64>,
     multiplier_im: Option<f64>,
     regimes_before: &'a str,
@@ -158,13 +169,17 @@ pub struct OrbitEventRow<'a> {
 }
 
 impl<'a> OrbitEventRow<'a> {
-    /// A row for the names of its columns.
-    pub fn columns(source: &Source) -> OrbitEventRow<'a> {
+    /// A row for the names of its columns, with those of monitors.
+    pub fn columns<'b>(
+        source: &Source,
+        monitors: impl Iterator<Item = &'b str>,
+    ) -> OrbitEventRow<'a> {
         OrbitEventRow {
             label: 0,
             kind: None,
             parameters: Named::parameters(source, None),
             period: 0.0,
+            monitors: Named::without_values(monitors),
             multiplier_re: None,
             multiplier_im: None,
             regimes_before: "",
@@ -187,6 +202,7 @@ impl<'a> OrbitEventRow<'a> {
                     .collect(),
             ),
             period: event.period,
+            monitors: Named(event.monitors.clone()),
             multiplier_re: event.leading.map(|value| value.re),
             multiplier_im: event.leading.map(|value| value.im),
             regimes_before: &event.regimes_before,

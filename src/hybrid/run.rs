@@ -86,6 +86,7 @@ impl Runner {
             point,
             directions,
         } = begin(problem, continuation, named)?;
+        let orbit = orbit.with_monitors(problem.monitors());
         let scales = orbit.setting.scales.clone();
         let values = orbit.setting.values.clone();
         let plan = plan(problem, continuation).going(&directions);
@@ -116,6 +117,7 @@ impl Runner {
         let scales = progress.scales.clone();
         let posed = parameter.and_then(|index| first.posed(problem, index, scales));
         let orbit = posed.ok_or(ResumeMismatch::Progress)?;
+        let orbit = orbit.with_monitors(problem.monitors());
         let plan = plan(problem, continuation).going(&progress.directions);
         Ok(Runner {
             problem: problem.clone(),
@@ -257,6 +259,7 @@ impl Runner {
             kind: special.kind(),
             parameters: parameters.collect(),
             period: point.period,
+            monitors: point.monitors.clone(),
             leading: point.leading(),
             regimes_before: before.unwrap_or_else(|| point.regimes.clone()),
             regimes_after: beyond().unwrap_or_else(|| point.regimes.clone()),
@@ -319,7 +322,8 @@ impl Run for Runner {
 /// What is asked for of the legs.
 fn plan(problem: &SystemProblem, continuation: &Continuation<String>) -> legs::Plan {
     let most = continuation.max_points.unwrap_or(DEFAULT_MAX_POINTS);
-    continuation.plan(most, problem.output.profiles)
+    let number = |name: &str| problem.monitor.index(name);
+    continuation.plan(most, problem.output.profiles, number)
 }
 
 /// The row of a change of the sequence beyond which the orbit is this one: where multipliers jump so that stability does,
@@ -387,6 +391,11 @@ pub(crate) fn point(
         period,
         switches,
         extremes: examination.extremes.clone(),
+        monitors: {
+            let names = orbit.setting.system.monitors().iter();
+            let names = names.map(|monitor| monitor.name.clone());
+            names.zip(orbit.monitors(unknowns)).collect()
+        },
         stable,
         unstable: tells.and(outside),
         multipliers: multipliers.unwrap_or_default(),

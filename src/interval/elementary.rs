@@ -1,4 +1,4 @@
-//! exp, ln, sin and cos of intervals.
+//! exp, ln, sin and cos of intervals, and what is made of them: arcs and hyperbolic functions.
 //!
 //! The argument is reduced by multiples of ln 2 or π/2, which are split into parts of so few bits that the
 //! products are exact, and a remainder that is an interval. A Taylor polynomial in interval arithmetic
@@ -113,6 +113,39 @@ fn circular_point(x: f64) -> (Interval, Interval) {
     (cosine.intersection(all), sine.intersection(all))
 }
 
+/// The arc tangent of a number of [−1, 1]: the library's guess y, and atan x − y = atan t, t = (x − tan y)/(1 + x tan y), with
+/// |atan t| ≤ |t|.
+fn arc_point(x: f64) -> Interval {
+    let guess = x.atan();
+    let (cosine, sine) = circular_point(guess);
+    let (x, tangent) = (Interval::point(x), sine / cosine);
+    let off = (x - tangent) / (Interval::ONE + x * tangent);
+    let most = off.magnitude();
+    Interval::point(guess) + Interval::new(-most, most)
+}
+
+/// The arc tangent of one number: beyond 1 it is ±π/2 − atan(1/x).
+fn arc(x: f64) -> Interval {
+    let quarter = PI * Interval::point(0.5);
+    if x.is_infinite() {
+        return if x > 0.0 { quarter } else { -quarter };
+    }
+    if x.abs() <= 1.0 {
+        return arc_point(x);
+    }
+    let inverse = Interval::ONE / Interval::point(x);
+    let inner = arc_point(inverse.low).hull(arc_point(inverse.high));
+    match x > 0.0 {
+        true => quarter - inner,
+        false => -quarter - inner,
+    }
+}
+
+/// sinh x = (eˣ − e⁻ˣ)/2.
+fn hyperbolic_sine(x: f64) -> Interval {
+    (exp_point(x) - exp_point(-x)) * Interval::point(0.5)
+}
+
 /// cos x + shift quarter turns, over an interval: its values at the ends, and ±1 where a multiple of π may
 /// lie between them.
 fn circular(x: Interval, quarter: f64, at: impl Fn(f64) -> Interval) -> Interval {
@@ -168,6 +201,63 @@ impl Interval {
         }
     }
 
+    /// atan x, from −π/2 to π/2.
+    pub fn atan(self) -> Interval {
+        if self.is_empty() {
+            return self;
+        }
+        Interval {
+            low: arc(self.low).low,
+            high: arc(self.high).high,
+        }
+    }
+
+    /// asin x = 2 atan(x/(1 + √(1 − x²))) of those numbers that have one.
+    pub fn asin(self) -> Interval {
+        let within = self.intersection(Interval::new(-1.0, 1.0));
+        if within.is_empty() {
+            return within;
+        }
+        let at = |x: f64| {
+            let x = Interval::point(x);
+            let root = ((Interval::ONE - x) * (Interval::ONE + x)).sqrt();
+            (x / (Interval::ONE + root)).atan() * Interval::point(2.0)
+        };
+        Interval {
+            low: at(within.low).low,
+            high: at(within.high).high,
+        }
+    }
+
+    /// acos x = π/2 − asin x of those numbers that have one.
+    pub fn acos(self) -> Interval {
+        PI * Interval::point(0.5) - self.asin()
+    }
+
+    /// sinh x.
+    pub fn sinh(self) -> Interval {
+        if self.is_empty() {
+            return self;
+        }
+        Interval {
+            low: hyperbolic_sine(self.low).low,
+            high: hyperbolic_sine(self.high).high,
+        }
+    }
+
+    /// cosh x = (eˣ + e⁻ˣ)/2.
+    pub fn cosh(self) -> Interval {
+        if self.is_empty() {
+            return self;
+        }
+        let at = |x: f64| (exp_point(x) + exp_point(-x)) * Interval::point(0.5);
+        let ends = at(self.low).hull(at(self.high));
+        match self.low <= 0.0 && 0.0 <= self.high {
+            true => Interval::new(1.0, ends.high),
+            false => Interval::new(ends.low.max(1.0), ends.high),
+        }
+    }
+
     /// cos x.
     pub fn cos(self) -> Interval {
         circular(self, 0.0, |x| circular_point(x).0)
@@ -176,5 +266,54 @@ impl Interval {
     /// sin x.
     pub fn sin(self) -> Interval {
         circular(self, 1.0, |x| circular_point(x).1)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn point(x: f64) -> Interval {
+        Interval::point(x)
+    }
+
+    /// Values in closed form lie in the enclosures, which are not much wider than rounding.
+    #[test]
+    fn arcs_and_hyperbolic_functions_are_enclosed() {
+        let part = |times: f64| PI * point(times);
+        let third = PI / point(3.0);
+        let two = point(2.0);
+        for (found, value) in [
+            (point(1.0).atan(), part(0.25)),
+            (point(3.0).sqrt().atan(), third),
+            (point(-f64::INFINITY).atan(), part(-0.5)),
+            (point(0.5).asin(), third * point(0.5)),
+            (point(-1.0).asin(), part(-0.5)),
+            (point(-1.0).acos(), PI),
+            (point(0.5).acos(), third),
+            (two.ln().sinh(), point(0.75)),
+            ((-two.ln()).cosh(), point(1.25)),
+            (point(0.0).sinh(), point(0.0)),
+        ] {
+            assert!(
+                !found.intersection(value).is_empty(),
+                "{found:?}, {value:?}"
+            );
+            assert!(found.width() <= 4e-15, "{found:?}");
+        }
+        // the inverse of the tangent, and x itself for small x
+        for x in [1e-12, 1e-8, 0.3, 0.999, 1.001, 7.0, 1e9] {
+            let arc = point(x).atan();
+            let back = arc.sin() / arc.cos();
+            assert!(back.low <= x && x <= back.high, "{x}: {back:?}");
+            // a dozen roundings outwards
+            assert!(arc.width() <= 3e-15 * arc.high, "{x}: {arc:?}");
+        }
+        // what is outside has no value, and an interval has the least within
+        assert!(Interval::new(1.5, 2.0).asin().is_empty());
+        let all = Interval::new(-2.0, 1.0).cosh();
+        assert!(all.low == 1.0 && all.high >= 2.0_f64.cosh() && all.high < 3.77);
+        let arcs = Interval::new(-0.5, 3.0).acos();
+        assert!(arcs.low <= 0.0 && arcs.high >= 2.0943);
     }
 }

@@ -7,7 +7,7 @@ use super::cell::Missing;
 use crate::branch::run::{Item, RunError, Runner, answer};
 use crate::branch::special::{Failure, Special};
 use crate::branch::{BranchPoint, EventType, SavedWave};
-use crate::problem::{Continuation, MapAxis, Output, Problem, Start, Toward};
+use crate::problem::{Continuation, MapAxis, Output, Problem, Start, Toward, UserPoint};
 use crate::tube::model::Parameter;
 use crate::tube::stability::characteristic::Characteristic;
 use crate::tube::stability::spectrum::{Request, Spectrum, spectrum};
@@ -166,7 +166,7 @@ impl Line<'_> {
         let (low, high) = self.along.range;
         let inner = self.values.iter().copied();
         let inner = inner.filter(|value| *value > low && *value < high);
-        let continuation = self.continuation(toward, inner.collect());
+        let continuation = self.continuation(toward, inner.map(UserPoint::from).collect());
         Runner::begin(&self.at(start, value), &continuation, wave)
     }
 
@@ -182,7 +182,7 @@ impl Line<'_> {
     }
 
     /// How to follow the line: with the steps of the `continuation` section, if any.
-    fn continuation(&self, toward: Toward, stop_at: Vec<f64>) -> Continuation {
+    fn continuation(&self, toward: Toward, stop_at: Vec<UserPoint>) -> Continuation {
         let defaults = Continuation::new(self.along.parameter, self.along.range);
         let steps = self.problem.continuation.as_ref().unwrap_or(&defaults);
         Continuation {

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use super::monitor::{self, MonitorStop};
 use super::special::{Close, Refusal};
 use super::{
     AtZero, Examined, Growth, Orbit, Shrinking, Verdict, find, paired, retrace, uncertainty,
@@ -23,6 +24,8 @@ pub enum Event<O: Orbit> {
     Shrinks(O::Special, O::Stop),
     /// A value that was asked for.
     User(f64),
+    /// A monitor has a value that was asked for.
+    Monitor(MonitorStop),
     /// An edge of the range.
     Edge(f64),
     /// A margin vanishes.
@@ -225,7 +228,7 @@ fn folds<O: Orbit>(orbit: &O, step: &Step<O>) -> Least {
 pub(super) fn located<O: Orbit>(
     orbit: &O,
     range: (f64, f64),
-    stop_at: &[f64],
+    (stop_at, monitors): (&[f64], &[MonitorStop]),
     step: &Step<O>,
 ) -> Result<Vec<(Place, Located<O>)>, Refusal<O>> {
     if let Some(shrinks) = shrinks(orbit, range, stop_at, step) {
@@ -289,7 +292,8 @@ pub(super) fn located<O: Orbit>(
             });
         }
     }
-    let exact = fold.into_iter().chain(targets);
+    let monitors = at_monitors(orbit, monitors, step, &changes).ok_or(Refusal::NotFound)?;
+    let exact = fold.into_iter().chain(targets).chain(monitors);
     Ok(exact.chain(changes).chain(crossings).collect())
 }
 
@@ -424,6 +428,26 @@ fn targets<O: Orbit>(
         );
     }
     Some(located)
+}
+
+/// Where monitors have values that are asked for within a step, before the first of its changes. `None` if a place is not
+/// found.
+fn at_monitors<O: Orbit>(
+    orbit: &O,
+    stops: &[MonitorStop],
+    step: &Step<O>,
+    changes: &[(Place, Located<O>)],
+) -> Option<Vec<(Place, Located<O>)>> {
+    let places = changes.iter().map(|(place, _)| place);
+    let first = places.min_by(|one, other| one.s.total_cmp(&other.s));
+    let end = first.map_or((step.ds, step.to), |place| (place.s, &place.node));
+    let all = monitor::located(orbit, stops, step, end)?.into_iter();
+    let events = all.map(|one| {
+        let event = Event::Monitor(one.stop);
+        let uncertainty = one.uncertainty;
+        (one.place, Located { event, uncertainty })
+    });
+    Some(events.collect())
 }
 
 /// Margins that vanish within a step.

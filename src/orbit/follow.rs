@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::cascade::Cascade;
 use super::change::{self, Beyond, Both};
 use super::events::{self, Event, Located};
+use super::monitor::MonitorStop;
 use super::special::{Change, Close, Ending, Failure, NoFollower, Refusal, Special, Stop};
 use super::switch::is_in_family;
 use super::{EventType, Examined, Orbit, find, retrace};
@@ -147,6 +148,8 @@ pub struct Track<O> {
     /// Their boundary-value problem.
     pub orbit: Arc<O>,
     limits: Arc<Limits>,
+    /// Values of monitors at which a user point is wanted, too.
+    monitors: Arc<[MonitorStop]>,
     /// Direction of the parameter: +1 or −1.
     heading: f64,
     /// Changes of signature in a row that are alike.
@@ -179,6 +182,7 @@ impl<O: Orbit> Walker<Track<O>> {
         let branch = Track {
             orbit: Arc::new(orbit),
             limits: Arc::new(limits.ordered()),
+            monitors: Arc::default(),
             heading,
             cascade: Cascade::default(),
         };
@@ -217,6 +221,7 @@ impl<O: Orbit> Walker<Track<O>> {
         let branch = Track {
             orbit: Arc::new(posed),
             limits: Arc::new(limits.ordered()),
+            monitors: Arc::default(),
             heading: state.heading,
             cascade: state.cascade,
         };
@@ -228,6 +233,12 @@ impl<O: Orbit> Walker<Track<O>> {
             creeping: state.creeping,
             ..Walker::begin(branch, node, steps)?
         })
+    }
+
+    /// The same with user points at these values of monitors, too.
+    pub fn stopping_at(mut self, monitors: &[MonitorStop]) -> Follower<O> {
+        self.curve.monitors = monitors.into();
+        self
     }
 
     /// The state to resume from.
@@ -305,7 +316,7 @@ impl<O: Orbit> Curve for Track<O> {
         events::located(
             self.orbit.as_ref(),
             self.limits.range,
-            &self.limits.stop_at,
+            (&self.limits.stop_at, &self.monitors),
             step,
         )
     }
@@ -385,6 +396,10 @@ impl<O: Orbit> Curve for Track<O> {
             Event::User(value) => {
                 found.parameter = *value;
                 found.special = Some(Special::User(orbit.parameter(), *value));
+            }
+            Event::Monitor(MonitorStop { monitor, value }) => {
+                let name = orbit.monitor_name(*monitor).to_owned();
+                found.special = Some(Special::Monitor(name, *value));
             }
             Event::Edge(value) => {
                 found.parameter = *value;
@@ -722,6 +737,7 @@ impl<O: Orbit> Track<O> {
         let curve = Track {
             orbit: orbit.clone(),
             limits: self.limits.clone(),
+            monitors: self.monitors.clone(),
             heading: if change.turned_back {
                 -self.heading
             } else {

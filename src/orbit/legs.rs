@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::follow::{Follower, Found, Limits, State};
+use super::monitor::MonitorStop;
 use super::special::{Ending, Failure, ResumeMismatch, Special};
 use super::{EventType, Orbit};
 use crate::continuation::walk::End as WalkEnd;
@@ -19,6 +20,8 @@ pub struct Plan {
     pub directions: Vec<bool>,
     /// Values of the parameter at which a user point is wanted.
     pub stop_at: Vec<f64>,
+    /// Values of monitors at which one is wanted, too.
+    pub monitors: Vec<MonitorStop>,
     /// Types of events that end the run, each with the occurrence that does.
     pub stop_after: Vec<(EventType, usize)>,
     /// Step lengths and tolerance.
@@ -350,7 +353,7 @@ fn follower<O: Orbit>(
     if point.len() != first.unknowns() {
         return Err(ResumeMismatch::FirstWave);
     }
-    Ok(match &progress.state {
+    let follower = match &progress.state {
         Some(state) => Follower::resume(first, state.clone(), plan.limits())?,
         None => Follower::new(
             first.clone(),
@@ -358,5 +361,6 @@ fn follower<O: Orbit>(
             *up,
             plan.limits(),
         )?,
-    })
+    };
+    Ok(follower.stopping_at(&plan.monitors))
 }

@@ -8,6 +8,7 @@
 //!
 //! - [`sign`] tells the sign of a function over a whole interval;
 //! - [`event`] has the types of special points, [`special`] what makes a point special and why a branch ends;
+//! - [`monitor`] locates values of numbers of an orbit that are asked for;
 //! - [`events`] locates what happens within a step, `retrace` where the branch would retrace itself, [`change`] finds the signature beyond a change;
 //! - [`cascade`] recognises changes that follow one another without end;
 //! - [`follow`] puts them together into a curve for the walker of [`crate::continuation`];
@@ -19,6 +20,7 @@ pub mod event;
 pub mod events;
 pub mod follow;
 pub mod legs;
+pub mod monitor;
 mod retrace;
 pub mod sign;
 pub mod special;
@@ -36,6 +38,7 @@ use crate::continuation::newton::{self, Constraint, System};
 use crate::continuation::walk::Segment;
 use crate::linalg::{Matrix, Vector};
 pub use event::{EventType, UnknownType};
+use monitor::Measured;
 use sign::Verdict;
 pub use stability::Stability;
 
@@ -378,6 +381,23 @@ pub trait Orbit: System<Failure: Data> + Clone + Debug + PartialEq {
         _between: Option<[f64; 2]>,
     ) -> Option<Self::Special> {
         None
+    }
+
+    /// A number of an orbit that is asked for, by its place among those, at a point; `None` where it has no value.
+    ///
+    /// # Errors
+    /// The flow cannot be evaluated there.
+    fn measured(
+        &self,
+        _monitor: usize,
+        _point: &Vector,
+    ) -> Result<Option<Measured>, Self::Failure> {
+        Ok(None)
+    }
+
+    /// Its name.
+    fn monitor_name(&self, _monitor: usize) -> &str {
+        ""
     }
 
     /// Type of a point that is special for reasons of the system itself.

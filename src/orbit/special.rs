@@ -15,6 +15,8 @@ pub enum Special<O: Orbit> {
     Fold(O::Parameter),
     /// A value that was asked for.
     User(O::Parameter, f64),
+    /// A value that was asked for of the monitor of this name.
+    Monitor(String, f64),
     /// An edge of the range.
     Edge(O::Parameter, f64),
     /// The first point of the branch once more.
@@ -33,7 +35,7 @@ impl<O: Orbit> Special<O> {
         match self {
             Special::Start | Special::Edge(..) | Special::Closed => EventType::EP,
             Special::Fold(_) => EventType::LP,
-            Special::User(..) => EventType::UZ,
+            Special::User(..) | Special::Monitor(..) => EventType::UZ,
             Special::Change(change) => change.kind,
             Special::Failed(_) => EventType::MX,
             Special::Own(special) => O::kind(special),

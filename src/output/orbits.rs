@@ -38,8 +38,8 @@ impl Recorded for Runner {
 
     fn headers(problem: &SystemProblem) -> Headers {
         let source = &problem.system.source;
-        let branch = table::columns(&OrbitRow::columns(source));
-        let events = table::columns(&OrbitEventRow::columns(source));
+        let branch = table::columns(&OrbitRow::columns(source, problem.monitor.names()));
+        let events = table::columns(&OrbitEventRow::columns(source, problem.monitor.names()));
         Headers {
             branch: table::line_of(&branch),
             events: table::line_of(&events),

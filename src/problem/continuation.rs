@@ -2,12 +2,13 @@
 
 use std::fmt;
 
-use serde::de::{self, Deserializer, MapAccess, Visitor};
+use serde::de::{self, Deserializer, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Serialize, Serializer};
 
 use crate::continuation::{DEFAULT_DS, DEFAULT_DS_MAX, DEFAULT_DS_MIN, DEFAULT_TOLERANCE, Steps};
 use crate::orbit::EventType;
 use crate::orbit::legs::Plan;
+use crate::orbit::monitor::MonitorStop;
 use crate::tube::model::{FrictionLaw, Parameter};
 
 /// Largest number of points of a leg where none is given.
@@ -58,8 +59,8 @@ pub struct Continuation<P = Parameter> {
     pub range: (f64, f64),
     /// Which way to go first.
     pub toward: Toward,
-    /// Values of the parameter at which a user point is wanted, within `range`.
-    pub stop_at: Vec<f64>,
+    /// Where a user point is wanted: at values of the parameter, within `range`, or of a monitor.
+    pub stop_at: Vec<UserPoint>,
     /// First step, in dimensionless scaled arclength; `ds_min` ≤ `ds` ≤ `ds_max`.
     pub ds: f64,
     /// Smallest step before the branch is given up, in dimensionless scaled arclength.
@@ -104,13 +105,39 @@ impl<P> Continuation<P> {
         }
     }
 
-    /// What is asked for of the legs of a run; `samples` are the profiles wanted.
-    pub(crate) fn plan(&self, most_points: usize, samples: usize) -> Plan {
+    /// The values of the parameter at which a user point is wanted.
+    pub fn values(&self) -> impl Iterator<Item = f64> {
+        self.stop_at.iter().filter_map(|point| match point {
+            UserPoint::Parameter(value) => Some(*value),
+            UserPoint::Monitor(..) => None,
+        })
+    }
+
+    /// The values of monitors at which a user point is wanted, where `number` is that of a monitor.
+    fn monitors(&self, number: impl Fn(&str) -> Option<usize>) -> Vec<MonitorStop> {
+        let stops = self.stop_at.iter().filter_map(|point| match point {
+            UserPoint::Parameter(_) => None,
+            UserPoint::Monitor(name, value) => Some(MonitorStop {
+                monitor: number(name)?,
+                value: *value,
+            }),
+        });
+        stops.collect()
+    }
+
+    /// What is asked for of the legs of a run; `samples` are the profiles wanted, `number` is that of a monitor.
+    pub(crate) fn plan(
+        &self,
+        most_points: usize,
+        samples: usize,
+        number: impl Fn(&str) -> Option<usize>,
+    ) -> Plan {
         let stops = self.stop_after.iter();
         Plan {
             range: self.range,
             directions: self.toward.directions().to_vec(),
-            stop_at: self.stop_at.clone(),
+            stop_at: self.values().collect(),
+            monitors: self.monitors(number),
             stop_after: stops.map(|stop| (stop.event, stop.count)).collect(),
             steps: self.steps(),
             most_points,
@@ -192,7 +219,7 @@ impl<P> From<Written<P>> for Continuation<P> {
             parameter: written.parameter,
             range: written.range,
             toward: written.toward,
-            stop_at: written.stop_at.into_iter().map(|point| point.0).collect(),
+            stop_at: written.stop_at,
             ds: written.ds.unwrap_or(ds),
             ds_min: written.ds_min.unwrap_or(DEFAULT_DS_MIN.min(ds)),
             ds_max: written.ds_max.unwrap_or(DEFAULT_DS_MAX.max(ds)),
@@ -203,8 +230,38 @@ impl<P> From<Written<P>> for Continuation<P> {
     }
 }
 
-/// A bare number, or one with the name of its column, as in `(mismatch: 0.08)`.
-struct UserPoint(f64);
+/// Where a user point is wanted: a bare number, or one with the name of its column, as in `(mismatch: 0.08)`; or the name of
+/// a monitor and its value, as in `("peak", 0.5)`.
+#[derive(Clone, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum UserPoint {
+    /// A value of the parameter.
+    Parameter(f64),
+    /// One of the monitor of this name.
+    Monitor(String, f64),
+}
+
+/// As a problem file has it.
+impl fmt::Debug for UserPoint {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            UserPoint::Parameter(value) => write!(formatter, "{value:?}"),
+            UserPoint::Monitor(name, value) => write!(formatter, "({name:?}, {value:?})"),
+        }
+    }
+}
+
+impl PartialEq<f64> for UserPoint {
+    fn eq(&self, other: &f64) -> bool {
+        matches!(self, UserPoint::Parameter(value) if value == other)
+    }
+}
+
+impl From<f64> for UserPoint {
+    fn from(value: f64) -> UserPoint {
+        UserPoint::Parameter(value)
+    }
+}
 
 impl<'de> Deserialize<'de> for UserPoint {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
@@ -222,21 +279,28 @@ impl<'de> Visitor<'de> for UserPointVisitor {
     }
 
     fn visit_f64<E: de::Error>(self, value: f64) -> Result<UserPoint, E> {
-        Ok(UserPoint(value))
+        Ok(value.into())
     }
 
     fn visit_i64<E: de::Error>(self, value: i64) -> Result<UserPoint, E> {
-        Ok(UserPoint(value as f64))
+        Ok((value as f64).into())
     }
 
     fn visit_u64<E: de::Error>(self, value: u64) -> Result<UserPoint, E> {
-        Ok(UserPoint(value as f64))
+        Ok((value as f64).into())
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut entries: A) -> Result<UserPoint, A::Error> {
+        let lacking = |count| de::Error::invalid_length(count, &self);
+        let name: String = entries.next_element()?.ok_or_else(|| lacking(0))?;
+        let value: f64 = entries.next_element()?.ok_or_else(|| lacking(1))?;
+        Ok(UserPoint::Monitor(name, value))
     }
 
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<UserPoint, A::Error> {
         // Whether the name is that of the parameter is known only later.
         match map.next_entry::<String, f64>()? {
-            Some((_, value)) if map.next_key::<String>()?.is_none() => Ok(UserPoint(value)),
+            Some((_, value)) if map.next_key::<String>()?.is_none() => Ok(value.into()),
             Some(_) => Err(de::Error::invalid_length(2, &self)),
             None => Err(de::Error::invalid_length(0, &self)),
         }

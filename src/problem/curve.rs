@@ -55,6 +55,8 @@ pub enum SystemCurveEvent {
     CO,
     /// A condition reaches zero.
     SL,
+    /// The monitor of this name keeps a value: one that `stop_at` asks for, or else that of the first point.
+    Constant(String),
     /// An event of an earlier run, whatever its type.
     Label {
         /// Result folder.
@@ -75,6 +77,7 @@ impl SystemCurveEvent {
             SystemCurveEvent::GR => Some(EventType::GR),
             SystemCurveEvent::CO => Some(EventType::CO),
             SystemCurveEvent::SL => Some(EventType::SL),
+            SystemCurveEvent::Constant(_) => Some(EventType::UZ),
             SystemCurveEvent::Label { .. } => None,
         }
     }
@@ -99,7 +102,8 @@ impl CurveEvent {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Curve<P = Parameter, E = CurveEvent> {
-    /// LP, GR, RV, CO, ST or HB, or a label of a result folder; of a system LP, PD, NS, BP, GR, CO or SL.
+    /// LP, GR, RV, CO, ST or HB, or a label of a result folder; of a system LP, PD, NS, BP, GR, CO, SL or
+    /// a monitor that is constant.
     pub event: E,
     /// Which of its type along the branch, from 1.
     #[serde(default = "one")]

@@ -6,8 +6,9 @@ const OF_TUBES: &str = include_str!("examples.ron");
 const OF_SYSTEMS: &str = include_str!("examples_system.ron");
 
 /// Fields that hold a map: what stands in it has names of the user's own.
-const MAPS: [&str; 10] = [
+const MAPS: [&str; 11] = [
     "contacts",
+    "monitor",
     "parameters",
     "define",
     "modes",

@@ -32,7 +32,7 @@ use ron::extensions::Extensions;
 use serde::{Deserialize, Serialize};
 
 pub(crate) use continuation::DEFAULT_MAX_POINTS;
-pub use continuation::{Continuation, StopAfter, Toward};
+pub use continuation::{Continuation, StopAfter, Toward, UserPoint};
 pub use curve::{Curve, CurveEvent, SystemCurve, SystemCurveEvent};
 pub use doubt::Doubt;
 pub use error::ProblemError;

@@ -4,11 +4,12 @@ use std::fmt::Debug;
 
 use super::error::{Flaw, excerpt};
 use super::expectation::MAX_EXPECTATIONS;
+use super::explanation::known;
 use super::fields::not_admitted;
 use super::map::MAX_MAP_POINTS;
 use super::outline::Outline;
 use super::tube::place_of;
-use super::{Continuation, Expectation, MAX_USER_POINTS, Map, MapPoints, Toward};
+use super::{Continuation, Expectation, MAX_USER_POINTS, Map, MapPoints, Toward, UserPoint};
 
 pub(super) type Check = Result<(), Flaw>;
 
@@ -138,18 +139,44 @@ impl<P> Checks<'_, P> {
         self.refuse("continuation.toward", message, help)
     }
 
-    /// Refuses user points of another parameter, outside the range, or listed twice.
-    pub fn user_points<Q>(&self, section: &Continuation<Q>, column: &str) -> Check {
+    /// Refuses user points of another parameter, outside the range, of a monitor that there is not, or listed twice.
+    pub fn user_points<Q>(
+        &self,
+        section: &Continuation<Q>,
+        column: &str,
+        monitors: &[&str],
+    ) -> Check {
         let (lower, upper) = section.range;
         let rule = format!("user points must lie within the range from {lower:?} to {upper:?}");
         let names = self.outline.entries("continuation.stop_at");
-        for (index, (&value, name)) in section.stop_at.iter().zip(names).enumerate() {
+        for (index, (point, name)) in section.stop_at.iter().zip(names).enumerate() {
             let path = format!("continuation.stop_at.{index}");
+            let value = match point {
+                UserPoint::Parameter(value) => *value,
+                UserPoint::Monitor(monitor, _) if monitors.contains(&monitor.as_str()) => {
+                    self.once(&path, index, &section.stop_at)?;
+                    continue;
+                }
+                UserPoint::Monitor(monitor, value) => {
+                    let message = format!(
+                        "`{}` is no monitor{}",
+                        excerpt(monitor),
+                        known(monitor, monitors)
+                    );
+                    let help = format!(
+                        "name an entry of the section `monitor`, or write a value of `{column}` as `{value:?}`"
+                    );
+                    return self.refuse(&path, message, help);
+                }
+            };
             if let Some(name) = name.filter(|name| *name != column) {
                 let name = excerpt(name);
                 let message =
                     format!("the user point names `{name}`, but the branch is in `{column}`");
-                let help = format!("write `({column}: {value:?})` or the bare number");
+                let help = match monitors.contains(&name.as_str()) {
+                    true => format!("write `(\"{name}\", {value:?})`"),
+                    false => format!("write `({column}: {value:?})` or the bare number"),
+                };
                 return self.refuse(&path, message, help);
             }
             self.admit(&path, value, (lower..=upper).contains(&value), &rule)?;

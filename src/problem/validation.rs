@@ -199,7 +199,7 @@ impl Checks<'_, Problem> {
         self.range("continuation.range", section.parameter, section.range)?;
         self.known("continuation.parameter", section.parameter)?;
         self.first_point(section)?;
-        self.user_points(section, section.parameter.column())?;
+        self.user_points(section, section.parameter.column(), &[])?;
         let steps = [section.ds, section.ds_min, section.ds_max];
         self.steps("continuation", steps)?;
         let events: Vec<EventType> = section.stop_after.iter().map(|stop| stop.event).collect();

@@ -10,6 +10,7 @@ mod crossings;
 mod cycles;
 mod ending;
 mod matrices;
+mod monitors;
 mod motion;
 mod nonlinear;
 mod orbits;

@@ -4,9 +4,11 @@
 use std::f64::consts::TAU;
 
 use brakewave::EventType::{BP, EP, GR, PD};
+use brakewave::affine::mode::Row;
 use brakewave::affine::motion::{Motion, Step};
 use brakewave::affine::steady::NoEquilibrium;
 use brakewave::affine::system::System;
+use brakewave::linalg::Vector;
 use brakewave::orbit::Orbit as _;
 
 use crate::affine::branches::{follow, meets, settled};
@@ -59,7 +61,8 @@ const WALKER: &str = r#"(
 #[test]
 fn every_function_has_its_series() {
     let t = 1.3_f64;
-    let cases: [(&str, f64); 12] = [
+    let root = (4.0 - t * t).sqrt();
+    let cases: [(&str, f64); 20] = [
         ("sin(2*t)", (1.0 - (2.0 * t).cos()) / 2.0),
         ("cos(t)*sin(t)", t.sin().powi(2) / 2.0),
         ("tan(t)", -t.cos().ln()),
@@ -72,6 +75,14 @@ fn every_function_has_its_series() {
         ("(1 + t)^-2", 1.0 - 1.0 / (1.0 + t)),
         ("1/(1 + t^2)", t.atan()),
         ("abs(t - 0.4)", (0.16 + 0.81) / 2.0),
+        ("max(t, 0.4)", 0.16 + (t * t - 0.16) / 2.0),
+        ("min(t, 0.4)", 0.08 + 0.4 * (t - 0.4)),
+        ("max(min(t, 0.8), 1 - t)", 0.375 + 0.195 + 0.4),
+        ("atan(t)", t * t.atan() - (t * t).ln_1p() / 2.0),
+        ("asin(t/2)", t * (t / 2.0).asin() + root - 2.0),
+        ("acos(t/2)", t * (t / 2.0).acos() - root + 2.0),
+        ("sinh(t)", t.cosh() - 1.0),
+        ("cosh(t)", t.sinh()),
     ];
     for (text, expected) in cases {
         let file = format!(
@@ -88,6 +99,53 @@ fn every_function_has_its_series() {
             off.abs() < 1e-14 * expected.abs().max(1.0),
             "{text}: {off:e}"
         );
+    }
+}
+
+/// Coefficients of series have the derivatives that differences of coefficients have.
+#[test]
+fn every_function_has_its_derivatives() {
+    const STEP: f64 = 1e-5;
+    for text in [
+        "sin(t)",
+        "tan(t)",
+        "tanh(t)",
+        "exp(t)",
+        "ln(t)",
+        "sqrt(t)",
+        "t^1.3",
+        "asin(t)",
+        "acos(t)",
+        "atan(t)",
+        "sinh(t)",
+        "cosh(t)",
+        "max(t, t^2)",
+        "min(t, t^2)",
+    ] {
+        let file = format!(
+            r#"(states: ["t", "y"], modes: {{"only": (rates: {{"t": "1 + 0.5*t", "y": "{text}"}})}})"#
+        );
+        let system = at(&system(&file), &[]);
+        let series = |t: f64| {
+            let z = system.lift(0, &[t, 0.0], 0.0);
+            system.modes[0].field.series(&z, 6, true, true)
+        };
+        let [below, here, above] = [-STEP, 0.0, STEP].map(|step| series(0.4 + step));
+        let mut row = Row {
+            at: Vector::zeros(system.size()),
+            by: [Vector::zeros(system.size()), Vector::zeros(system.size())],
+        };
+        row.at[1] = 1.0;
+        for k in 1..=6 {
+            let (_, gradient, _) = here.jet(&row, k);
+            let difference = (above.value(k, 1) - below.value(k, 1)) / (2.0 * STEP);
+            // central: an error of STEP²/6 times a third derivative, which grows like k³, and of rounding
+            let off = (gradient[0] - difference).abs();
+            assert!(
+                off <= 1e-6 * difference.abs().max(1.0),
+                "{text}, {k}: {off:e}"
+            );
+        }
     }
 }
 

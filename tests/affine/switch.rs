@@ -137,7 +137,7 @@ fn a_doubled_orbit_and_the_way_back() {
     along.stop_after = Vec::new();
     let single = first(&items, EventType::PD);
     near(single.point.parameters[1], 2.679_437_972_458_919_1, 1e-12);
-    along.stop_at = vec![2.8, 3.0, 3.2];
+    along.stop_at = [2.8, 3.0, 3.2].map(Into::into).to_vec();
     let items = collect(switched(&problem, &along, single).unwrap(), 400);
     let users = items
         .iter()

@@ -7,6 +7,7 @@ mod cusp;
 mod equations;
 mod hopf;
 mod meeting;
+mod monitors;
 mod regions;
 mod resume;
 mod systems;

@@ -237,6 +237,19 @@ impl ContactForms {
         FormMode { rates, switches }.within(&held).map_err(failed)
     }
 
+    /// A form in which forces stand as states in a mode, with these as they are there.
+    ///
+    /// # Errors
+    /// The forces are not determined, or it has no value.
+    pub fn of_mode(&self, form: &Form, number: usize) -> Result<Form, ContactMistake> {
+        let (own, digits) = self.products.digits(number);
+        let forces = self.forces(own, &digits)?;
+        let states = self.own[own].rates.len();
+        let of = |state: usize| forces.get(state.checked_sub(states)?).cloned();
+        let failed = |obstacle| ContactMistake::Obstacle(self.products.name(number), obstacle);
+        form.with(&of).map_err(failed)
+    }
+
     /// The rates with these forces.
     fn rates(&self, own: usize, digits: &[usize], forces: &[Form]) -> Result<Vec<Form>, Obstacle> {
         let mut rates = self.own[own].rates.clone();
@@ -411,6 +424,7 @@ impl ContactForms {
             conditions,
             tangent: direct.then_some((index, ending.zeros)),
             group: Some(group),
+            name: Some(self.names[contact].clone()),
         }
     }
 }

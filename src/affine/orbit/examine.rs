@@ -67,19 +67,20 @@ impl Examined for Examination {
 const AT_BEGINNING: f64 = 1e-12;
 
 /// A piece of a zone.
-struct Part {
-    piece: Piece,
+pub(super) struct Part {
+    /// The piece.
+    pub piece: Piece,
     /// Time of its beginning after the entry of the zone.
-    begun: f64,
+    pub begun: f64,
     /// How much of the piece it is.
-    part: f64,
+    pub part: f64,
     is_first: bool,
     is_last: bool,
 }
 
 /// The parts of a zone of positive length; the last two are of one length, so that none is tiny. How many they would
 /// be where they are too many.
-fn parts(flow: &ModeFlow, entry: Vector, duration: f64) -> Result<Vec<Part>, f64> {
+pub(super) fn parts(flow: &ModeFlow, entry: Vector, duration: f64) -> Result<Vec<Part>, f64> {
     /// Room for more parts is made as they come.
     const MOST_AT_ONCE: f64 = 64.0;
     let (mut piece, mut begun, mut before) = (flow.piece(entry), 0.0, f64::INFINITY);
@@ -129,7 +130,7 @@ fn of_stages(stages: &[Stage]) -> Vec<Part> {
 }
 
 /// z at a time after the entry of a zone of these parts; `None` where it has none.
-fn after(flow: &ModeFlow, parts: &[Part], time: f64) -> Option<Vector> {
+pub(super) fn after(flow: &ModeFlow, parts: &[Part], time: f64) -> Option<Vector> {
     let part = parts.iter().rfind(|part| part.begun <= time);
     let Part { piece, begun, .. } = part.or(parts.first())?;
     let time = time - begun;
@@ -137,6 +138,35 @@ fn after(flow: &ModeFlow, parts: &[Part], time: f64) -> Option<Vector> {
         true => flow.within(piece, time),
         false => flow.after(&piece.z, time),
     })
+}
+
+/// The stationary place of a form next to a time, by Newton's method; the period is the unit of time.
+pub(super) fn stationary(
+    flow: &ModeFlow,
+    row: &Vector,
+    parts: &[Part],
+    mut time: f64,
+    period: f64,
+) -> f64 {
+    /// Steps taken at most.
+    const STEPS: usize = 8;
+    /// Beyond this, in units of the period, the place moves the value by less than rounding.
+    const NEAR: f64 = 1e-9;
+    for _ in 0..STEPS {
+        let Some(z) = after(flow, parts, time.max(0.0)) else {
+            break;
+        };
+        let [_, rate, curvature] = flow.slopes(row, &z);
+        let step = rate / curvature;
+        if !step.is_finite() {
+            break;
+        }
+        time = (time - step).max(0.0);
+        if step.abs() <= NEAR * period {
+            break;
+        }
+    }
+    time
 }
 
 impl OrbitAt<'_> {
@@ -203,37 +233,16 @@ impl OrbitAt<'_> {
                 return Ok(of_stages(stages));
             }
         }
-        parts(flow, self.entry(zone), duration).map_err(|count| OrbitFailure::Long {
-            mode: self.orbit.sequence.zone(zone).name.clone(),
-            duration,
-            pieces: count,
-            most: MOST_PIECES,
-        })
+        let name = &self.orbit.sequence.zone(zone).name;
+        parts(flow, self.entry(zone), duration)
+            .map_err(|count| OrbitFailure::long(name, duration, count))
     }
 
     /// The stationary place of a guard next to a time, by Newton's method.
-    fn stationary(&self, guard: usize, zone: usize, parts: &[Part], mut time: f64) -> f64 {
-        /// Steps taken at most.
-        const STEPS: usize = 8;
-        /// Beyond this, in units of the period, the place moves the value by less than rounding.
-        const NEAR: f64 = 1e-9;
+    fn stationary(&self, guard: usize, zone: usize, parts: &[Part], time: f64) -> f64 {
         let row = &self.mode(zone).guards[guard].row.at;
         let flow = self.posed.flow(self.orbit.sequence.zone(zone).mode);
-        for _ in 0..STEPS {
-            let Some(z) = after(flow, parts, time.max(0.0)) else {
-                break;
-            };
-            let [_, rate, curvature] = flow.slopes(row, &z);
-            let step = rate / curvature;
-            if !step.is_finite() {
-                break;
-            }
-            time = (time - step).max(0.0);
-            if step.abs() <= NEAR * self.orbit.setting.scales.time {
-                break;
-            }
-        }
-        time
+        stationary(flow, row, parts, time, self.orbit.setting.scales.time)
     }
 
     /// A local minimum of a guard that was seen nearby.

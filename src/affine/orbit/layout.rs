@@ -12,9 +12,10 @@ use super::signature::Sequence;
 pub use super::signature::ZonePoint;
 use super::structure::{ZoneFacts, facts, section};
 use crate::affine::closure::Prescribed;
-use crate::affine::flow::ModeFlow;
+use crate::affine::flow::{MOST_PIECES, ModeFlow};
 use crate::affine::mode::{AffineMode, AffineSystem, Guard, MatrixBy, Row};
 use crate::affine::modes::Slots;
+use crate::affine::monitor::Monitor;
 use crate::affine::stiff::STIFF;
 use crate::affine::system::{System, SystemError};
 use crate::continuation::Node;
@@ -119,6 +120,18 @@ pub enum OrbitFailure {
     },
 }
 
+impl OrbitFailure {
+    /// A zone of a mode that takes so many pieces, more than are followed.
+    pub(super) fn long(mode: &str, duration: f64, pieces: f64) -> OrbitFailure {
+        OrbitFailure::Long {
+            mode: mode.to_owned(),
+            duration,
+            pieces,
+            most: MOST_PIECES,
+        }
+    }
+}
+
 /// Exponentials with the bits of their time, where there are any.
 type Kept = Option<(u64, Arc<Propagators>)>;
 
@@ -140,7 +153,12 @@ pub struct Posed {
 }
 
 impl Posed {
-    fn new(system: AffineSystem, facts: Arc<Vec<ZoneFacts>>, longest: f64, moved: bool) -> Posed {
+    pub(super) fn new(
+        system: AffineSystem,
+        facts: Arc<Vec<ZoneFacts>>,
+        longest: f64,
+        moved: bool,
+    ) -> Posed {
         Posed {
             propagators: Mutex::new(vec![None; facts.len()]),
             facts,
@@ -172,7 +190,7 @@ impl Posed {
     }
 
     /// The scales of z that balance the matrix of a mode, and its norm then.
-    fn balance(&self, mode: usize) -> &(Vector, f64) {
+    pub(super) fn balance(&self, mode: usize) -> &(Vector, f64) {
         self.balances.get_or_make(mode, || {
             balance(&self.system.modes[mode].matrix.at, self.longest.recip())
         })
@@ -375,6 +393,18 @@ impl AffineOrbit {
         let origin = self.origin.clone();
         // most zones beside an event are those of the event
         Some(AffineOrbit { origin, ..other }.with_memory_of(self))
+    }
+
+    /// The same orbits with monitors.
+    pub fn with_monitors(self, monitors: Vec<Monitor>) -> AffineOrbit {
+        let setting = Setting {
+            system: self.setting.system.clone().with_monitors(monitors),
+            ..(*self.setting).clone()
+        };
+        AffineOrbit {
+            setting: Arc::new(setting),
+            ..self
+        }
     }
 
     /// The same with the passages of other orbits of its zones.

@@ -8,7 +8,8 @@
 //! [`multipliers`] has the stability, with what `surface` tells of sliding; [`start`] finds the first
 //! orbit, or says by [`behaviour`] what a motion looks like that comes to none, [`switch`] that of the other branch at an event, [`hopf`] that at which orbits shrink to nothing, [`homoclinic`]
 //! that at which they take for ever, and
-//! [`row`] has what results keep of one; `bifurcation` names the changes of a sequence by sliding.
+//! [`row`] has what results keep of one, `monitor` the numbers of it that a problem asks for, those of them that are integrals
+//! by `integral`; `bifurcation` names the changes of a sequence by sliding.
 
 pub mod behaviour;
 mod bifurcation;
@@ -21,9 +22,11 @@ mod forms;
 mod generic;
 mod homoclinic;
 mod hopf;
+mod integral;
 pub mod layout;
 pub mod margin;
 mod memory;
+mod monitor;
 pub mod multipliers;
 mod passage;
 mod residual;
@@ -49,6 +52,7 @@ use crate::continuation::locate::Place;
 use crate::continuation::newton;
 use crate::continuation::walk::Segment;
 use crate::linalg::{Matrix, Vector};
+use crate::orbit::monitor::Measured;
 use crate::orbit::{Candidate, EventType, Examined, Orbit, Shrinking};
 
 pub use bifurcation::SlidingBifurcation;
@@ -643,6 +647,15 @@ impl Orbit for AffineOrbit {
             },
             _ => Critical::Several { count },
         })
+    }
+
+    fn measured(&self, monitor: usize, point: &Vector) -> Result<Option<Measured>, OrbitFailure> {
+        AffineOrbit::measured(self, monitor, point)
+    }
+
+    fn monitor_name(&self, monitor: usize) -> &str {
+        let monitors = self.setting.system.monitors();
+        monitors.get(monitor).map_or("", |one| &one.name)
     }
 
     fn kind(special: &Critical) -> EventType {

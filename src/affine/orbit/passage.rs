@@ -74,7 +74,7 @@ impl Jet {
         self
     }
 
-    fn add(&mut self, factor: f64, other: &Jet) {
+    pub(super) fn add(&mut self, factor: f64, other: &Jet) {
         self.value += factor * other.value;
         self.by_z.axpy(factor, &other.by_z, 1.0);
         self.by_time += factor * other.by_time;
@@ -145,11 +145,11 @@ pub struct Stage {
     /// z from its beginning on.
     pub series: Series,
     /// ∂z/∂z₀ at its beginning, and ∂z/∂p of every parameter.
-    by: Derivatives,
+    pub(super) by: Derivatives,
 }
 
 /// Derivatives of z in z₀ at the entry, and in every parameter.
-type Derivatives = (Matrix, [Vector; VARYING]);
+pub(super) type Derivatives = (Matrix, [Vector; VARYING]);
 
 /// A passage through pieces of series, with its derivatives in all that vary.
 #[derive(Clone, Debug)]
@@ -428,7 +428,7 @@ impl<'a> Passage<'a> {
     }
 
     /// Derivatives in the parameters at a fixed end, with what the end moves by along a gradient.
-    fn along(&self, gradient: &Vector, at_end: [f64; VARYING]) -> [f64; VARYING] {
+    pub(super) fn along(&self, gradient: &Vector, at_end: [f64; VARYING]) -> [f64; VARYING] {
         let moved = |p: usize| self.by[p].as_ref().map_or(0.0, |by| gradient.dot(by));
         std::array::from_fn(|p| at_end[p] + moved(p))
     }

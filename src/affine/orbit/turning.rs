@@ -132,32 +132,38 @@ impl<'a> Smooth<'a> {
     }
 
     /// Widens bounds that hold at both ends so that they hold in between.
-    pub fn widen(&self, (low, high): &mut (f64, f64)) {
-        let reach: f64 = self.taylor[1..].iter().map(|a| a.abs()).sum();
-        let first = self.taylor[0];
-        if first - reach >= *low && first + reach <= *high {
-            return;
-        }
-        let turns = match self.slope(self.kept()) {
-            Slope::Keeps(_) => return,
-            Slope::Monotone(begin, end) if (begin > 0.0) == (end > 0.0) => return,
-            Slope::Monotone(begin, end) => self.stationary(begin, end),
-            Slope::Open => None,
-        };
-        let turns = turns.map_or_else(
-            || {
-                let polynomial = self.bernstein();
-                let (least, largest) = polynomial.bounds();
-                let minima = (least < *low).then(|| polynomial.minima(&mut false));
-                let upside_down = || polynomial.affine(-1.0, 0.0).minima(&mut false);
-                let maxima = (largest > *high).then(upside_down);
-                [minima, maxima].into_iter().flatten().flatten().collect()
-            },
-            |turn| vec![turn],
-        );
+    pub fn widen(&self, bounds: &mut (f64, f64)) {
+        let turns = self.turns(*bounds);
+        let (low, high) = bounds;
         for value in turns.into_iter().map(|place| self.value(place)) {
             (*low, *high) = (low.min(value), high.max(value));
         }
+    }
+
+    /// The places at which it turns where it may leave bounds that hold at both ends.
+    pub fn turns(&self, (low, high): (f64, f64)) -> Vec<f64> {
+        let reach: f64 = self.taylor[1..].iter().map(|a| a.abs()).sum();
+        let first = self.taylor[0];
+        if first - reach >= low && first + reach <= high {
+            return Vec::new();
+        }
+        let turns = match self.slope(self.kept()) {
+            Slope::Keeps(_) => return Vec::new(),
+            Slope::Monotone(begin, end) if (begin > 0.0) == (end > 0.0) => return Vec::new(),
+            Slope::Monotone(begin, end) => self.stationary(begin, end),
+            Slope::Open => None,
+        };
+        turns.map_or_else(
+            || {
+                let polynomial = self.bernstein();
+                let (least, largest) = polynomial.bounds();
+                let minima = (least < low).then(|| polynomial.minima(&mut false));
+                let upside_down = || polynomial.affine(-1.0, 0.0).minima(&mut false);
+                let maxima = (largest > high).then(upside_down);
+                [minima, maxima].into_iter().flatten().flatten().collect()
+            },
+            |turn| vec![turn],
+        )
     }
 }
 

@@ -76,6 +76,11 @@ impl Algebra for Enclosure {
                 let tangent = one - Interval::point(2.0) / (twice + one);
                 chain(self, (tangent, one - tangent.square()))
             }
+            Function::Asin => chain(self, (x.asin(), one / (one - x.square()).sqrt())),
+            Function::Acos => chain(self, (x.acos(), -(one / (one - x.square()).sqrt()))),
+            Function::Atan => chain(self, (x.atan(), one / (one + x.square()))),
+            Function::Sinh => chain(self, (x.sinh(), x.cosh())),
+            Function::Cosh => chain(self, (x.cosh(), x.sinh())),
         };
         result.finite()
     }

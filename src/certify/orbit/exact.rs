@@ -141,10 +141,10 @@ impl Algebra for Exact {
     }
 
     fn apply(self, function: Function) -> Result<Exact, Obstacle> {
-        use Function::{Abs, Cos, Exp, Sin, Sqrt, Tan, Tanh};
+        use Function::{Abs, Asin, Atan, Cos, Cosh, Exp, Sin, Sinh, Sqrt, Tan, Tanh};
         Ok(match (function, self.is_zero()) {
-            (Sin | Tan | Sqrt | Abs | Tanh, true) => self,
-            (Cos | Exp, true) => Exact::of_whole(1),
+            (Sin | Tan | Sqrt | Abs | Tanh | Asin | Atan | Sinh, true) => self,
+            (Cos | Exp | Cosh, true) => Exact::of_whole(1),
             _ => Exact::named(format!("{function:?}{}", self.text())),
         })
     }

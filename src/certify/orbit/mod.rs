@@ -206,7 +206,8 @@ fn prepared(item: &Item, special: &Special<AffineOrbit>, text: &str) -> Result<P
     let names = setting.system.source.parameters.names();
     let values = names.zip(setting.values.iter().copied());
     let mut posed = Posed {
-        system: Some(setting.system.clone()),
+        // monitors are no part of what is proven
+        system: Some(setting.system.clone().with_monitors(Vec::new())),
         values: decimals(values, text),
         parameter: at,
         periods: setting.periods,
@@ -222,6 +223,7 @@ fn prepared(item: &Item, special: &Special<AffineOrbit>, text: &str) -> Result<P
         Special::User(..) | Special::Edge(..) => {
             Condition::Value(decimal_of(text, "continuation", value))
         }
+        Special::Monitor(..) => return Err(Open::Monitor),
         Special::Start | Special::Closed => {
             let name = orbit.parameter();
             Condition::Value(decimal_of(

@@ -51,6 +51,9 @@ pub enum Open {
     /// Modes that contacts make.
     #[error("not covered: systems with `contacts`")]
     Contacts,
+    /// A value of a monitor.
+    #[error("not covered: a value of a monitor")]
+    Monitor,
     /// Expressions that have no affine form in intervals.
     #[error(
         "not covered: {0} is not affine in the states, or a function of parameters that cannot be enclosed"

@@ -7,18 +7,22 @@ use super::super::outline::{Outline, Subject};
 use super::super::rules::{Check, Checks, ORDER, lengths};
 use super::super::scan::{MAX_SCANNED, MAX_VALUES};
 use super::super::{
-    Continuation, Curve, Scan, ScanValues, Section, Sweep, SystemCurve, SystemMap, fields,
+    Continuation, Curve, Scan, ScanValues, Section, Sweep, SystemCurve, SystemCurveEvent,
+    SystemMap, fields,
 };
 use super::mistake::flaw_at;
 use super::{Beginning, OrbitStart, SystemPlot, SystemProblem};
 use crate::affine::closure::{PERIOD, Prescribed};
-use crate::affine::system::{Mistake, Ordered, Source};
+use crate::affine::monitor::MONITOR;
+use crate::affine::system::{BadName, Mistake, Ordered, Source, is_name};
 use crate::orbit::EventType;
 
 /// Most parameters, and most abbreviations.
 const MAX_NAMES: usize = 1000;
 /// Most modes, sliding ones included.
 const MAX_MODES: usize = 100;
+/// Most monitors.
+const MAX_MONITORS: usize = 100;
 /// Most entries of `until` and of `if`.
 const MAX_SWITCHES: usize = 100;
 /// Most starts of a map.
@@ -100,6 +104,7 @@ pub(super) fn written(written: &SystemProblem<Source>, outline: &Outline) -> Che
             modes.0.len() + sliding.0.len(),
             MAX_MODES,
         ),
+        (MONITOR.to_owned(), written.monitor.0.len(), MAX_MONITORS),
         (
             "map.starts".to_owned(),
             written.map.as_ref().map_or(0, |map| map.starts.len()),
@@ -126,6 +131,7 @@ pub(super) fn written(written: &SystemProblem<Source>, outline: &Outline) -> Che
 pub(super) fn check(problem: &SystemProblem, outline: &Outline) -> Check {
     let checks = Checks { problem, outline };
     checks.names()?;
+    checks.monitors()?;
     checks.orbit()?;
     checks.used()?;
     if let Some(section) = &problem.continuation {
@@ -152,6 +158,12 @@ pub(super) fn check(problem: &SystemProblem, outline: &Outline) -> Check {
     Ok(())
 }
 
+/// Whether a name is that of the column of an extremum of a state.
+fn is_extremum(name: &str, states: &[String]) -> bool {
+    let state = name.strip_prefix("min_").or(name.strip_prefix("max_"));
+    state.is_some_and(|state| states.iter().any(|one| one == state))
+}
+
 impl Checks<'_, SystemProblem> {
     fn source(&self) -> &Source {
         &self.problem.system.source
@@ -174,11 +186,53 @@ impl Checks<'_, SystemProblem> {
             }
         }
         for name in parameters.names() {
-            let extremum = name.strip_prefix("min_").or(name.strip_prefix("max_"));
-            let extremum = extremum.is_some_and(|state| states.iter().any(|one| one == state));
-            if extremum || NO_PARAMETER.contains(&name) {
+            if is_extremum(name, states) || NO_PARAMETER.contains(&name) {
                 let at = self.outline.key_of("system.parameters", name);
                 return refused(at.unwrap_or_else(|| whole("system.parameters")), name);
+            }
+        }
+        Ok(())
+    }
+
+    /// Refuses monitors that could not be told from other columns.
+    fn monitors(&self) -> Check {
+        let Source {
+            states, parameters, ..
+        } = self.source();
+        let mut seen: Vec<&str> = Vec::new();
+        for name in self.problem.monitor.names() {
+            let at = || {
+                let at = self.outline.key_of(MONITOR, name);
+                at.unwrap_or_else(|| self.outline.locate(MONITOR))
+            };
+            let refused = |message: String, help: &str| Err(Flaw::new(at(), message, help));
+            let shown = excerpt(name);
+            if !is_name(name) {
+                let message = format!("`{shown}` cannot be a name here: {}", BadName::NoWord);
+                return refused(message, "write for example `peak` or `loss_2`");
+            }
+            if seen.contains(&name) {
+                let message = format!("`{shown}` cannot be a name here: {}", BadName::Twice);
+                return refused(message, "keep one of the two, or give one another name");
+            }
+            let of_system =
+                parameters.names().any(|one| one == name) || states.iter().any(|one| one == name);
+            if of_system {
+                let message = format!("`{shown}` is a state or a parameter already");
+                return refused(message, "choose another name");
+            }
+            let is_column = NO_PARAMETER.contains(&name) || NO_STATE.contains(&name);
+            if is_column || is_extremum(name, states) {
+                let message = format!("`{shown}` is a column of the results already");
+                return refused(message, "choose another name");
+            }
+            seen.push(name);
+        }
+        for (name, monitor) in &self.problem.monitor.0 {
+            if let Some((_, number)) = monitor.switch() {
+                let path = format!("{MONITOR}.{name}.2");
+                let rule = "`1` is the first switch of this name in the period";
+                self.admit(&path, number, number > 0, rule)?;
             }
         }
         Ok(())
@@ -190,7 +244,9 @@ impl Checks<'_, SystemProblem> {
         let prescribed = self.problem.prescribed();
         let in_period = |name: &str| prescribed.as_ref().is_some_and(|period| period.has(name));
         let mut unused = system.unused_parameters().into_iter();
-        if let Some(name) = unused.find(|name| !in_period(name)) {
+        let monitors = self.problem.monitors();
+        let in_monitor = |name: &str| monitors.iter().any(|one| one.has(name));
+        if let Some(name) = unused.find(|name| !in_period(name) && !in_monitor(name)) {
             let at = self.outline.key_of("system.parameters", name);
             let at = at.unwrap_or_else(|| self.outline.locate("system.parameters"));
             let message = format!("the parameter `{name}` is not used");
@@ -539,7 +595,8 @@ impl Checks<'_, SystemProblem> {
                 format!("widen the range or change `{column}` in the system")
             })?;
         }
-        self.user_points(section, column)?;
+        let monitors: Vec<&str> = self.problem.monitor.names().collect();
+        self.user_points(section, column, &monitors)?;
         self.steps("continuation", [section.ds, section.ds_min, section.ds_max])?;
         let events: Vec<EventType> = section.stop_after.iter().map(|stop| stop.event).collect();
         for (index, &event) in events.iter().enumerate() {
@@ -577,6 +634,15 @@ impl Checks<'_, SystemProblem> {
             return self.refuse("curve.sector", message, "leave it out");
         }
         self.label_without_index(section.event.kind().is_none())?;
+        if let SystemCurveEvent::Constant(name) = &section.event {
+            let monitors: Vec<&str> = self.problem.monitor.names().collect();
+            if !monitors.contains(&name.as_str()) {
+                let known = known(name, &monitors);
+                let message = format!("`{}` is no monitor{known}", excerpt(name));
+                let help = "name an entry of the section `monitor`";
+                return self.refuse("curve.event.0", message, help);
+            }
+        }
         self.steps("curve", [section.ds, section.ds_min, section.ds_max])
     }
 
@@ -641,7 +707,8 @@ impl Checks<'_, SystemProblem> {
             return self.refuse(&format!("{path}.sector"), message, "leave it out");
         }
         let parameters: Vec<&str> = self.source().parameters.names().collect();
-        let numbers = [&parameters[..], &Expectation::OF_ORBITS].concat();
+        let monitors: Vec<&str> = self.problem.monitor.names().collect();
+        let numbers = [&parameters[..], &Expectation::OF_ORBITS, &monitors].concat();
         let fields = Expectation::FIELDS
             .into_iter()
             .filter(|name| *name != "sector");
@@ -676,7 +743,8 @@ impl Checks<'_, SystemProblem> {
         let column = section.parameter.as_str();
         let varies = |name: &str| {
             let free = self.problem.orbit.free.as_deref() == Some(name);
-            restarts || free || name == column || Expectation::OF_ORBITS.contains(&name)
+            let told = Expectation::OF_ORBITS.contains(&name) || monitors.contains(&name);
+            restarts || free || name == column || told
         };
         self.fallible(path, event, section, column, varies, ("system", "period"))
     }

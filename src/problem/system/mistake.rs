@@ -6,7 +6,7 @@ use super::super::error::{Flaw, line};
 use super::super::explanation::known;
 use super::super::outline::{Outline, within_text};
 use crate::affine::contact::{ContactMistake, Kinematic};
-use crate::affine::expression::{Function, Obstacle, Wrong};
+use crate::affine::expression::{Extremum, Function, Obstacle, Wrong};
 use crate::affine::system::{BadName, Mistake, Source, SystemError};
 
 /// The place and the words of a mistake.
@@ -48,6 +48,14 @@ pub(super) fn flaw_at(source: &Source, outline: &Outline, path: &str, error: &Sy
         Mistake::NoMode(_) => {
             names.extend(error.nearest.clone());
             format!("the modes are {}", list(source.modes.names()))
+        }
+        Mistake::NoSwitch(name) => {
+            names.extend(error.nearest.clone());
+            let mut known = source.switch_names().peekable();
+            match known.peek() {
+                Some(_) => format!("the names of switches are {}", list(known)),
+                None => format!("add `name: \"{name}\"` to an entry of `until`"),
+            }
         }
         Mistake::NoForcing => {
             "add for example `forcing: \"1.5\"`, its angular frequency, to `system`".to_owned()
@@ -105,23 +113,45 @@ fn about_contact(mistake: &ContactMistake) -> String {
     }
 }
 
+/// Names by which functions that jump go elsewhere.
+const JUMPS: [&str; 8] = [
+    "sign",
+    "sgn",
+    "signum",
+    "step",
+    "heaviside",
+    "floor",
+    "ceil",
+    "round",
+];
+
+/// The names of all functions.
+fn functions() -> Vec<&'static str> {
+    let of_two = Extremum::ALL.iter().map(|(name, _)| *name);
+    Function::ALL
+        .iter()
+        .map(|(name, _)| *name)
+        .chain(of_two)
+        .collect()
+}
+
 /// What an expression may have.
 fn about_expression(source: &Source, wrong: &Wrong) -> String {
-    let functions = || list(Function::ALL.iter().map(|(name, _)| *name));
+    let listed = || list(functions().into_iter());
     match wrong {
         Wrong::TooLong(_) | Wrong::TooDeep(_) => "name parts of it in `define`".to_owned(),
         Wrong::Unreadable => format!(
             "an expression has numbers, names, `+ - * / ^`, brackets and the functions {}",
-            functions()
+            listed()
         ),
         Wrong::Unclosed => "close every bracket that is opened".to_owned(),
         Wrong::Unopened => "remove it, or open a bracket before it".to_owned(),
         Wrong::Juxtaposed => "a product is written with `*`, as in `c*v`".to_owned(),
         Wrong::Stars => "write for example `x^3`".to_owned(),
         Wrong::Comma => {
-            "of two numbers, the greater is `(a + b + abs(a - b))/2` and the lesser `(a + b - abs(a - b))/2`"
-                .to_owned()
+            "of two numbers, the greater is `max(a, b)` and the lesser `min(a, b)`; of three, `max(a, max(b, c))`".to_owned()
         }
+        Wrong::Second => "write for example `max(x, 0)`".to_owned(),
         // time itself is in no expression
         Wrong::Unknown(name) if ["t", "time"].contains(&name.as_str()) => {
             "time stands in the phase of the forcing alone: write `cos(phase)` for `cos(w*t)`, with `forcing: \"w\"` in \
@@ -141,8 +171,13 @@ fn about_expression(source: &Source, wrong: &Wrong) -> String {
                 list(names)
             )
         }
+        Wrong::NoFunction(name) if JUMPS.contains(&name.as_str()) => {
+            "what jumps is a switch: write a mode for each side, each with a `zero` that leads to the other, and `sliding` \
+             between them where both may point at it, as dry friction and relays do"
+                .to_owned()
+        }
         Wrong::NoFunction(name) => {
-            let names = Function::ALL.map(|(name, _)| name);
+            let names = functions();
             let near = known(name, &names);
             format!("write a function that there is{near}")
         }

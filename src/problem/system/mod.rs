@@ -17,8 +17,10 @@ use super::{
     refuse_at,
 };
 use crate::affine::closure::Prescribed;
+use crate::affine::monitor::{Monitor, MonitorSource};
+use crate::affine::monitored;
 use crate::affine::motion::Place;
-use crate::affine::system::{Ordered, Source, System};
+use crate::affine::system::{Ordered, Source, System, SystemError};
 
 /// Most periods of the forcing in one orbit.
 pub(crate) const MAX_PERIODS: usize = 1000;
@@ -38,6 +40,9 @@ pub struct SystemProblem<S = System> {
     pub system: S,
     /// The orbit to begin with.
     pub orbit: Orbit,
+    /// Numbers of orbits: columns of the results.
+    #[serde(default, skip_serializing_if = "Ordered::is_empty")]
+    pub monitor: Ordered<MonitorSource>,
     /// The branch to follow in a parameter of the system.
     #[serde(default)]
     pub continuation: Option<Continuation<String>>,
@@ -191,6 +196,7 @@ impl<S> SystemProblem<S> {
             title: self.title,
             system,
             orbit: self.orbit,
+            monitor: self.monitor,
             continuation: self.continuation,
             stability: self.stability,
             curve: self.curve,
@@ -264,6 +270,11 @@ impl SystemProblem {
         let (period, free) = self.orbit.period.as_ref().zip(self.orbit.free.as_ref())?;
         let source = &self.system.source;
         Prescribed::new(source, period, source.parameters.index(free)?).ok()
+    }
+
+    /// The monitors.
+    pub fn monitors(&self) -> Vec<Monitor> {
+        monitored::read(&self.system.source, &self.monitor).unwrap_or_default()
     }
 
     /// Values of the parameters, in the order of the file.
@@ -353,6 +364,7 @@ impl SystemProblem {
             parameters.names().map(str::to_owned).collect(),
             own("period"),
             states.iter().flat_map(extrema).collect(),
+            self.monitor.names().map(str::to_owned).collect(),
             own("unstable multiplier_re multiplier_im newton residual leg"),
         ]
         .concat()
@@ -368,6 +380,16 @@ impl SystemProblem {
         let flawed = |error| mistake::flaw(&written.system, outline, &error);
         let system = System::new(source).map_err(flawed)?;
         system.at(&system.values(), &[]).map_err(flawed)?;
+        if !written.monitor.is_empty() {
+            let flawed = |error: SystemError| {
+                mistake::flaw_at(&written.system, outline, &error.path, &error)
+            };
+            let monitors = monitored::read(&system.source, &written.monitor).map_err(flawed)?;
+            let observed = system.clone().with_monitors(monitors);
+            observed
+                .monitored(&system.values(), &[], &[0])
+                .map_err(flawed)?;
+        }
         let mut problem = written.with(system);
         let shows = |plot: &SystemPlot| matches!(plot, SystemPlot::Phase(..) | SystemPlot::Time(_));
         problem.output.with_profiles(outline, shows);

@@ -185,9 +185,11 @@ fn expressions_are_marked_where_they_are_wrong() {
         ["F - c*v - x", "F - c*v) - x", ")", "this `)` closes nothing", "open a bracket"],
         ["F - c*v - x", "F - 3x", "x", "an operator is missing", "`c*v`"],
         ["F - c*v - x", "F - x**3", "**", "a power is written `^`", "x^3"],
-        ["F - c*v - x", "F - max(x, v)", ",", "functions have one argument", "abs(a - b)"],
+        ["F - c*v - x", "F - sin(x, v)", ",", "functions have one argument", "max(a, b)"],
         ["A*cos(phase)", "A*cos(w*t)", "t", "`t` is no state", "cos(phase)"],
-        ["F - c*v - x", "F - sine(c)", "sine(c)", "`sine` is no function", "did you mean `sin`?"],
+        ["F - c*v - x", "F - max(x)", ")", "the second is missing here", "max(x, 0)"],
+        ["F - c*v - x", "F - sign(v)", "sign(v)", "`sign` is no function", "what jumps is a switch"],
+        ["F - c*v - x", "F - sine(c)", "sine(c)", "`sine` is no function", "did you mean `sin` or"],
         ["F - c*v - x", "F/(w - w)", "F/(w - w)", "not a finite number", "division by zero"],
         ["F - c*v - x", "F \\u{2d} c*\\x76v", "\\x76v", "`vv` is no state", ""],
         ["\"F - c*v - x\"", "r#\"F - c*vv\"#", "vv", "`vv` is no state", ""],
@@ -210,6 +212,60 @@ fn expressions_are_marked_where_they_are_wrong() {
     let line = text.lines().nth(7).unwrap();
     let before = line.split("uu").next().unwrap().chars().count();
     assert_eq!((error.line(), error.column()), (Some(8), Some(before + 1)));
+}
+
+/// FULL with monitors, with a value of one that is asked for, and a named switch.
+fn monitored() -> String {
+    let named = edited(FULL, "to: \"forth\"),", "to: \"forth\", name: \"hit\"),");
+    let text = edited(&named, "(A: 0.45)]", "(A: 0.45), (\"peak\", 0.9)]");
+    let monitors = r#"    monitor: {"peak": Max("x"), "loss": Integral("c*v^2"), "after": After("hit", "v", 2)},
+    orbit: ("#;
+    edited(&text, "    orbit: (", monitors)
+}
+
+#[test]
+fn monitors_are_read() {
+    let problem = system(&monitored());
+    assert_eq!(
+        problem.monitor.names().collect::<Vec<_>>(),
+        ["peak", "loss", "after"]
+    );
+    assert_eq!(problem.monitors().len(), 3);
+    let after = &problem.monitor.0[2].1;
+    assert_eq!(after.switch(), Some(("hit", 2)));
+    let section = problem.continuation.as_ref().unwrap();
+    assert_eq!(section.values().collect::<Vec<_>>(), [0.8, 0.45]);
+    let stored = ron::to_string(&problem).unwrap();
+    assert_eq!(ron::from_str::<SystemProblem>(&stored).unwrap(), problem);
+    assert!(problem.drawable_columns().contains(&"loss".to_owned()));
+    // what nothing but a monitor has is used
+    system(
+        &monitored()
+            .replace("\"f\": 0.2", "\"f\": 0.2, \"k\": 3.0")
+            .replace("c*v^2", "k*v^2"),
+    );
+}
+
+#[test]
+fn monitors_are_marked_where_they_are_wrong() {
+    #[rustfmt::skip]
+    let cases = [
+        ["Max(\"x\")", "Max(\"y\")", "y", "`y` is no state", "`x`, `v`"],
+        ["Max(\"x\")", "Max(\"1/(w - w)\")", "1/(w - w)", "not a finite number", ""],
+        ["Max(\"x\")", "Max(\"phase\")", "phase", "the phase may stand in", ""],
+        ["Max(\"x\")", "Most(\"x\")", "Most", "unknown choice `Most` for `monitor.peak`", ""],
+        ["After(\"hit\"", "After(\"hot\"", "\"hot\"", "no switch has the name `hot`; did you mean `hit`?", "`hit`"],
+        ["\"v\", 2)", "\"v\", 0)", "0", "which is not admitted", "the first switch"],
+        ["\"peak\": Max", "\"period\": Max", "\"period\"", "is a column of the results already", "another name"],
+        ["\"peak\": Max", "\"max_v\": Max", "\"max_v\"", "is a column of the results already", ""],
+        ["\"peak\": Max", "\"c\": Max", "\"c\"", "is a state or a parameter already", ""],
+        ["\"peak\": Max", "\"a b\": Max", "\"a b\"", "a name is a letter followed by", ""],
+        ["\"loss\": Integral", "\"peak\": Integral", "\"peak\"", "something else already", "keep one"],
+        ["(\"peak\", 0.9)", "(\"peek\", 0.9)", "(\"peek\", 0.9)", "`peek` is no monitor; did you mean `peak`?", "section `monitor`"],
+        ["(\"peak\", 0.9)", "(peak: 0.9)", "(peak: 0.9)", "names `peak`, but the branch is in `A`", "(\"peak\", 0.9)"],
+        ["(\"peak\", 0.9)", "(\"peak\", 0.9), (\"peak\", 0.9)", "(\"peak\", 0.9)", "is listed twice", ""],
+    ];
+    assert_eq!(wrongly_refused(&monitored(), &cases).join("\n"), "");
 }
 
 #[test]
