@@ -82,6 +82,11 @@ impl Source {
         Source { name, text }
     }
 
+    /// The name of the file.
+    pub(crate) fn name(&self) -> &str {
+        &self.name
+    }
+
     /// The text of the file.
     pub(crate) fn text(&self) -> &str {
         &self.text
@@ -242,7 +247,7 @@ pub(crate) fn ready_system(
             let is_event = matches!(start, OrbitStart::Switch { .. });
             Some(named(&problem, dir, *label, is_event, &source)?)
         }
-        OrbitStart::Simulate { .. } | OrbitStart::Given { .. } => None,
+        OrbitStart::Nowhere | OrbitStart::Simulate { .. } | OrbitStart::Given { .. } => None,
     };
     let values = named.as_ref().map_or_else(
         || problem.values(),
@@ -272,11 +277,15 @@ pub(crate) fn named(
     is_event: bool,
     source: &Source,
 ) -> Result<Named, Failure> {
-    if let Ok(Some(Any::Tube(_))) = origin::problem(dir) {
-        let message = format!(
-            "{} holds waves of a tube, not orbits of a system",
-            dir.display()
-        );
+    let others = match origin::problem(dir) {
+        Ok(Some(Any::Tube(_))) => Some("waves of a tube, not orbits of a system"),
+        Ok(Some(Any::System(other))) if other.equilibrium.is_some() => {
+            Some("equilibria, not orbits of a system")
+        }
+        _ => None,
+    };
+    if let Some(others) = others {
+        let message = format!("{} holds {others}", dir.display());
         return Err(source.refuse("orbit.start", message, "name another folder"));
     }
     let earlier = Orbits::read(dir)?;
@@ -305,7 +314,7 @@ pub(crate) fn named(
 }
 
 /// The ways a branch can go from its first point: at an end of the range there is but one.
-fn ways<P>(
+pub(super) fn ways<P>(
     continuation: &Continuation<P>,
     column: &str,
     first: Option<f64>,

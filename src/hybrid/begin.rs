@@ -19,6 +19,9 @@ pub enum NoStart {
     /// The branch does not begin there.
     #[error("no start: {0}")]
     NoLeg(ResumeMismatch<AffineOrbit>),
+    /// The problem is about equilibria.
+    #[error("no start: the problem has an `equilibrium` in the place of an orbit")]
+    NoSection,
     /// The mode, a state or the parameter is not one of the system.
     #[error("no start: the beginning is none of the system")]
     Unknown,
@@ -96,6 +99,10 @@ impl NoStart {
             NoStart::NoSize { .. } => (
                 "orbit.start",
                 "name another label of that branch, or find orbits on the other side with `Simulate` or `Given`",
+            ),
+            NoStart::NoSection => (
+                "equilibrium",
+                "`run`, `check` and `steady` take equilibria; write `orbit` for anything else",
             ),
             NoStart::NotBranching { .. } => (
                 "orbit.start",
@@ -177,6 +184,7 @@ pub(super) fn begin(
             };
             Search::Guess(period.or_else(prescribed).unwrap_or_default())
         }
+        OrbitStart::Nowhere => return Err(NoStart::NoSection),
         OrbitStart::Restart { label, .. } | OrbitStart::Switch { label, .. } => {
             let label = *label;
             let Named {

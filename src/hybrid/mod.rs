@@ -2,6 +2,7 @@
 //! [`scan`], what motions settle on without following anything.
 
 mod begin;
+pub mod equilibrium;
 mod point;
 pub mod row;
 pub mod run;

@@ -10,7 +10,7 @@ use crate::orbit::{EventType, Stability};
 
 /// Named numbers, each in its column.
 #[derive(Clone, Debug, Default)]
-struct Named(Vec<(String, Option<f64>)>);
+pub(super) struct Named(Vec<(String, Option<f64>)>);
 
 impl Serialize for Named {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
@@ -20,7 +20,7 @@ impl Serialize for Named {
 }
 
 impl Named {
-    fn parameters(source: &Source, values: Option<&[f64]>) -> Named {
+    pub fn parameters(source: &Source, values: Option<&[f64]>) -> Named {
         let names = source.parameters.names().enumerate();
         let value = |index: usize| values.and_then(|values| values.get(index).copied());
         Named(
@@ -28,6 +28,12 @@ impl Named {
                 .map(|(index, name)| (name.to_owned(), value(index)))
                 .collect(),
         )
+    }
+
+    pub fn states(source: &Source, values: Option<&[f64]>) -> Named {
+        let names = source.states.iter().cloned().enumerate();
+        let value = |index: usize| values.and_then(|values| values.get(index).copied());
+        Named(names.map(|(index, name)| (name, value(index))).collect())
     }
 
     fn extremes(source: &Source, values: Option<&[(f64, f64)]>) -> Named {

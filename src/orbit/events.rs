@@ -581,11 +581,6 @@ impl Seen {
     }
 }
 
-/// How many multipliers pass where a function of [`Examined::tests`] vanishes.
-fn passing(test: usize) -> u64 {
-    if test < 2 { 1 } else { 2 }
-}
-
 /// Where stability changes within a step. `None` if a place is not found.
 ///
 /// The number of multipliers outside the unit circle decides whether there is anything to be found; zeros of
@@ -688,7 +683,7 @@ fn counted<O: Orbit>(
     signs: Vec<(Place, Located<O>)>,
 ) -> Option<Vec<(Place, Located<O>)>> {
     let number = |located: &Located<O>| match located.event {
-        Event::Crossing(test) => passing(test),
+        Event::Crossing(test) => O::passed_by(test),
         _ => 0,
     };
     // what is known needs no second look

@@ -9,6 +9,7 @@ use super::super::scan::{MAX_SCANNED, MAX_VALUES};
 use super::super::{
     Continuation, Curve, Scan, ScanValues, Section, Sweep, SystemCurve, SystemMap, fields,
 };
+use super::equilibrium::{COLUMNS, one_of_both};
 use super::mistake::flaw_at;
 use super::{Beginning, OrbitStart, SystemPlot, SystemProblem};
 use crate::affine::closure::{PERIOD, Prescribed};
@@ -80,6 +81,7 @@ const NO_STATE: [&str; 13] = [
 
 /// Refuses numbers and texts that are not admitted by themselves, and lists without end.
 pub(super) fn written(written: &SystemProblem<Source>, outline: &Outline) -> Check {
+    one_of_both(written, outline)?;
     lengths(written.continuation.as_ref(), &written.expect, outline)?;
     let Source {
         parameters,
@@ -126,7 +128,10 @@ pub(super) fn written(written: &SystemProblem<Source>, outline: &Outline) -> Che
 pub(super) fn check(problem: &SystemProblem, outline: &Outline) -> Check {
     let checks = Checks { problem, outline };
     checks.names()?;
-    checks.orbit()?;
+    match &problem.equilibrium {
+        Some(section) => checks.equilibrium(section)?,
+        None => checks.orbit()?,
+    }
     checks.used()?;
     if let Some(section) = &problem.continuation {
         checks.branch(section)?;
@@ -167,8 +172,13 @@ impl Checks<'_, SystemProblem> {
             Err(Flaw::new(at, message, "choose another name"))
         };
         let whole = |path: &str| self.outline.locate(path);
+        // states of equilibria have the names of columns, too
+        let rests = self.problem.equilibrium.is_some();
+        let of_equilibria = |name: &str| rests && COLUMNS.contains(&name);
         for name in states {
-            if NO_STATE.contains(&name.as_str()) {
+            let own = name.as_str();
+            let of_branch = || rests && NO_PARAMETER.contains(&own);
+            if NO_STATE.contains(&own) || of_equilibria(own) || of_branch() {
                 let at = self.outline.text_in("system.states", name);
                 return refused(at.unwrap_or_else(|| whole("system.states")), name);
             }
@@ -176,7 +186,7 @@ impl Checks<'_, SystemProblem> {
         for name in parameters.names() {
             let extremum = name.strip_prefix("min_").or(name.strip_prefix("max_"));
             let extremum = extremum.is_some_and(|state| states.iter().any(|one| one == state));
-            if extremum || NO_PARAMETER.contains(&name) {
+            if extremum || NO_PARAMETER.contains(&name) || of_equilibria(name) {
                 let at = self.outline.key_of("system.parameters", name);
                 return refused(at.unwrap_or_else(|| whole("system.parameters")), name);
             }
@@ -201,13 +211,13 @@ impl Checks<'_, SystemProblem> {
             ));
         }
         // an earlier run may have begun in any mode
-        if self.problem.orbit.start.dir().is_some() {
+        if self.problem.earlier_run().is_some() {
             return Ok(());
         }
         let simulation = self.problem.simulation.as_ref();
         let scan = self.problem.scan.as_ref();
         let starts = [
-            self.problem.orbit.start.beginning(),
+            self.problem.start_of_motion(),
             simulation.and_then(|section| section.start.clone()),
             scan.and_then(|section| section.start.clone()),
         ];
@@ -225,7 +235,7 @@ impl Checks<'_, SystemProblem> {
     }
 
     /// Refuses a name that is none of those known.
-    fn one_of(&self, path: &str, what: &str, name: &str, names: &[&str]) -> Check {
+    pub(super) fn one_of(&self, path: &str, what: &str, name: &str, names: &[&str]) -> Check {
         if names.contains(&name) {
             return Ok(());
         }
@@ -333,7 +343,7 @@ impl Checks<'_, SystemProblem> {
     }
 
     /// Refuses a beginning that names no mode, or not every state once, or a phase of nothing.
-    fn start(&self, path: &str, start: &Beginning) -> Check {
+    pub(super) fn start(&self, path: &str, start: &Beginning) -> Check {
         let Source {
             states,
             modes,
@@ -440,7 +450,7 @@ impl Checks<'_, SystemProblem> {
         }
         match &section.start {
             Some(start) => self.start("scan.start", start)?,
-            None if self.problem.orbit.start.dir().is_some() => {
+            None if self.problem.earlier_run().is_some() => {
                 let message =
                     "`orbit` begins at an earlier run: where the motions begin is not known";
                 let help =
@@ -486,7 +496,7 @@ impl Checks<'_, SystemProblem> {
         self.admit("continuation.range", range, range.0 < range.1, ORDER)?;
         let here = self.ends("continuation.range", column, [range.0, range.1])?;
         // an earlier run brings its own parameters
-        if self.problem.orbit.start.dir().is_none() {
+        if self.problem.earlier_run().is_none() {
             self.beginning(section, column, here, || {
                 format!("widen the range or change `{column}` in the system")
             })?;
@@ -534,6 +544,14 @@ impl Checks<'_, SystemProblem> {
 
     /// Refuses events that orbits do not have, or whose multipliers are not computed.
     fn looked_for(&self, path: &str, event: EventType) -> Check {
+        if self.problem.equilibrium.is_some() {
+            let message = format!("a {event} is no event of equilibria of a system");
+            let help = "take an event of equilibria: LP, BP, HB, BE, UZ, EP, MX";
+            return match event.of_equilibria() {
+                true => Ok(()),
+                false => self.refuse(path, message, help),
+            };
+        }
         if !event.of_systems() {
             let message =
                 format!("a {event} is an event of waves of a tube, not of orbits of a system");
@@ -578,6 +596,10 @@ impl Checks<'_, SystemProblem> {
                 self.admit(&path, plot, columns.contains(name), &rule)?;
             }
             self.once(&path, index, &output.plots)?;
+            if self.problem.equilibrium.is_some() {
+                self.plot_of_equilibria(&path, plot)?;
+                continue;
+            }
             if let Some((needed, cure)) = self.problem.lacks(plot) {
                 let message = format!("the plot {plot:?} shows nothing without {needed}");
                 return self.refuse(&path, message, format!("{cure}, or leave out the plot"));
@@ -592,8 +614,7 @@ impl Checks<'_, SystemProblem> {
             let message = "`sector` is expected of an orbit, which has none";
             return self.refuse(&format!("{path}.sector"), message, "leave it out");
         }
-        let parameters: Vec<&str> = self.source().parameters.names().collect();
-        let numbers = [&parameters[..], &Expectation::OF_ORBITS].concat();
+        let numbers = self.numbers_of_events();
         let fields = Expectation::FIELDS
             .into_iter()
             .filter(|name| *name != "sector");
@@ -624,13 +645,19 @@ impl Checks<'_, SystemProblem> {
         let Some(section) = &self.problem.continuation else {
             return Ok(());
         };
-        let restarts = self.problem.orbit.start.dir().is_some();
+        let restarts = self.problem.earlier_run().is_some();
         let column = section.parameter.as_str();
         let varies = |name: &str| {
             let free = self.problem.orbit.free.as_deref() == Some(name);
-            restarts || free || name == column || Expectation::OF_ORBITS.contains(&name)
+            let other = self.source().parameters.index(name).is_none();
+            restarts || free || name == column || other
         };
-        self.fallible(path, event, section, column, varies, ("system", "period"))
+        let states = &self.source().states;
+        let other = match self.problem.equilibrium {
+            Some(_) => states.first().map_or("re", String::as_str),
+            None => "period",
+        };
+        self.fallible(path, event, section, column, varies, ("system", other))
     }
 }
 
