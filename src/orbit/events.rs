@@ -59,6 +59,10 @@ const NEAR: [f64; 3] = [1e-3, 1e-2, 1e-1];
 /// Part of a step over which the slope of a tangent is taken as a difference.
 const DIFFERENCE: f64 = 1e-4;
 
+/// A fold and a crossing of branches closer together than this part of a step, at one parameter to rounding, are one: the
+/// fold of a pitchfork is known to the square root of rounding.
+const TURN: f64 = 1e-3;
+
 /// An event known less well than this, relative to the parameter or its range, is not reported;
 /// rounding at the stiff end leaves 1e-9. With a coarse tolerance: than this many tolerances.
 const UNCERTAIN: f64 = 1e-6;
@@ -272,6 +276,17 @@ pub(super) fn located<O: Orbit>(
         .into_iter()
         .filter(|one| apart(one) && !seen(one))
         .collect();
+    // where a branch meets the middle of another one its parameter is stationary, and that is no fold
+    let is_turn = |fold: &(Place, Located<O>), (place, located): &(Place, Located<O>)| {
+        let Event::Crossing(test) = located.event else {
+            return false;
+        };
+        let value = |place: &Place| orbit.value_at(&place.node.point);
+        let apart = (value(place) - value(&fold.0)).abs();
+        let known = located.uncertainty + fold.1.uncertainty;
+        O::turns_at(test) && apart <= known && (place.s - fold.0.s).abs() <= TURN * step.ds
+    };
+    let fold = fold.filter(|fold| !crossings.iter().any(|one| is_turn(fold, one)));
     // where branches cross the equations are singular: changes of stability are told with any error, since shorter
     // steps only come nearer
     for (place, Located { event, uncertainty }) in fold.iter().chain(&changes) {

@@ -375,6 +375,12 @@ pub trait Orbit: System<Failure: Data> + Clone + Debug + PartialEq {
         if test < 2 { 1 } else { 2 }
     }
 
+    /// Whether the parameter may be stationary at the zero of a function of [`Examined::tests`], as where a branch ends on
+    /// the middle of another one: what is seen as a fold is then that.
+    fn turns_at(_test: usize) -> bool {
+        false
+    }
+
     /// What the zero of a function of [`Examined::tests`] is at a node: none where it is no event.
     fn crossing(&self, _test: usize, _node: &Node) -> Option<Self::Special> {
         None

@@ -224,6 +224,10 @@ impl Orbit for EquilibriumCurve {
         if test == HOPF { 2 } else { 1 }
     }
 
+    fn turns_at(test: usize) -> bool {
+        test == BRANCHING
+    }
+
     fn crossing(&self, test: usize, node: &Node) -> Option<EquilibriumBifurcation> {
         match test {
             BRANCHING => Some(EquilibriumBifurcation::Branching),
