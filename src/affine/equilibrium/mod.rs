@@ -101,12 +101,16 @@ impl fmt::Display for EquilibriumBifurcation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             EquilibriumBifurcation::Hopf { omega, lyapunov } => {
-                write!(f, "Hopf point, ω = {omega:.9}: ")?;
+                write!(f, "Hopf point, ω = {omega:.9}")?;
+                match lyapunov.filter(|one| *one != Lyapunov::Vertical) {
+                    Some(lyapunov) => write!(f, ", l₁ = {:.6e}: ", lyapunov.value())?,
+                    None => f.write_str(": ")?,
+                }
                 match lyapunov {
                     Some(Lyapunov::Known(value)) if *value < 0.0 => f.write_str(
-                        "supercritical, cycles are stable in the plane of the pair",
+                        "supercritical, the cycles attract within the plane of the pair",
                     ),
-                    Some(Lyapunov::Known(_)) => f.write_str("subcritical, cycles are unstable"),
+                    Some(Lyapunov::Known(_)) => f.write_str("subcritical, the cycles repel within the plane of the pair"),
                     Some(Lyapunov::Undecided(_)) => {
                         f.write_str("the first Lyapunov coefficient is zero to rounding")
                     }

@@ -4,6 +4,7 @@ use super::curve::{EquilibriumCurve, EquilibriumFailure, EquilibriumSetting, sca
 use super::{EquilibriumExamination, EquilibriumScales, VirtualEquilibrium};
 use crate::affine::steady::{Isolation, NoEquilibrium};
 use crate::affine::system::{System, SystemError};
+use crate::continuation::newton::{self, Settings};
 use crate::linalg::Vector;
 use crate::orbit::Examined;
 use crate::orbit::sign::Verdict;
@@ -85,37 +86,57 @@ pub fn first(
         ..
     } = request;
     let at = system.at(values, &[]).map_err(NoFirstEquilibrium::System)?;
-    let found = match guess {
-        EquilibriumGuess::State(state) => {
-            let found = at.equilibrium_near(*mode, state);
-            found.ok_or(NoFirstEquilibrium::NotFound)?
-        }
+    let state = match guess {
+        EquilibriumGuess::State(state) => match at.equilibrium_near(*mode, state) {
+            Some(found) => found.state,
+            None => settled(request, state)?,
+        },
         EquilibriumGuess::Index(index) => {
             let all = at.equilibria(*mode).map_err(NoFirstEquilibrium::None)?;
             let fewer = NoFirstEquilibrium::Fewer {
                 count: all.len(),
                 index: *index,
             };
-            let found = index
-                .checked_sub(1)
-                .and_then(|index| all.into_iter().nth(index));
-            found.ok_or(fewer)?
+            let index = index.checked_sub(1);
+            let found = index.and_then(|index| all.into_iter().nth(index));
+            let found = found.ok_or(fewer)?;
+            if found.isolation != Isolation::Simple {
+                return Err(NoFirstEquilibrium::Degenerate);
+            }
+            found.state
         }
     };
-    if found.isolation != Isolation::Simple {
-        return Err(NoFirstEquilibrium::Degenerate);
-    }
-    let (curve, point) = EquilibriumCurve::at(request, &found.state)?;
+    let (curve, point) = EquilibriumCurve::at(request, &state)?;
     let examination = curve.examined(&point)?;
     if is_told(&examination) {
         return Ok((curve, point));
     }
-    let names = system.source.states.iter().zip(&found.state);
+    let names = system.source.states.iter().zip(&state);
     let state: Vec<String> = names.map(|(name, x)| format!("{name} = {x:.9}")).collect();
     Err(NoFirstEquilibrium::Virtual {
         state: state.join(", "),
         reason: curve.worst(&examination),
     })
+}
+
+/// The equilibrium to which Newton's method leads by the equations of the branch, with shorter steps where the whole ones do
+/// not come nearer: in a sliding mode they have the surface in the place of a rate that follows from the others.
+fn settled(request: &EquilibriumRequest, guess: &[f64]) -> Result<Vec<f64>, NoFirstEquilibrium> {
+    const NEWTON: Settings = Settings {
+        tolerance: 1e-10,
+        most_iterations: 60,
+        halvings: 8,
+        polish: 1,
+    };
+    let (curve, point) = EquilibriumCurve::at(request, guess)?;
+    let index = point.len() - 1;
+    let mut fixed = newton::Fixed {
+        index,
+        value: point[index],
+    };
+    let solution = newton::solve(&curve, &mut fixed, &point, &NEWTON);
+    let solution = solution.map_err(|_| NoFirstEquilibrium::NotFound)?;
+    Ok(curve.state(&solution.point))
 }
 
 impl EquilibriumCurve {
