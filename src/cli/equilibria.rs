@@ -42,12 +42,14 @@ pub(crate) fn ready(
     let mut continuation = section.clone();
     let start = problem.equilibrium.as_ref().map(|section| &section.start);
     let named = match start {
-        Some(EquilibriumStart::Restart { dir, label }) => {
-            Some(named(&problem, (dir, *label), false, &source)?)
-        }
-        Some(EquilibriumStart::Switch { dir, label }) => {
-            Some(named(&problem, (dir, *label), true, &source)?)
-        }
+        Some(
+            EquilibriumStart::Restart { dir, label } | EquilibriumStart::Switch { dir, label },
+        ) => Some(named(
+            &problem,
+            (dir, *label),
+            "equilibrium.start",
+            &source,
+        )?),
         _ => None,
     };
     let values = match &named {
@@ -69,16 +71,17 @@ pub(crate) fn ready(
     })
 }
 
-/// The equilibrium of a run of the same system, and what it is there; at an event its equations must be the same, too.
-fn named(
+/// The equilibrium of a run of the same system, and what it is there, named at a path of the problem; that of an event is one
+/// of its own equations only.
+pub(super) fn named(
     problem: &SystemProblem,
     (dir, label): (&Path, usize),
-    is_event: bool,
+    at: &str,
     source: &Source,
 ) -> Result<NamedEquilibrium, Failure> {
     let refuse = |what: &str| {
         let message = format!("{} holds {what}", dir.display());
-        source.refuse("equilibrium.start", message, "name another folder")
+        source.refuse(at, message, "name another folder")
     };
     match origin::problem(dir) {
         Ok(Some(Any::Tube(_))) => return Err(refuse("waves of a tube, not equilibria")),
@@ -95,6 +98,9 @@ fn named(
     if !others.parameters.names().eq(own.parameters.names()) {
         return Err(refuse("equilibria of a system with other parameters"));
     }
+    let switch = problem.equilibrium.as_ref();
+    let is_event =
+        switch.is_none_or(|section| matches!(section.start, EquilibriumStart::Switch { .. }));
     if is_event && !others.is_same(own) {
         return Err(refuse("equilibria of another system"));
     }

@@ -3,12 +3,13 @@
 use crate::orbit::legs::{End, Run};
 use std::path::Path;
 
+use super::equilibria;
 use super::failure::{Exit, Failure};
 use super::options::read;
 use super::progress::{Progress, drive};
 use crate::branch::SavedWave;
 use crate::branch::run::{RunError, Runner};
-use crate::hybrid::{self, Named, NoStart};
+use crate::hybrid::{self, EarlierPoint, Named, NoStart};
 use crate::orbit::EventType;
 use crate::output::orbits::{Orbits, kind_of};
 use crate::output::origin;
@@ -216,7 +217,7 @@ pub(crate) fn ready(problem: Problem, text: String, path: &Path) -> Result<Prepa
 pub(crate) struct PreparedSystem {
     pub problem: SystemProblem,
     pub continuation: Continuation<String>,
-    pub named: Option<Named>,
+    pub named: Option<EarlierPoint>,
     pub source: Source,
 }
 
@@ -245,14 +246,20 @@ pub(crate) fn ready_system(
     let named = match start {
         OrbitStart::Restart { dir, label } | OrbitStart::Switch { dir, label } => {
             let is_event = matches!(start, OrbitStart::Switch { .. });
-            Some(named(&problem, dir, *label, is_event, &source)?)
+            Some(match holds_equilibria(dir) && is_event {
+                true => {
+                    let place = (dir.as_path(), *label);
+                    let earlier = equilibria::named(&problem, place, "orbit.start", &source)?;
+                    EarlierPoint::Equilibrium(earlier)
+                }
+                false => EarlierPoint::Orbit(named(&problem, dir, *label, is_event, &source)?),
+            })
         }
         OrbitStart::Nowhere | OrbitStart::Simulate { .. } | OrbitStart::Given { .. } => None,
     };
-    let values = named.as_ref().map_or_else(
-        || problem.values(),
-        |named| named.saved.orbit.values.clone(),
-    );
+    let values = named
+        .as_ref()
+        .map_or_else(|| problem.values(), |named| named.values().to_vec());
     let first = problem
         .parameter()
         .and_then(|index| values.get(index).copied());
@@ -269,6 +276,12 @@ pub(crate) fn ready_system(
     })
 }
 
+/// Whether a folder is that of a branch of equilibria.
+fn holds_equilibria(dir: &Path) -> bool {
+    let earlier = origin::problem(dir);
+    matches!(earlier, Ok(Some(Any::System(other))) if other.equilibrium.is_some())
+}
+
 /// The orbit of a run of the same system, and what it is there; where that counts its equations must be the same, too.
 pub(crate) fn named(
     problem: &SystemProblem,
@@ -279,9 +292,7 @@ pub(crate) fn named(
 ) -> Result<Named, Failure> {
     let others = match origin::problem(dir) {
         Ok(Some(Any::Tube(_))) => Some("waves of a tube, not orbits of a system"),
-        Ok(Some(Any::System(other))) if other.equilibrium.is_some() => {
-            Some("equilibria, not orbits of a system")
-        }
+        _ if holds_equilibria(dir) => Some("equilibria, not orbits of a system"),
         _ => None,
     };
     if let Some(others) = others {

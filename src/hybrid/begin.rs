@@ -1,14 +1,15 @@
 //! The orbit that the branch of a problem begins with.
 
 use super::saved::LabelledOrbit;
+use crate::affine::equilibrium::cycle::NoCycle;
 use crate::affine::motion::Halt;
 use crate::affine::orbit::AffineOrbit;
 use crate::affine::orbit::start::{self, Search, Wanted, first, restart};
 use crate::affine::orbit::switch::switch;
 use crate::linalg::Vector;
-use crate::orbit::EventType;
 use crate::orbit::special::ResumeMismatch;
-use crate::problem::{self, Continuation, OrbitStart, SystemProblem};
+use crate::orbit::{EventType, legs};
+use crate::problem::{self, Continuation, DEFAULT_MAX_POINTS, OrbitStart, SystemProblem};
 
 /// Why a run cannot begin.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -61,6 +62,17 @@ pub enum NoStart {
         /// Its type.
         kind: String,
     },
+    /// Only at HB cycles are born from an equilibrium.
+    #[error("label {label} is an equilibrium of type {kind}: cycles are born at HB only")]
+    NotHopf {
+        /// The label.
+        label: usize,
+        /// Its type.
+        kind: String,
+    },
+    /// No cycle is found there.
+    #[error("no start: {0}")]
+    NoCycle(NoCycle),
 }
 
 impl NoStart {
@@ -104,6 +116,10 @@ impl NoStart {
                 "equilibrium",
                 "`run`, `check` and `steady` take equilibria; write `orbit` for anything else",
             ),
+            NoStart::NotHopf { .. } | NoStart::NoCycle(_) => (
+                "orbit.start",
+                "name the label of another HB, or find a cycle with `Simulate` or `Given`",
+            ),
             NoStart::NotBranching { .. } => (
                 "orbit.start",
                 "name a label of that type, or write `Restart` for the branch itself",
@@ -120,7 +136,7 @@ impl NoStart {
 const MOST_RETURNS: u32 = 64;
 
 /// What is asked for of the first orbit.
-fn wanted(
+pub(super) fn wanted(
     problem: &SystemProblem,
     continuation: &Continuation<String>,
     values: Vec<f64>,
@@ -152,6 +168,12 @@ pub struct Named {
     pub kind: Option<EventType>,
     /// Whether it has shrunk to a point, beside the other orbits of its run.
     pub has_shrunk: bool,
+}
+
+/// What is asked for of the legs.
+pub(super) fn plan(problem: &SystemProblem, continuation: &Continuation<String>) -> legs::Plan {
+    let most = continuation.max_points.unwrap_or(DEFAULT_MAX_POINTS);
+    continuation.plan(most, problem.output.profiles)
 }
 
 /// The first orbit of a branch.

@@ -2,7 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::begin::{First, Named, NoStart, begin};
+use super::begin::{First, Named, NoStart, begin, plan};
+use super::equilibrium::begin::NamedEquilibrium;
+use super::equilibrium::birth::born;
 use super::point::{Note, OrbitEvent, OrbitPoint};
 use super::row::MultiplierRow;
 use super::saved::LabelledOrbit;
@@ -13,14 +15,33 @@ use crate::orbit::follow::Found;
 use crate::orbit::legs::{self, Itemised, Legs, Run};
 use crate::orbit::special::{ResumeMismatch, Special};
 use crate::orbit::{EventType, Orbit, Stability};
+use crate::problem::Continuation;
 use crate::problem::SystemProblem;
-use crate::problem::{Continuation, DEFAULT_MAX_POINTS};
 
 /// How a run of orbits ended.
 pub type End = legs::End<AffineOrbit>;
 
 /// Arclength after which the zones beside an event are where they are from there on.
 const A_LITTLE: f64 = 1e-6;
+
+/// The point of an earlier run that a problem names.
+#[derive(Clone, Debug)]
+pub enum EarlierPoint {
+    /// Of a branch of orbits.
+    Orbit(Named),
+    /// Of a branch of equilibria: at a Hopf point cycles are born.
+    Equilibrium(NamedEquilibrium),
+}
+
+impl EarlierPoint {
+    /// Values of its parameters.
+    pub fn values(&self) -> &[f64] {
+        match self {
+            EarlierPoint::Orbit(named) => &named.saved.orbit.values,
+            EarlierPoint::Equilibrium(named) => &named.saved.values,
+        }
+    }
+}
 
 /// A row of the branch, with the orbit behind it.
 #[derive(Clone, Debug)]
@@ -79,13 +100,17 @@ impl Runner {
     pub fn begin(
         problem: &SystemProblem,
         continuation: &Continuation<String>,
-        named: Option<&Named>,
+        named: Option<&EarlierPoint>,
     ) -> Result<Runner, NoStart> {
         let First {
             orbit,
             point,
             directions,
-        } = begin(problem, continuation, named)?;
+        } = match named {
+            Some(EarlierPoint::Equilibrium(named)) => born(problem, continuation, named)?,
+            Some(EarlierPoint::Orbit(named)) => begin(problem, continuation, Some(named))?,
+            None => begin(problem, continuation, None)?,
+        };
         let scales = orbit.setting.scales.clone();
         let values = orbit.setting.values.clone();
         let plan = plan(problem, continuation).going(&directions);
@@ -288,12 +313,6 @@ impl Itemised for Runner {
             found,
         }
     }
-}
-
-/// What is asked for of the legs.
-pub(super) fn plan(problem: &SystemProblem, continuation: &Continuation<String>) -> legs::Plan {
-    let most = continuation.max_points.unwrap_or(DEFAULT_MAX_POINTS);
-    continuation.plan(most, problem.output.profiles)
 }
 
 /// The row of a change of the sequence beyond which the orbit is this one: where multipliers jump so that stability does,

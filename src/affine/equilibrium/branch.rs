@@ -3,7 +3,7 @@
 use super::curve::{EquilibriumCurve, EquilibriumFailure, RestMode};
 use super::examine::{EquilibriumExamination, EquilibriumMargin};
 use super::extended::{Condition, locate};
-use super::normal_form::{Lyapunov, lyapunov};
+use super::normal_form::{Lyapunov, normal_form};
 use super::spectrum::{BRANCHING, HOPF, critical_pair};
 use super::{EquilibriumBifurcation, EquilibriumGuard, EquilibriumStop, VirtualEquilibrium};
 use crate::affine::mode::Exit;
@@ -303,19 +303,22 @@ impl EquilibriumCurve {
         Some(found.0.node)
     }
 
+    /// Whether the rates of the mode are affine in the states.
+    pub(super) fn is_affine(&self, point: &Vector) -> bool {
+        let own = self.setting.system.at(&self.values_at(point), &[]).ok();
+        own.is_some_and(|own| own.modes[self.signature.mode].field.is_exact)
+    }
+
     /// The Hopf point at a node; none where the two eigenvalues of sum zero are real.
     fn hopf(&self, node: &Node) -> Option<EquilibriumBifurcation> {
         let examination = self.examined(&node.point).ok()?;
         let omega = critical_pair(&examination.eigenvalues)?;
-        let values = self.values_at(&node.point);
-        let own = self.setting.system.at(&values, &[]).ok();
-        let affine = own.is_some_and(|own| own.modes[self.signature.mode].field.is_exact);
-        let lyapunov = match affine {
+        let lyapunov = match self.is_affine(&node.point) {
             true => Some(Lyapunov::Vertical),
             false => {
                 let place = self.place(&node.point);
                 let at = self.linearised(&node.point).ok()?;
-                lyapunov(self.local(&place), &at, omega)
+                normal_form(self.local(&place), &at, omega).map(|form| form.lyapunov)
             }
         };
         Some(EquilibriumBifurcation::Hopf { omega, lyapunov })

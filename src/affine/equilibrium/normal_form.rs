@@ -157,8 +157,18 @@ fn mean(at: &Linearised, bent: &ComplexVector) -> Option<Vector> {
     solve(&matrix, &right)
 }
 
-/// The first Lyapunov coefficient at a Hopf point of this frequency. `None` where a derivative has no value.
-pub(super) fn lyapunov(field: LocalField, at: &Linearised, omega: f64) -> Option<Lyapunov> {
+/// The cycles next to a Hopf point, to second order: x + zq + z̄q̄ + h₁₁zz̄ + Re(h₂₀z²).
+#[derive(Clone, Debug)]
+pub(super) struct NormalForm {
+    pub lyapunov: Lyapunov,
+    q: ComplexVector,
+    p: ComplexVector,
+    h11: Vector,
+    h20: ComplexVector,
+}
+
+/// The normal form at a Hopf point of this frequency. `None` where a derivative has no value.
+pub(super) fn normal_form(field: LocalField, at: &Linearised, omega: f64) -> Option<NormalForm> {
     /// Roundings of the terms of the coefficient: of each product some tens.
     const ROUNDINGS: f64 = 256.0 * f64::EPSILON;
     let slopes = at.slopes();
@@ -167,31 +177,67 @@ pub(super) fn lyapunov(field: LocalField, at: &Linearised, omega: f64) -> Option
     let balanced = Balanced::new(&slopes);
     let [mut q, mut p] = balanced.vectors(value)?;
     q.unscale_mut(q.norm());
-    let product = p.dotc(&q);
     // ⟨p, q⟩ = Σ p̄ᵢqᵢ = 1
+    let product = p.dotc(&q);
     p /= product.conj();
     let mut functions: Vec<Of> = (0..n).map(Of::Rate).collect();
     functions.extend(at.surface.as_ref().map(|_| Of::Surface));
     let curvature = Curvature { field, functions };
     let conjugate = q.conjugate();
     let h11 = mean(at, &curvature.of(&q, &conjugate))?;
-    let h11 = h11.map(Complex::from);
     let bent = curvature.of(&q, &q).rows(0, n).clone_owned();
     let h20 = balanced.resolvent(2.0 * value, &bent)?;
     let rates = |bent: ComplexVector| p.dotc(&bent.rows(0, n).clone_owned());
     let terms = [
         p.dotc(&cubic(&field, &q)),
-        2.0 * rates(curvature.of(&q, &h11)),
+        2.0 * rates(curvature.of(&q, &h11.map(Complex::from))),
         rates(curvature.of(&conjugate, &h20)),
     ];
     let factor = 0.5 / omega;
-    let value = factor * terms.iter().map(|term| term.re).sum::<f64>();
+    let coefficient = factor * terms.iter().map(|term| term.re).sum::<f64>();
     let size: f64 = terms.iter().map(|term| term.norm()).sum();
-    if !value.is_finite() {
+    if !coefficient.is_finite() {
         return None;
     }
-    Some(match value.abs() > ROUNDINGS * n as f64 * size * factor {
-        true => Lyapunov::Known(value),
-        false => Lyapunov::Undecided(value),
+    let told = coefficient.abs() > ROUNDINGS * n as f64 * size * factor;
+    Some(NormalForm {
+        lyapunov: match told {
+            true => Lyapunov::Known(coefficient),
+            false => Lyapunov::Undecided(coefficient),
+        },
+        q,
+        p,
+        h11,
+        h20,
     })
+}
+
+impl NormalForm {
+    /// How the real part of the pair changes along a direction of u = (x, p) on the branch: Re⟨p, B(u′, q)⟩.
+    pub fn crossing_speed(&self, field: LocalField, along: &Vector) -> f64 {
+        let n = self.q.len();
+        let functions: Vec<Of> = (0..n).map(Of::Rate).collect();
+        let part = |of: fn(&Complex<f64>) -> f64| {
+            Vector::from_iterator(n + 1, self.q.iter().map(of).chain([0.0]))
+        };
+        let parts = [part(|x| x.re), part(|x| x.im)];
+        let bent = field.second(&functions, along, &parts);
+        let changed = DVector::from_fn(n, |row, _| Complex::new(bent[(row, 0)], bent[(row, 1)]));
+        self.p.dotc(&changed).re
+    }
+
+    /// The amplitude |z| at which the first state to do so moves by its unit.
+    pub fn unit_amplitude(&self, units: &[f64]) -> f64 {
+        let moved = self.q.iter().zip(units);
+        let largest = moved.fold(0.0, |most: f64, (q, unit)| most.max(2.0 * q.norm() / unit));
+        1.0 / largest
+    }
+
+    /// What a cycle of amplitude |z| differs from the equilibrium by at phase 0.
+    pub fn displacement(&self, amplitude: f64) -> Vector {
+        let square = amplitude * amplitude;
+        Vector::from_fn(self.q.len(), |i, _| {
+            2.0 * amplitude * self.q[i].re + square * (self.h11[i] + self.h20[i].re)
+        })
+    }
 }

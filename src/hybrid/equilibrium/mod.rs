@@ -1,6 +1,7 @@
 //! A branch of equilibria of a user's system in one parameter: first equilibrium, points, labels and events.
 
-mod begin;
+pub(super) mod begin;
+pub(super) mod birth;
 mod point;
 pub mod row;
 pub mod run;

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::super::run::plan;
+use super::super::begin::plan;
 use super::begin::{First, NamedEquilibrium, NoEquilibriumStart, begin};
 use super::point::{EquilibriumEvent, EquilibriumNote, EquilibriumPoint, LabelledEquilibrium};
 use super::row::EigenvalueRow;
