@@ -8,6 +8,7 @@ mod counts;
 mod crossings;
 mod cycles;
 mod ending;
+mod equilibria;
 mod matrices;
 mod motion;
 mod nonlinear;

@@ -147,13 +147,12 @@ impl LocalField<'_> {
             .collect();
         let linear = |row: &mut dyn Iterator<Item = &f64>| {
             let row: Vec<f64> = row.copied().collect();
-            let by = |index: usize| {
-                let z = &passes[index / DIRECTIONS];
-                LocalField::of(row.iter(), z).derivative(&[index % DIRECTIONS])
-            };
+            let sums = passes.iter().map(|z| LocalField::of(row.iter(), z));
+            let sums: Vec<HyperDual> = sums.collect();
+            let by = |index: usize| sums[index / DIRECTIONS].derivative(&[index % DIRECTIONS]);
             let terms = row.iter().zip(&passes[0]).filter(|(c, _)| **c != 0.0);
             Linear {
-                value: LocalField::of(row.iter(), &passes[0]).value(),
+                value: sums[0].value(),
                 by: Vector::from_fn(all, |index, _| by(index)),
                 size: terms.map(|(c, z)| (c * z.value()).abs()).sum(),
             }

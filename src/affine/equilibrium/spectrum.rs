@@ -13,9 +13,13 @@ use crate::orbit::Growth;
 /// tangent, which has no zero at a fold.
 pub(super) const BRANCHING: usize = 0;
 
-/// Place of the function that vanishes where two eigenvalues have the sum zero: Π (λᵢ + λⱼ)/(|λᵢ| + |λⱼ|) over all
-/// pairs, real since complex ones come in pairs.
+/// Place of the function that vanishes where two eigenvalues have the sum zero: Π s/max(|s|, [`SMALL`]) over all pairs with
+/// s = (λᵢ + λⱼ)/(|λᵢ| + |λⱼ|), real since complex ones come in pairs.
 pub(super) const HOPF: usize = 1;
+
+/// A relative sum of two eigenvalues below this makes the function of [`HOPF`] small: were larger ones to do so, the product
+/// over the 1225 pairs of 50 states would leave the range of numbers.
+const SMALL: f64 = 0.1;
 
 /// The fastest growing first; of a pair that with Im λ > 0.
 pub(super) fn ordered(mut values: Vec<Eigenvalue>) -> Vec<Eigenvalue> {
@@ -58,8 +62,10 @@ fn pairs(values: &[Eigenvalue]) -> impl Iterator<Item = [&Eigenvalue; 2]> {
 
 /// The function of [`HOPF`].
 pub(super) fn sums(values: &[Eigenvalue]) -> f64 {
-    let factors = pairs(values)
-        .map(|[one, other]| (one.value + other.value) / (one.value.norm() + other.value.norm()));
+    let factors = pairs(values).map(|[one, other]| {
+        let sum = (one.value + other.value) / (one.value.norm() + other.value.norm());
+        sum / sum.norm().max(SMALL)
+    });
     factors.product::<Complex<f64>>().re
 }
 
