@@ -3,12 +3,9 @@
 use std::path::Path;
 
 use super::failure::{Exit, Failure};
-use super::prepare::{Source, ways};
+use super::prepare::{Source, named_equilibrium, ways};
 use crate::hybrid::equilibrium::{EquilibriumRunner, NamedEquilibrium, NoEquilibriumStart};
-use crate::output::equilibria::Equilibria;
-use crate::output::orbits::kind_of;
-use crate::output::origin;
-use crate::problem::{Any, Continuation, EquilibriumStart, SystemProblem};
+use crate::problem::{Continuation, EquilibriumStart, SystemProblem};
 
 /// A problem with equilibria of a system, read and ready to run.
 pub(crate) struct PreparedEquilibrium {
@@ -44,7 +41,7 @@ pub(crate) fn ready(
     let named = match start {
         Some(
             EquilibriumStart::Restart { dir, label } | EquilibriumStart::Switch { dir, label },
-        ) => Some(named(
+        ) => Some(named_equilibrium(
             &problem,
             (dir, *label),
             "equilibrium.start",
@@ -68,44 +65,5 @@ pub(crate) fn ready(
         continuation,
         named,
         source,
-    })
-}
-
-/// The equilibrium of a run of the same system, and what it is there, named at a path of the problem; that of an event is one
-/// of its own equations only.
-pub(super) fn named(
-    problem: &SystemProblem,
-    (dir, label): (&Path, usize),
-    at: &str,
-    source: &Source,
-) -> Result<NamedEquilibrium, Failure> {
-    let refuse = |what: &str| {
-        let message = format!("{} holds {what}", dir.display());
-        source.refuse(at, message, "name another folder")
-    };
-    match origin::problem(dir) {
-        Ok(Some(Any::Tube(_))) => return Err(refuse("waves of a tube, not equilibria")),
-        Ok(Some(Any::System(other))) if other.equilibrium.is_none() => {
-            return Err(refuse("orbits, not equilibria"));
-        }
-        _ => {}
-    }
-    let earlier = Equilibria::read(dir)?;
-    let (own, others) = (&problem.system.source, &earlier.problem.system.source);
-    if others.states != own.states {
-        return Err(refuse("equilibria with other states"));
-    }
-    if !others.parameters.names().eq(own.parameters.names()) {
-        return Err(refuse("equilibria of a system with other parameters"));
-    }
-    let switch = problem.equilibrium.as_ref();
-    let is_event =
-        switch.is_none_or(|section| matches!(section.start, EquilibriumStart::Switch { .. }));
-    if is_event && !others.is_same(own) {
-        return Err(refuse("equilibria of another system"));
-    }
-    Ok(NamedEquilibrium {
-        saved: earlier.labelled(dir, label)?.clone(),
-        kind: kind_of(dir, label)?,
     })
 }

@@ -3,19 +3,21 @@
 use crate::orbit::legs::{End, Run};
 use std::path::Path;
 
-use super::equilibria;
 use super::failure::{Exit, Failure};
 use super::options::read;
 use super::progress::{Progress, drive};
 use crate::branch::SavedWave;
 use crate::branch::run::{RunError, Runner};
+use crate::hybrid::equilibrium::NamedEquilibrium;
 use crate::hybrid::{self, EarlierPoint, Named, NoStart};
 use crate::orbit::EventType;
+use crate::output::equilibria::Equilibria;
 use crate::output::orbits::{Orbits, kind_of};
 use crate::output::origin;
 use crate::output::waves::{self, Waves};
 use crate::problem::{
-    self, Any, Continuation, OrbitStart, Problem, ProblemError, Start, SystemProblem, Toward,
+    self, Any, Continuation, EquilibriumStart, OrbitStart, Problem, ProblemError, Start,
+    SystemProblem, Toward,
 };
 
 /// A problem read and ready to run.
@@ -249,7 +251,7 @@ pub(crate) fn ready_system(
             Some(match holds_equilibria(dir) && is_event {
                 true => {
                     let place = (dir.as_path(), *label);
-                    let earlier = equilibria::named(&problem, place, "orbit.start", &source)?;
+                    let earlier = named_equilibrium(&problem, place, "orbit.start", &source)?;
                     EarlierPoint::Equilibrium(earlier)
                 }
                 false => EarlierPoint::Orbit(named(&problem, dir, *label, is_event, &source)?),
@@ -321,6 +323,45 @@ pub(crate) fn named(
         has_shrunk: kind == Some(EventType::BP) && saved.has_shrunk(&earlier.labelled),
         saved,
         kind,
+    })
+}
+
+/// The equilibrium of a run of the same system, and what it is there, named at a path of the problem; that of an event is one
+/// of its own equations only.
+pub(super) fn named_equilibrium(
+    problem: &SystemProblem,
+    (dir, label): (&Path, usize),
+    at: &str,
+    source: &Source,
+) -> Result<NamedEquilibrium, Failure> {
+    let refuse = |what: &str| {
+        let message = format!("{} holds {what}", dir.display());
+        source.refuse(at, message, "name another folder")
+    };
+    match origin::problem(dir) {
+        Ok(Some(Any::Tube(_))) => return Err(refuse("waves of a tube, not equilibria")),
+        Ok(Some(Any::System(other))) if other.equilibrium.is_none() => {
+            return Err(refuse("orbits, not equilibria"));
+        }
+        _ => {}
+    }
+    let earlier = Equilibria::read(dir)?;
+    let (own, others) = (&problem.system.source, &earlier.problem.system.source);
+    if others.states != own.states {
+        return Err(refuse("equilibria with other states"));
+    }
+    if !others.parameters.names().eq(own.parameters.names()) {
+        return Err(refuse("equilibria of a system with other parameters"));
+    }
+    let switch = problem.equilibrium.as_ref();
+    let is_event =
+        switch.is_none_or(|section| matches!(section.start, EquilibriumStart::Switch { .. }));
+    if is_event && !others.is_same(own) {
+        return Err(refuse("equilibria of another system"));
+    }
+    Ok(NamedEquilibrium {
+        saved: earlier.labelled(dir, label)?.clone(),
+        kind: kind_of(dir, label)?,
     })
 }
 

@@ -9,11 +9,10 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::field::{Linear, Linearised, LocalField, Of, lifted};
-use super::spectrum::rate_unit;
 use crate::affine::mode::AffineSystem;
 use crate::affine::system::System;
 use crate::continuation::newton::System as Equations;
-use crate::linalg::{Matrix, Vector, balance, solve};
+use crate::linalg::{Matrix, Vector, balance, known_eigenvalues, solve};
 
 /// The mode that an equilibrium is one of.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -299,4 +298,13 @@ pub(super) fn scales(
         rate: rate_unit(&slopes),
         first,
     })
+}
+
+/// The geometric mean of the sizes of all eigenvalues that are not zero to rounding: a unit of rates.
+fn rate_unit(slopes: &Matrix) -> f64 {
+    let known = known_eigenvalues(slopes).unwrap_or_default();
+    let told = known.iter().filter(|one| one.value.norm() > one.error);
+    let logs: Vec<f64> = told.map(|one| one.value.norm().ln()).collect();
+    let mean = (logs.iter().sum::<f64>() / logs.len() as f64).exp();
+    if mean.is_normal() { mean } else { 1.0 }
 }

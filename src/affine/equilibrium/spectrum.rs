@@ -6,7 +6,7 @@ use super::curve::EquilibriumCurve;
 use super::field::Linearised;
 use crate::affine::steady::eigenvalues_within;
 use crate::continuation::Node;
-use crate::linalg::{Eigenvalue, Matrix, Vector, known_eigenvalues};
+use crate::linalg::{Eigenvalue, Matrix, Vector};
 use crate::orbit::Growth;
 
 /// Place of the function that vanishes where another branch passes: the determinant of the equations bordered by the
@@ -33,15 +33,6 @@ pub(super) fn ordered(mut values: Vec<Eigenvalue>) -> Vec<Eigenvalue> {
 /// All eigenvalues of the motion, those within its surface in a sliding mode.
 pub(super) fn eigenvalues(at: &Linearised) -> Vec<Eigenvalue> {
     ordered(eigenvalues_within(&at.slopes(), at.normal().as_ref()))
-}
-
-/// The geometric mean of the sizes of all eigenvalues that are not zero to rounding: a unit of rates.
-pub(super) fn rate_unit(slopes: &Matrix) -> f64 {
-    let known = known_eigenvalues(slopes).unwrap_or_default();
-    let told = known.iter().filter(|one| one.value.norm() > one.error);
-    let logs: Vec<f64> = told.map(|one| one.value.norm().ln()).collect();
-    let mean = (logs.iter().sum::<f64>() / logs.len() as f64).exp();
-    if mean.is_normal() { mean } else { 1.0 }
 }
 
 /// How perturbations grow, in this unit of rates.
