@@ -47,17 +47,25 @@ fn a_run_has_states_eigenvalues_and_hopf_points_in_its_tables() {
     );
     let expected = &text[text.find("    expect").expect("an expectation")..];
     let text = changed(&text, expected, ")\n");
+    let text = changed(&text, "Column(\"y\")", "Column(\"period\")");
     bench.put("cycle.ron", &text);
     bench.run(&["run", "cycle.ron", "--out", "cycle"]).expect(0);
     let branch = Table::read(&bench.path("cycle/branch.csv"));
     assert!(branch.number(0, "B") > 2.0 && branch.text(0, "stable") == "yes");
     // an equilibrium is no orbit to restart from, and an orbit no equilibrium
-    bench.put("no.ron", changed(&text, "Switch(", "Restart("));
+    bench.put(
+        "no.ron",
+        changed(&text, "Switch(dir: \"out\"", "Restart(dir: \"out\""),
+    );
     bench.run(&["run", "no.ron"]).expect(2);
     let text = changed(&text, "dir: \"out\"", "dir: \"cycle\"");
     bench.put(
         "no.ron",
-        changed(&text, "orbit: (start", "equilibrium: (start"),
+        changed(
+            &text,
+            "orbit: (start: Switch(dir: \"cycle\"",
+            "equilibrium: (start: Switch(dir: \"cycle\"",
+        ),
     );
     bench.run(&["run", "no.ron"]).expect(2);
 }

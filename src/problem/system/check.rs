@@ -223,7 +223,10 @@ impl Checks<'_, SystemProblem> {
         ];
         let of_map = self.problem.map.iter().flat_map(|section| &section.starts);
         let starts: Vec<&Beginning> = starts.iter().flatten().chain(of_map).collect();
-        let begins = |name: &str| starts.iter().any(|start| start.mode == name);
+        let rests = self.problem.equilibrium.as_ref();
+        let rests = rests.and_then(|section| section.start.mode());
+        let begins =
+            |name: &str| rests == Some(name) || starts.iter().any(|start| start.mode == name);
         let mut alone = system.unentered_modes().into_iter();
         let Some(name) = alone.find(|name| !begins(name)) else {
             return Ok(());

@@ -71,6 +71,16 @@ impl EquilibriumStart {
         }
     }
 
+    /// The mode that it names.
+    pub(super) fn mode(&self) -> Option<&str> {
+        match self {
+            EquilibriumStart::Given { mode, .. } | EquilibriumStart::Steady { mode, .. } => {
+                Some(mode)
+            }
+            EquilibriumStart::Restart { .. } | EquilibriumStart::Switch { .. } => None,
+        }
+    }
+
     /// The earlier run that it names.
     pub fn dir(&self) -> Option<&PathBuf> {
         match self {
