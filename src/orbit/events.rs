@@ -277,16 +277,7 @@ pub(super) fn located<O: Orbit>(
         .filter(|one| apart(one) && !seen(one))
         .collect();
     // where a branch meets the middle of another one its parameter is stationary, and that is no fold
-    let is_turn = |fold: &(Place, Located<O>), (place, located): &(Place, Located<O>)| {
-        let Event::Crossing(test) = located.event else {
-            return false;
-        };
-        let value = |place: &Place| orbit.value_at(&place.node.point);
-        let apart = (value(place) - value(&fold.0)).abs();
-        let known = located.uncertainty + fold.1.uncertainty;
-        O::turns_at(test) && apart <= known && (place.s - fold.0.s).abs() <= TURN * step.ds
-    };
-    let fold = fold.filter(|fold| !crossings.iter().any(|one| is_turn(fold, one)));
+    let fold = fold.filter(|fold| !crossings.iter().any(|one| is_turn(orbit, step, fold, one)));
     // where branches cross the equations are singular: changes of stability are told with any error, since shorter
     // steps only come nearer
     for (place, Located { event, uncertainty }) in fold.iter().chain(&changes) {
@@ -306,6 +297,22 @@ pub(super) fn located<O: Orbit>(
     }
     let exact = fold.into_iter().chain(targets);
     Ok(exact.chain(changes).chain(crossings).collect())
+}
+
+/// Whether a fold is a crossing of branches at which the parameter is stationary.
+fn is_turn<O: Orbit>(
+    orbit: &O,
+    step: &Step<O>,
+    fold: &(Place, Located<O>),
+    (place, located): &(Place, Located<O>),
+) -> bool {
+    let Event::Crossing(test) = located.event else {
+        return false;
+    };
+    let value = |place: &Place| orbit.value_at(&place.node.point);
+    let apart = (value(place) - value(&fold.0)).abs();
+    let known = located.uncertainty + fold.1.uncertainty;
+    O::turns_at(test) && apart <= known && (place.s - fold.0.s).abs() <= TURN * step.ds
 }
 
 /// The end of a branch within a step, and user points and edges before it, where its orbits shrink to an equilibrium

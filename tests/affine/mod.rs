@@ -16,6 +16,7 @@ mod orbits;
 mod prescribed;
 mod problems;
 mod refusals;
+mod rests;
 mod sliding;
 mod start;
 mod steady;
