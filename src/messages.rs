@@ -2,6 +2,7 @@
 
 use std::fmt::{self, Display, Formatter};
 
+use crate::affine::equilibrium::EquilibriumCurve;
 use crate::affine::motion::Halt;
 use crate::affine::orbit::{self as affine, AffineOrbit};
 use crate::affine::system::System;
@@ -10,6 +11,7 @@ use crate::branch::special::{Change, Inadmissible, Note, OfWaves, WaveMargin, Wa
 use crate::continuation::walk::End;
 use crate::curve::{self, Gone, PointType, What};
 use crate::hybrid;
+use crate::hybrid::equilibrium::EquilibriumNote;
 use crate::hybrid::scan::Lack;
 use crate::map::Missing;
 use crate::orbit::{self, EventType, Orbit};
@@ -219,6 +221,32 @@ impl Told for AffineOrbit {
 impl Display for hybrid::Note {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let hybrid::Note::Close {
+            parameter,
+            value,
+            what,
+        } = self;
+        near_zero(f, parameter, *value, what)
+    }
+}
+
+impl Told for EquilibriumCurve {
+    const NAME: &'static str = "equilibrium";
+
+    fn event(change: &orbit::special::Change<EquilibriumCurve>) -> String {
+        let held = &change.held;
+        match &change.after {
+            None => format!("{held} is zero: a boundary equilibrium"),
+            Some(after) if change.turned_back => {
+                format!("nonsmooth fold: {held} is zero, and in `{after}` the branch goes on")
+            }
+            Some(after) => format!("persistence: {held} is zero, and it goes on in `{after}`"),
+        }
+    }
+}
+
+impl Display for EquilibriumNote {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let EquilibriumNote::Close {
             parameter,
             value,
             what,

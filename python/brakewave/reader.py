@@ -148,6 +148,7 @@ class Folder:
     events = property(lambda self: self.table("events"))
     spectrum = property(lambda self: self.table("spectrum"))
     multipliers = property(lambda self: self.table("multipliers"))
+    eigenvalues = property(lambda self: self.table("eigenvalues"))
     # of a map, a curve, a comparison of methods, of proofs
     map = property(lambda self: self.table("map"))
     curve = property(lambda self: self.table("curve"))

@@ -12,7 +12,7 @@ use super::rung::{Row, Rung, ladder_of_system};
 use crate::affine::mode::AffineSystem;
 use crate::affine::orbit::row::SavedOrbit;
 use crate::affine::orbit::start;
-use crate::hybrid::{Named, NoStart, Runner};
+use crate::hybrid::{EarlierPoint, NoStart, Runner};
 use crate::linalg::Vector;
 use crate::problem::{Continuation, SystemProblem};
 use crate::tube::flow::Unsolved;
@@ -23,7 +23,7 @@ pub(crate) struct Orbits {
     problem: SystemProblem,
     continuation: Continuation<String>,
     /// The orbit of an earlier run that it begins with.
-    named: Option<Named>,
+    named: Option<EarlierPoint>,
     /// Index of its parameter.
     parameter: usize,
     /// Whether every mode has an exact flow.
@@ -46,7 +46,7 @@ impl Orbits {
     pub(crate) fn new(
         problem: &SystemProblem,
         continuation: &Continuation<String>,
-        named: Option<&Named>,
+        named: Option<&EarlierPoint>,
     ) -> Option<Orbits> {
         let mut problem = problem.clone();
         problem.output = Default::default();

@@ -11,11 +11,13 @@
 pub mod closure;
 pub mod contact;
 pub mod course;
+pub mod equilibrium;
 pub(crate) mod evaluation;
 pub(crate) mod exponential;
 pub mod expression;
 pub mod flow;
 pub mod form;
+mod hyperdual;
 mod matrices;
 pub mod mode;
 pub(crate) mod modes;

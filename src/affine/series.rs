@@ -9,6 +9,7 @@ use std::sync::Arc;
 
 use super::expression::Function;
 use super::form::{Coefficient, Dual, Form, Rule, Term};
+use super::hyperdual::HyperDual;
 use super::recurrence::{Places, Recurrences, Series, Sparse, Step};
 use super::rows::{MatrixBy, Row};
 use crate::interval::Interval;
@@ -370,6 +371,27 @@ impl Field {
                 false => Interval::ENTIRE,
             };
             z.push(value);
+        }
+    }
+
+    /// Appends every component of z that is made of others, with its derivatives along the directions of those before them;
+    /// zero where the mode has nothing to do with it.
+    pub(super) fn differentiate(&self, z: &mut Vec<HyperDual>) {
+        for (step, needed) in self.program.steps.iter().zip(&self.needed) {
+            let operand = |operand: &Sparse| {
+                let mut sum = HyperDual::default();
+                let terms = operand.terms.iter();
+                terms.for_each(|(c, by)| sum.add(by.value, &z[*c]));
+                sum
+            };
+            let made = match needed {
+                true => {
+                    let [a, b] = step.operands.each_ref().map(operand);
+                    HyperDual::by_rule(step.rule, &a, &b)
+                }
+                false => HyperDual::default(),
+            };
+            z.push(made);
         }
     }
 

@@ -576,7 +576,7 @@ fn single_out(found: &mut Vec<Rest>) {
 }
 
 /// Eigenvalues of slopes; in a surface of this normal those of the motion within it.
-fn eigenvalues_within(slopes: &Matrix, normal: Option<&Vector>) -> Vec<Eigenvalue> {
+pub(super) fn eigenvalues_within(slopes: &Matrix, normal: Option<&Vector>) -> Vec<Eigenvalue> {
     let Some(normal) = normal else {
         return known_eigenvalues(slopes).unwrap_or_default();
     };

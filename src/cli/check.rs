@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
+use super::equilibria;
 use super::failure::{Exit, Failure};
 use super::junit::{self, Suite, Verdict};
 use super::options::{read_any, spare, write};
@@ -129,6 +130,15 @@ fn check_system(path: &Path, problem: SystemProblem, text: String) -> Result<Out
     let file = path.display().to_string();
     if problem.continuation.is_none() && problem.expect.is_empty() {
         return Ok(skipped(file));
+    }
+    if problem.equilibrium.is_some() {
+        let prepared = equilibria::ready(problem, text, path)?;
+        let mut branch = prepared.begin()?;
+        let events = events(&file, &mut branch, |item| item.event)?;
+        let compared = compare(&prepared.problem.expect, &events);
+        let column = &prepared.continuation.parameter;
+        let found = compared.iter().map(|one| found(one, column)).collect();
+        return Ok(Outcome::of(file, found, &branch));
     }
     let prepared = ready_system(problem, text, path)?;
     let mut branch = prepared.begin()?;

@@ -4,6 +4,7 @@ mod accuracy;
 mod certify;
 mod check;
 mod curve;
+mod equilibria;
 mod failure;
 mod interrupt;
 mod junit;

@@ -84,7 +84,7 @@ impl Task {
     ) -> Result<Store, Failure> {
         let existing = Existing::of(self.resume, self.force);
         let mut inputs = vec![self.problem.clone()];
-        inputs.extend(problem.orbit.start.dir().cloned());
+        inputs.extend(problem.earlier_run().cloned());
         let event = problem.curve.as_ref().map(|curve| &curve.event);
         if let Some(SystemCurveEvent::Label { dir, .. }) = event {
             inputs.push(dir.clone());

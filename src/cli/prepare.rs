@@ -8,13 +8,16 @@ use super::options::read;
 use super::progress::{Progress, drive};
 use crate::branch::SavedWave;
 use crate::branch::run::{RunError, Runner};
-use crate::hybrid::{self, Named, NoStart};
+use crate::hybrid::equilibrium::NamedEquilibrium;
+use crate::hybrid::{self, EarlierPoint, Named, NoStart};
 use crate::orbit::EventType;
+use crate::output::equilibria::Equilibria;
 use crate::output::orbits::{Orbits, kind_of};
 use crate::output::origin;
 use crate::output::waves::{self, Waves};
 use crate::problem::{
-    self, Any, Continuation, OrbitStart, Problem, ProblemError, Start, SystemProblem, Toward,
+    self, Any, Continuation, EquilibriumStart, OrbitStart, Problem, ProblemError, Start,
+    SystemProblem, Toward,
 };
 
 /// A problem read and ready to run.
@@ -80,6 +83,11 @@ impl Source {
     /// The text of a file.
     pub(crate) fn new(name: String, text: String) -> Source {
         Source { name, text }
+    }
+
+    /// The name of the file.
+    pub(crate) fn name(&self) -> &str {
+        &self.name
     }
 
     /// The text of the file.
@@ -211,7 +219,7 @@ pub(crate) fn ready(problem: Problem, text: String, path: &Path) -> Result<Prepa
 pub(crate) struct PreparedSystem {
     pub problem: SystemProblem,
     pub continuation: Continuation<String>,
-    pub named: Option<Named>,
+    pub named: Option<EarlierPoint>,
     pub source: Source,
 }
 
@@ -240,14 +248,20 @@ pub(crate) fn ready_system(
     let named = match start {
         OrbitStart::Restart { dir, label } | OrbitStart::Switch { dir, label } => {
             let is_event = matches!(start, OrbitStart::Switch { .. });
-            Some(named(&problem, dir, *label, is_event, &source)?)
+            Some(match holds_equilibria(dir) && is_event {
+                true => {
+                    let place = (dir.as_path(), *label);
+                    let earlier = named_equilibrium(&problem, place, "orbit.start", &source)?;
+                    EarlierPoint::Equilibrium(earlier)
+                }
+                false => EarlierPoint::Orbit(named(&problem, dir, *label, is_event, &source)?),
+            })
         }
-        OrbitStart::Simulate { .. } | OrbitStart::Given { .. } => None,
+        OrbitStart::Nowhere | OrbitStart::Simulate { .. } | OrbitStart::Given { .. } => None,
     };
-    let values = named.as_ref().map_or_else(
-        || problem.values(),
-        |named| named.saved.orbit.values.clone(),
-    );
+    let values = named
+        .as_ref()
+        .map_or_else(|| problem.values(), |named| named.values().to_vec());
     let first = problem
         .parameter()
         .and_then(|index| values.get(index).copied());
@@ -264,6 +278,12 @@ pub(crate) fn ready_system(
     })
 }
 
+/// Whether a folder is that of a branch of equilibria.
+fn holds_equilibria(dir: &Path) -> bool {
+    let earlier = origin::problem(dir);
+    matches!(earlier, Ok(Some(Any::System(other))) if other.equilibrium.is_some())
+}
+
 /// The orbit of a run of the same system, and what it is there; where that counts its equations must be the same, too.
 pub(crate) fn named(
     problem: &SystemProblem,
@@ -272,11 +292,13 @@ pub(crate) fn named(
     is_event: bool,
     source: &Source,
 ) -> Result<Named, Failure> {
-    if let Ok(Some(Any::Tube(_))) = origin::problem(dir) {
-        let message = format!(
-            "{} holds waves of a tube, not orbits of a system",
-            dir.display()
-        );
+    let others = match origin::problem(dir) {
+        Ok(Some(Any::Tube(_))) => Some("waves of a tube, not orbits of a system"),
+        _ if holds_equilibria(dir) => Some("equilibria, not orbits of a system"),
+        _ => None,
+    };
+    if let Some(others) = others {
+        let message = format!("{} holds {others}", dir.display());
         return Err(source.refuse("orbit.start", message, "name another folder"));
     }
     let earlier = Orbits::read(dir)?;
@@ -304,8 +326,47 @@ pub(crate) fn named(
     })
 }
 
+/// The equilibrium of a run of the same system, and what it is there, named at a path of the problem; that of an event is one
+/// of its own equations only.
+pub(super) fn named_equilibrium(
+    problem: &SystemProblem,
+    (dir, label): (&Path, usize),
+    at: &str,
+    source: &Source,
+) -> Result<NamedEquilibrium, Failure> {
+    let refuse = |what: &str| {
+        let message = format!("{} holds {what}", dir.display());
+        source.refuse(at, message, "name another folder")
+    };
+    match origin::problem(dir) {
+        Ok(Some(Any::Tube(_))) => return Err(refuse("waves of a tube, not equilibria")),
+        Ok(Some(Any::System(other))) if other.equilibrium.is_none() => {
+            return Err(refuse("orbits, not equilibria"));
+        }
+        _ => {}
+    }
+    let earlier = Equilibria::read(dir)?;
+    let (own, others) = (&problem.system.source, &earlier.problem.system.source);
+    if others.states != own.states {
+        return Err(refuse("equilibria with other states"));
+    }
+    if !others.parameters.names().eq(own.parameters.names()) {
+        return Err(refuse("equilibria of a system with other parameters"));
+    }
+    let switch = problem.equilibrium.as_ref();
+    let is_event =
+        switch.is_none_or(|section| matches!(section.start, EquilibriumStart::Switch { .. }));
+    if is_event && !others.is_same(own) {
+        return Err(refuse("equilibria of another system"));
+    }
+    Ok(NamedEquilibrium {
+        saved: earlier.labelled(dir, label)?.clone(),
+        kind: kind_of(dir, label)?,
+    })
+}
+
 /// The ways a branch can go from its first point: at an end of the range there is but one.
-fn ways<P>(
+pub(super) fn ways<P>(
     continuation: &Continuation<P>,
     column: &str,
     first: Option<f64>,

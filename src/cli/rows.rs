@@ -355,7 +355,7 @@ impl Verb for SystemProblem {
     }
 
     fn inputs(&self, task: &Task) -> Vec<PathBuf> {
-        let earlier = self.orbit.start.dir().cloned();
+        let earlier = self.earlier_run().cloned();
         std::iter::once(task.problem.clone())
             .chain(earlier)
             .collect()

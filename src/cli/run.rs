@@ -10,6 +10,8 @@ use super::prepare::{early_end, follow, ready, ready_system};
 use super::{stopped, summary, titled, warn};
 use crate::branch::run::Runner;
 use crate::hybrid;
+use crate::hybrid::equilibrium::EquilibriumRunner;
+use crate::orbit::legs::Run;
 use crate::output::pictures;
 use crate::output::render::Format;
 use crate::output::run::{RESTART, Recorded, Restart, RunFolder};
@@ -28,6 +30,9 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<Exit, Failure> {
     let (problem, text) = read_any(&arguments.task.problem)?;
     match problem {
         Any::Tube(problem) => waves(arguments, *problem, text),
+        Any::System(problem) if problem.equilibrium.is_some() => {
+            equilibria(arguments, *problem, text)
+        }
         Any::System(problem) => orbits(arguments, *problem, text),
     }
 }
@@ -63,7 +68,7 @@ fn waves(arguments: &RunArguments, problem: Problem, text: String) -> Result<Exi
         let text = summary::branch(&out, problem, &model)?;
         followed.say(task, &out, titled(problem.title.as_deref(), &text))?;
     }
-    followed.end(followed.branch.notes())
+    branch_end(&followed.branch, followed.branch.notes())
 }
 
 fn orbits(arguments: &RunArguments, problem: SystemProblem, text: String) -> Result<Exit, Failure> {
@@ -71,32 +76,68 @@ fn orbits(arguments: &RunArguments, problem: SystemProblem, text: String) -> Res
     let prepared = ready_system(problem, text, &task.problem)?;
     let problem = &prepared.problem;
     let out = task.folder("");
+    let continuation = &prepared.continuation;
+    let resume = |saved: &Restart<hybrid::Runner>| {
+        let (first, progress) = (saved.labelled(&out, 1)?, saved.progress.clone());
+        hybrid::Runner::resume(problem, continuation, first, progress)
+            .map_err(|reason| spoiled(&out, &reason))
+    };
+    // with a prescribed period the parameter that is free tells more
+    let free = problem.orbit.free.as_deref();
+    let shown = free.map_or(("period", "T"), |free| (free, free));
+    let begin = || prepared.begin();
+    let branch = of_system(arguments, problem, shown, resume, begin)?.branch;
+    branch_end(&branch, branch.notes())
+}
+
+fn equilibria(
+    arguments: &RunArguments,
+    problem: SystemProblem,
+    text: String,
+) -> Result<Exit, Failure> {
+    let task = &arguments.task;
+    let prepared = super::equilibria::ready(problem, text, &task.problem)?;
+    let problem = &prepared.problem;
+    let out = task.folder("");
+    let continuation = &prepared.continuation;
+    let resume = |saved: &Restart<EquilibriumRunner>| {
+        let (first, progress) = (saved.labelled(&out, 1)?, saved.progress.clone());
+        EquilibriumRunner::resume(problem, continuation, first, progress)
+            .map_err(|reason| spoiled(&out, &reason))
+    };
+    let state = problem.system.source.states.first();
+    let state = state.map_or("re", String::as_str);
+    let begin = || prepared.begin();
+    let branch = of_system(arguments, problem, (state, state), resume, begin)?.branch;
+    branch_end(&branch, branch.notes())
+}
+
+/// Follows a branch of a system into its folder, draws it, and prints what was found with a column of the branch.
+fn of_system<R: Recorded<Problem = SystemProblem>>(
+    arguments: &RunArguments,
+    problem: &SystemProblem,
+    shown: (&str, &str),
+    resume: impl FnOnce(&Restart<R>) -> Result<R, Failure>,
+    begin: impl FnOnce() -> Result<R, Failure>,
+) -> Result<Followed<R>, Failure> {
+    let task = &arguments.task;
+    let out = task.folder("");
     let store = task.open_system(&out, Kind::Run, problem)?;
-    let followed: Followed<hybrid::Runner> = Followed::new(
-        task,
-        &out,
-        store,
-        problem,
-        |saved: &Restart<hybrid::Runner>| {
-            let (first, progress) = (saved.labelled(&out, 1)?, saved.progress.clone());
-            hybrid::Runner::resume(problem, &prepared.continuation, first, progress)
-                .map_err(|reason| spoiled(&out, &reason))
-        },
-        || prepared.begin(),
-    )?;
+    let followed = Followed::new(task, &out, store, problem, resume, begin)?;
+    let store = followed.folder.store();
     arguments.threads.install(1, usize::MAX, || {
-        let store = followed.folder.store();
         Ok(pictures::orbits::draw(store, problem, Format::Svg)?)
     })?;
     if !task.quiet {
-        let free = problem.orbit.free.as_deref();
-        let mut text = summary::orbits(&out, &prepared.continuation.parameter, free)?;
+        let parameter = problem.continuation.as_ref();
+        let parameter = parameter.map_or("", |section| section.parameter.as_str());
+        let mut text = summary::of_system(&out, parameter, shown)?;
         let system = &problem.system;
         let at = system.at(&problem.values(), &[]).map_err(Usage::NoSystem)?;
         text.push_str(&summary::flows(system, &at));
         followed.say(task, &out, titled(problem.title.as_deref(), &text))?;
     }
-    followed.end(followed.branch.notes())
+    Ok(followed)
 }
 
 /// What was saved does not go on.
@@ -155,12 +196,12 @@ impl<R: Recorded> Followed<R> {
         }
         task.say(&text, "results", out)
     }
+}
 
-    /// Warns of what could not be settled, and says how the branch ended.
-    fn end(&self, notes: &[impl ToString]) -> Result<Exit, Failure> {
-        for note in notes {
-            warn(&note.to_string());
-        }
-        early_end(&self.branch).map_or(Ok(Exit::Done), |why| stopped(&why))
+/// Warns of what could not be settled, and says how a branch ended.
+fn branch_end(branch: &impl Run, notes: &[impl ToString]) -> Result<Exit, Failure> {
+    for note in notes {
+        warn(&note.to_string());
     }
+    early_end(branch).map_or(Ok(Exit::Done), |why| stopped(&why))
 }

@@ -147,19 +147,19 @@ pub(crate) fn flows(system: &System, at: &AffineSystem) -> String {
     format!("flows: {}\n", parts.collect::<Vec<_>>().join("; "))
 }
 
-/// A branch of orbits in a folder, with the parameter that is free for a prescribed period, or else the period.
-pub(crate) fn orbits(
+/// A branch of orbits or equilibria in a folder, with a column of it and the symbol of that.
+pub(crate) fn of_system(
     folder: &Path,
     parameter: &str,
-    free: Option<&str>,
+    (number, number_symbol): (&str, &str),
 ) -> Result<String, StoreError> {
     let points = store::table(&folder.join(BRANCH))?;
     let events = store::table(&folder.join(EVENTS))?;
     let shown = Shown {
         parameter,
         symbol: parameter,
-        number: free.unwrap_or("period"),
-        number_symbol: free.unwrap_or("T"),
+        number,
+        number_symbol,
     };
     Ok(listed(&points, &events, &shown))
 }

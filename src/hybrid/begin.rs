@@ -1,14 +1,15 @@
 //! The orbit that the branch of a problem begins with.
 
 use super::saved::LabelledOrbit;
+use crate::affine::equilibrium::cycle::NoCycle;
 use crate::affine::motion::Halt;
 use crate::affine::orbit::AffineOrbit;
 use crate::affine::orbit::start::{self, Search, Wanted, first, restart};
 use crate::affine::orbit::switch::switch;
 use crate::linalg::Vector;
-use crate::orbit::EventType;
 use crate::orbit::special::ResumeMismatch;
-use crate::problem::{self, Continuation, OrbitStart, SystemProblem};
+use crate::orbit::{EventType, legs};
+use crate::problem::{self, Continuation, DEFAULT_MAX_POINTS, OrbitStart, SystemProblem};
 
 /// Why a run cannot begin.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -19,6 +20,9 @@ pub enum NoStart {
     /// The branch does not begin there.
     #[error("no start: {0}")]
     NoLeg(ResumeMismatch<AffineOrbit>),
+    /// The problem is about equilibria.
+    #[error("no start: the problem has an `equilibrium` in the place of an orbit")]
+    NoSection,
     /// The mode, a state or the parameter is not one of the system.
     #[error("no start: the beginning is none of the system")]
     Unknown,
@@ -58,6 +62,17 @@ pub enum NoStart {
         /// Its type.
         kind: String,
     },
+    /// Only at HB cycles are born from an equilibrium.
+    #[error("label {label} is an equilibrium of type {kind}: cycles are born at HB only")]
+    NotHopf {
+        /// The label.
+        label: usize,
+        /// Its type.
+        kind: String,
+    },
+    /// No cycle is found there.
+    #[error("no start: {0}")]
+    NoCycle(NoCycle),
 }
 
 impl NoStart {
@@ -97,6 +112,14 @@ impl NoStart {
                 "orbit.start",
                 "name another label of that branch, or find orbits on the other side with `Simulate` or `Given`",
             ),
+            NoStart::NoSection => (
+                "equilibrium",
+                "`run`, `check` and `steady` take equilibria; write `orbit` for anything else",
+            ),
+            NoStart::NotHopf { .. } | NoStart::NoCycle(_) => (
+                "orbit.start",
+                "name the label of another HB, or find a cycle with `Simulate` or `Given`",
+            ),
             NoStart::NotBranching { .. } => (
                 "orbit.start",
                 "name a label of that type, or write `Restart` for the branch itself",
@@ -113,7 +136,7 @@ impl NoStart {
 const MOST_RETURNS: u32 = 64;
 
 /// What is asked for of the first orbit.
-fn wanted(
+pub(super) fn wanted(
     problem: &SystemProblem,
     continuation: &Continuation<String>,
     values: Vec<f64>,
@@ -147,6 +170,13 @@ pub struct Named {
     pub has_shrunk: bool,
 }
 
+/// What is asked for of the legs.
+pub(super) fn plan(problem: &SystemProblem, continuation: &Continuation<String>) -> legs::Plan {
+    let most = continuation.max_points.unwrap_or(DEFAULT_MAX_POINTS);
+    let number = |name: &str| problem.monitor.index(name);
+    continuation.plan(most, problem.output.profiles, number)
+}
+
 /// The first orbit of a branch.
 pub(super) struct First {
     pub orbit: AffineOrbit,
@@ -177,6 +207,7 @@ pub(super) fn begin(
             };
             Search::Guess(period.or_else(prescribed).unwrap_or_default())
         }
+        OrbitStart::Nowhere => return Err(NoStart::NoSection),
         OrbitStart::Restart { label, .. } | OrbitStart::Switch { label, .. } => {
             let label = *label;
             let Named {

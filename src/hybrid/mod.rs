@@ -2,6 +2,7 @@
 //! [`scan`], what motions settle on without following anything.
 
 mod begin;
+pub mod equilibrium;
 mod point;
 pub mod row;
 pub mod run;
@@ -10,5 +11,5 @@ pub mod scan;
 
 pub use begin::{Named, NoStart, come_to};
 pub use point::{Note, OrbitEvent, OrbitPoint};
-pub use run::{Item, Runner};
+pub use run::{EarlierPoint, Item, Runner};
 pub use saved::LabelledOrbit;

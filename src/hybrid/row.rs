@@ -12,7 +12,7 @@ use crate::orbit::{EventType, Stability};
 
 /// Named numbers, each in its column.
 #[derive(Clone, Debug, Default)]
-struct Named(Vec<(String, Option<f64>)>);
+pub(super) struct Named(Vec<(String, Option<f64>)>);
 
 impl Serialize for Named {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
@@ -22,11 +22,11 @@ impl Serialize for Named {
 }
 
 impl Named {
-    fn without_values<'a>(names: impl Iterator<Item = &'a str>) -> Named {
+    pub fn without_values<'a>(names: impl Iterator<Item = &'a str>) -> Named {
         Named(names.map(|name| (name.to_owned(), None)).collect())
     }
 
-    fn parameters(source: &Source, values: Option<&[f64]>) -> Named {
+    pub fn parameters(source: &Source, values: Option<&[f64]>) -> Named {
         let names = source.parameters.names().enumerate();
         let value = |index: usize| values.and_then(|values| values.get(index).copied());
         Named(
@@ -34,6 +34,12 @@ impl Named {
                 .map(|(index, name)| (name.to_owned(), value(index)))
                 .collect(),
         )
+    }
+
+    pub fn states(source: &Source, values: Option<&[f64]>) -> Named {
+        let names = source.states.iter().cloned().enumerate();
+        let value = |index: usize| values.and_then(|values| values.get(index).copied());
+        Named(names.map(|(index, name)| (name, value(index))).collect())
     }
 
     fn extremes(source: &Source, values: Option<&[(f64, f64)]>) -> Named {

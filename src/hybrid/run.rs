@@ -2,7 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::begin::{First, Named, NoStart, begin};
+use super::begin::{First, Named, NoStart, begin, plan};
+use super::equilibrium::begin::NamedEquilibrium;
+use super::equilibrium::birth::born;
 use super::point::{Note, OrbitEvent, OrbitPoint};
 use super::row::MultiplierRow;
 use super::saved::LabelledOrbit;
@@ -10,17 +12,36 @@ use crate::affine::orbit::{AffineOrbit, Examination, Multiplier, Scales, Sliding
 use crate::continuation::Node;
 use crate::linalg::Vector;
 use crate::orbit::follow::Found;
-use crate::orbit::legs::{self, Legs, Run, Stretch};
+use crate::orbit::legs::{self, Itemised, Legs, Run};
 use crate::orbit::special::{ResumeMismatch, Special};
 use crate::orbit::{EventType, Orbit, Stability};
+use crate::problem::Continuation;
 use crate::problem::SystemProblem;
-use crate::problem::{Continuation, DEFAULT_MAX_POINTS};
 
 /// How a run of orbits ended.
 pub type End = legs::End<AffineOrbit>;
 
 /// Arclength after which the zones beside an event are where they are from there on.
 const A_LITTLE: f64 = 1e-6;
+
+/// The point of an earlier run that a problem names.
+#[derive(Clone, Debug)]
+pub enum EarlierPoint {
+    /// Of a branch of orbits.
+    Orbit(Named),
+    /// Of a branch of equilibria: at a Hopf point cycles are born.
+    Equilibrium(NamedEquilibrium),
+}
+
+impl EarlierPoint {
+    /// Values of its parameters.
+    pub fn values(&self) -> &[f64] {
+        match self {
+            EarlierPoint::Orbit(named) => &named.saved.orbit.values,
+            EarlierPoint::Equilibrium(named) => &named.saved.values,
+        }
+    }
+}
 
 /// A row of the branch, with the orbit behind it.
 #[derive(Clone, Debug)]
@@ -79,13 +100,17 @@ impl Runner {
     pub fn begin(
         problem: &SystemProblem,
         continuation: &Continuation<String>,
-        named: Option<&Named>,
+        named: Option<&EarlierPoint>,
     ) -> Result<Runner, NoStart> {
         let First {
             orbit,
             point,
             directions,
-        } = begin(problem, continuation, named)?;
+        } = match named {
+            Some(EarlierPoint::Equilibrium(named)) => born(problem, continuation, named)?,
+            Some(EarlierPoint::Orbit(named)) => begin(problem, continuation, Some(named))?,
+            None => begin(problem, continuation, None)?,
+        };
         let orbit = orbit.with_monitors(problem.monitors());
         let scales = orbit.setting.scales.clone();
         let values = orbit.setting.values.clone();
@@ -149,13 +174,81 @@ impl Runner {
         &self.notes
     }
 
-    /// Ends a leg that has as many points as it may, with a row that says so.
-    fn check_points(&mut self, items: &mut Vec<Item>) {
-        let Some((found, end)) = self.legs.at_most_points() else {
-            return;
+    /// The row of an event.
+    fn event(
+        &self,
+        point: &OrbitPoint,
+        special: &Special<AffineOrbit>,
+        found: &Found<AffineOrbit>,
+    ) -> OrbitEvent {
+        let names = self.problem.system.source.parameters.names();
+        let parameters = names
+            .map(str::to_owned)
+            .zip(point.parameters.iter().copied());
+        // a little way off: at the event itself a new zone may begin at the phase 0, or 2π
+        let beside = |orbit: &AffineOrbit, node: &Node, way: f64| {
+            let cycle = orbit.cycle(&(&node.point + &node.tangent * way));
+            Some(cycle.ok()?.names.join("-"))
         };
-        items.push(self.item(found));
-        self.legs.finish(Some(end), false);
+        let before = match special {
+            Special::Change(_) => beside(&found.orbit, &found.node, -A_LITTLE),
+            _ => None,
+        };
+        let beyond = || match &found.entered {
+            Some((orbit, node)) => beside(orbit, node, A_LITTLE),
+            None => special.after().map(|after| after.to_string()),
+        };
+        let sliding = match special {
+            Special::Change(change) => change.after.as_ref().and_then(|after| {
+                SlidingBifurcation::between(&self.problem.system, &change.before, after)
+            }),
+            _ => None,
+        };
+        OrbitEvent {
+            label: point.label.unwrap_or_default(),
+            kind: special.kind(),
+            parameters: parameters.collect(),
+            period: point.period,
+            monitors: point.monitors.clone(),
+            leading: point.leading(),
+            regimes_before: before.unwrap_or_else(|| point.regimes.clone()),
+            regimes_after: beyond().unwrap_or_else(|| point.regimes.clone()),
+            uncertainty: found.known_to(),
+            what: match sliding {
+                Some(sliding) => format!("{sliding}: {special}"),
+                None => special.to_string(),
+            },
+            sliding,
+        }
+    }
+}
+
+impl Run for Runner {
+    type Orbit = AffineOrbit;
+    type Item = Item;
+
+    fn progress(&self) -> &legs::Progress<AffineOrbit> {
+        self.legs.progress()
+    }
+
+    fn step(&mut self) -> Vec<Item> {
+        legs::step(self)
+    }
+
+    fn position(&self) -> f64 {
+        self.legs.position()
+    }
+}
+
+impl Itemised for Runner {
+    fn legs(&mut self) -> &mut Legs<AffineOrbit> {
+        &mut self.legs
+    }
+
+    fn first_value(&self) -> Option<f64> {
+        let parameters = &self.problem.system.source.parameters;
+        let index = parameters.index(&self.continuation.parameter)?;
+        self.values.get(index).copied()
     }
 
     fn item(&mut self, found: Found<AffineOrbit>) -> Item {
@@ -223,107 +316,6 @@ impl Runner {
             found,
         }
     }
-
-    /// The row of an event.
-    fn event(
-        &self,
-        point: &OrbitPoint,
-        special: &Special<AffineOrbit>,
-        found: &Found<AffineOrbit>,
-    ) -> OrbitEvent {
-        let names = self.problem.system.source.parameters.names();
-        let parameters = names
-            .map(str::to_owned)
-            .zip(point.parameters.iter().copied());
-        // a little way off: at the event itself a new zone may begin at the phase 0, or 2π
-        let beside = |orbit: &AffineOrbit, node: &Node, way: f64| {
-            let cycle = orbit.cycle(&(&node.point + &node.tangent * way));
-            Some(cycle.ok()?.names.join("-"))
-        };
-        let before = match special {
-            Special::Change(_) => beside(&found.orbit, &found.node, -A_LITTLE),
-            _ => None,
-        };
-        let beyond = || match &found.entered {
-            Some((orbit, node)) => beside(orbit, node, A_LITTLE),
-            None => special.after().map(|after| after.to_string()),
-        };
-        let sliding = match special {
-            Special::Change(change) => change.after.as_ref().and_then(|after| {
-                SlidingBifurcation::between(&self.problem.system, &change.before, after)
-            }),
-            _ => None,
-        };
-        OrbitEvent {
-            label: point.label.unwrap_or_default(),
-            kind: special.kind(),
-            parameters: parameters.collect(),
-            period: point.period,
-            monitors: point.monitors.clone(),
-            leading: point.leading(),
-            regimes_before: before.unwrap_or_else(|| point.regimes.clone()),
-            regimes_after: beyond().unwrap_or_else(|| point.regimes.clone()),
-            uncertainty: found.known_to(),
-            what: match sliding {
-                Some(sliding) => format!("{sliding}: {special}"),
-                None => special.to_string(),
-            },
-            sliding,
-        }
-    }
-}
-
-impl Run for Runner {
-    type Orbit = AffineOrbit;
-    type Item = Item;
-
-    fn progress(&self) -> &legs::Progress<AffineOrbit> {
-        self.legs.progress()
-    }
-
-    fn step(&mut self) -> Vec<Item> {
-        let mut items = Vec::new();
-        if self.progress().end.is_some() {
-            return items;
-        }
-        if self.legs.at_beginning() {
-            let mut found = self.legs.set_out();
-            // the value of the problem, not the scaled unknown's
-            let parameters = &self.problem.system.source.parameters;
-            let index = parameters.index(&self.continuation.parameter);
-            let exact = index.and_then(|index| self.values.get(index).copied());
-            found.parameter = exact.unwrap_or(found.parameter);
-            items.push(self.item(found));
-            self.check_points(&mut items);
-            return items;
-        }
-        let Stretch { found, end, .. } = self.legs.step();
-        for found in found {
-            let kind = found.kind();
-            items.push(self.item(found));
-            if self.legs.stops_at(kind) {
-                self.legs.finish(end, true);
-                return items;
-            }
-        }
-        if end.is_some() {
-            self.legs.finish(end, false);
-        } else {
-            self.check_points(&mut items);
-        }
-        items
-    }
-
-    fn position(&self) -> f64 {
-        self.legs.position()
-    }
-}
-
-/// What is asked for of the legs.
-fn plan(problem: &SystemProblem, continuation: &Continuation<String>) -> legs::Plan {
-    let most = continuation.max_points.unwrap_or(DEFAULT_MAX_POINTS);
-    let number = |name: &str| problem.monitor.index(name);
-    continuation.plan(most, problem.output.profiles, number)
 }
 
 /// The row of a change of the sequence beyond which the orbit is this one: where multipliers jump so that stability does,

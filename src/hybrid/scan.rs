@@ -94,7 +94,7 @@ impl<'a> Scanner<'a> {
     pub fn new(problem: &SystemProblem, scan: &'a Scan) -> Option<Scanner<'a>> {
         let (system, section) = scan.system(&problem.system).ok()?;
         let start = scan.start.clone();
-        let start = start.or(problem.orbit.start.beginning())?;
+        let start = start.or(problem.start_of_motion())?;
         Some(Scanner {
             scan,
             section,

@@ -20,7 +20,8 @@ pub enum EventType {
     PD,
     /// Of orbits of systems: a pair of multipliers crosses the unit circle.
     NS,
-    /// A complex pair of eigenvalues crosses Re λ = 0 in the named Bloch sector.
+    /// A complex pair of eigenvalues crosses Re λ = 0, of waves in the named Bloch sector; of equilibria of systems, a
+    /// Hopf point.
     HB,
     /// A real eigenvalue crosses zero in the named Bloch sector other than by a fold; of orbits of systems, a
     /// multiplier is 1 other than by a fold.
@@ -36,11 +37,13 @@ pub enum EventType {
     ST,
     /// Of orbits of systems: an `if` or a sliding condition reaches zero, so that a switch leads elsewhere beyond.
     SL,
+    /// Of equilibria of systems: a guard of the mode is zero at one.
+    BE,
 }
 
 impl EventType {
     /// All types, in the order in which legends list them.
-    pub const ALL: [EventType; 13] = [
+    pub const ALL: [EventType; 14] = [
         EventType::EP,
         EventType::MX,
         EventType::UZ,
@@ -54,6 +57,7 @@ impl EventType {
         EventType::CO,
         EventType::ST,
         EventType::SL,
+        EventType::BE,
     ];
 
     /// Whether events of this type are found in the spectrum, the multipliers of a system's orbit: those of
@@ -66,20 +70,26 @@ impl EventType {
     /// Whether the sequence of regimes changes at events of this type.
     #[cfg_attr(not(feature = "cli"), allow(dead_code))]
     pub(crate) fn of_regimes(self) -> bool {
-        use EventType::{CO, GR, RV, SL, ST};
-        matches!(self, GR | RV | CO | ST | SL)
+        use EventType::{BE, CO, GR, RV, SL, ST};
+        matches!(self, GR | RV | CO | ST | SL | BE)
     }
 
     /// Whether waves of a tube have events of this type.
     pub(crate) fn of_waves(self) -> bool {
-        use EventType::{NS, PD, SL};
-        !matches!(self, PD | NS | SL)
+        use EventType::{BE, NS, PD, SL};
+        !matches!(self, PD | NS | SL | BE)
     }
 
     /// Whether orbits of systems of one's own have events of this type.
     pub(crate) fn of_systems(self) -> bool {
-        use EventType::{HB, RV, ST};
-        !matches!(self, HB | RV | ST)
+        use EventType::{BE, HB, RV, ST};
+        !matches!(self, HB | RV | ST | BE)
+    }
+
+    /// Whether branches of equilibria of such systems have events of this type.
+    pub(crate) fn of_equilibria(self) -> bool {
+        use EventType::{BE, BP, EP, HB, LP, MX, UZ};
+        matches!(self, EP | MX | UZ | LP | BP | HB | BE)
     }
 }
 
@@ -99,6 +109,7 @@ impl fmt::Display for EventType {
             EventType::CO => "CO",
             EventType::ST => "ST",
             EventType::SL => "SL",
+            EventType::BE => "BE",
         })
     }
 }

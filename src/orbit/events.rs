@@ -62,6 +62,10 @@ const NEAR: [f64; 3] = [1e-3, 1e-2, 1e-1];
 /// Part of a step over which the slope of a tangent is taken as a difference.
 const DIFFERENCE: f64 = 1e-4;
 
+/// A fold and a crossing of branches closer together than this part of a step, at one parameter to rounding, are one: the
+/// fold of a pitchfork is known to the square root of rounding.
+const TURN: f64 = 1e-3;
+
 /// An event known less well than this, relative to the parameter or its range, is not reported;
 /// rounding at the stiff end leaves 1e-9. With a coarse tolerance: than this many tolerances.
 const UNCERTAIN: f64 = 1e-6;
@@ -275,6 +279,8 @@ pub(super) fn located<O: Orbit>(
         .into_iter()
         .filter(|one| apart(one) && !seen(one))
         .collect();
+    // where a branch meets the middle of another one its parameter is stationary, and that is no fold
+    let fold = fold.filter(|fold| !crossings.iter().any(|one| is_turn(orbit, step, fold, one)));
     // where branches cross the equations are singular: changes of stability are told with any error, since shorter
     // steps only come nearer
     for (place, Located { event, uncertainty }) in fold.iter().chain(&changes) {
@@ -295,6 +301,22 @@ pub(super) fn located<O: Orbit>(
     let monitors = at_monitors(orbit, monitors, step, &changes).ok_or(Refusal::NotFound)?;
     let exact = fold.into_iter().chain(targets).chain(monitors);
     Ok(exact.chain(changes).chain(crossings).collect())
+}
+
+/// Whether a fold is a crossing of branches at which the parameter is stationary.
+fn is_turn<O: Orbit>(
+    orbit: &O,
+    step: &Step<O>,
+    fold: &(Place, Located<O>),
+    (place, located): &(Place, Located<O>),
+) -> bool {
+    let Event::Crossing(test) = located.event else {
+        return false;
+    };
+    let value = |place: &Place| orbit.value_at(&place.node.point);
+    let apart = (value(place) - value(&fold.0)).abs();
+    let known = located.uncertainty + fold.1.uncertainty;
+    O::turns_at(test) && apart <= known && (place.s - fold.0.s).abs() <= TURN * step.ds
 }
 
 /// The end of a branch within a step, and user points and edges before it, where its orbits shrink to an equilibrium
@@ -605,11 +627,6 @@ impl Seen {
     }
 }
 
-/// How many multipliers pass where a function of [`Examined::tests`] vanishes.
-fn passing(test: usize) -> u64 {
-    if test < 2 { 1 } else { 2 }
-}
-
 /// Where stability changes within a step. `None` if a place is not found.
 ///
 /// The number of multipliers outside the unit circle decides whether there is anything to be found; zeros of
@@ -712,7 +729,7 @@ fn counted<O: Orbit>(
     signs: Vec<(Place, Located<O>)>,
 ) -> Option<Vec<(Place, Located<O>)>> {
     let number = |located: &Located<O>| match located.event {
-        Event::Crossing(test) => passing(test),
+        Event::Crossing(test) => O::passed_by(test),
         _ => 0,
     };
     // what is known needs no second look

@@ -377,6 +377,7 @@ impl<O: Orbit> Curve for Track<O> {
                     return Ok(ended);
                 }
                 found.special = Some(Special::Fold(orbit.parameter()));
+                found = self.moved(found, orbit.fold_near(&place.node));
             }
             Event::Image(special, stop) => {
                 // the halves of an orbit traversed twice are images, too

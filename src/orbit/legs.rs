@@ -340,6 +340,57 @@ pub trait Run {
     fn position(&self) -> f64;
 }
 
+/// A run whose points become its items one by one.
+pub trait Itemised: Run {
+    /// Its legs.
+    fn legs(&mut self) -> &mut Legs<Self::Orbit>;
+
+    /// The value of the parameter at the first point as the problem has it, where that is known: not the scaled unknown's.
+    fn first_value(&self) -> Option<f64>;
+
+    /// The item of a point, which is numbered.
+    fn item(&mut self, found: Found<Self::Orbit>) -> Self::Item;
+}
+
+/// One step of a run: its points, the end of a leg that has as many as it may among them.
+pub fn step<R: Itemised>(run: &mut R) -> Vec<R::Item> {
+    let mut items = Vec::new();
+    if run.progress().end.is_some() {
+        return items;
+    }
+    if run.legs().at_beginning() {
+        let mut found = run.legs().set_out();
+        found.parameter = run.first_value().unwrap_or(found.parameter);
+        items.push(run.item(found));
+        check_points(run, &mut items);
+        return items;
+    }
+    let Stretch { found, end, .. } = run.legs().step();
+    for found in found {
+        let kind = found.kind();
+        items.push(run.item(found));
+        if run.legs().stops_at(kind) {
+            run.legs().finish(end, true);
+            return items;
+        }
+    }
+    if end.is_some() {
+        run.legs().finish(end, false);
+    } else {
+        check_points(run, &mut items);
+    }
+    items
+}
+
+/// Ends a leg that has as many points as it may, with an item that says so.
+fn check_points<R: Itemised>(run: &mut R, items: &mut Vec<R::Item>) {
+    let Some((found, end)) = run.legs().at_most_points() else {
+        return;
+    };
+    items.push(run.item(found));
+    run.legs().finish(Some(end), false);
+}
+
 /// The branch of a leg where it is.
 fn follower<O: Orbit>(
     first: &O,

@@ -338,6 +338,12 @@ pub trait Orbit: System<Failure: Data> + Clone + Debug + PartialEq {
         Shrinking::Not
     }
 
+    /// A fold next to a node where equations that are regular at folds have it, and the error of the parameter there.
+    /// `None` where there are none: the zero of the slope of the parameter is then the fold.
+    fn fold_near(&self, _node: &Node) -> Option<(Vector, f64)> {
+        None
+    }
+
     /// Where a function of [`Examined::tests`] vanishes between two arclengths of the step that sets out from a node, and
     /// the error of the parameter there, by equations that are regular where those of the orbit are singular. `None` where
     /// there are none.
@@ -365,6 +371,17 @@ pub trait Orbit: System<Failure: Data> + Clone + Debug + PartialEq {
     /// That orbit traversed as often as this one: scaled unknowns of this one.
     fn whole(&self, _part: &Self, _point: &Vector) -> Option<Vector> {
         None
+    }
+
+    /// How many multipliers pass where a function of [`Examined::tests`] vanishes.
+    fn passed_by(test: usize) -> u64 {
+        if test < 2 { 1 } else { 2 }
+    }
+
+    /// Whether the parameter may be stationary at the zero of a function of [`Examined::tests`], as where a branch ends on
+    /// the middle of another one: what is seen as a fold is then that.
+    fn turns_at(_test: usize) -> bool {
+        false
     }
 
     /// What the zero of a function of [`Examined::tests`] is at a node: none where it is no event.

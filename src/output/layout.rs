@@ -11,6 +11,8 @@ pub(crate) const EVENTS: &str = "events.csv";
 pub(crate) const SPECTRUM: &str = "spectrum.csv";
 /// Floquet multipliers at the labels of a branch of orbits.
 pub(crate) const MULTIPLIERS: &str = "multipliers.csv";
+/// Eigenvalues at the labels of a branch of equilibria.
+pub(crate) const EIGENVALUES: &str = "eigenvalues.csv";
 /// Folder of the waves at the labels of a branch.
 pub(crate) const PROFILES: &str = "profiles";
 

@@ -3,6 +3,7 @@
 pub(crate) mod accuracy;
 pub(crate) mod certify;
 pub(crate) mod curve;
+pub(crate) mod equilibria;
 pub(crate) mod layout;
 pub(crate) mod motion;
 pub(crate) mod npy;

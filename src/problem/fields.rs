@@ -24,7 +24,7 @@ const AROUND: Range = Range::from(MIN_SIMULATION_POINTS as f64).to(MAX_SIMULATIO
 
 /// Path, admitted values, and the rule in words, with `{}` for the values.
 #[rustfmt::skip] // one field a line
-const FIELDS: [(&str, Range, &str); 56] = [
+const FIELDS: [(&str, Range, &str); 58] = [
     ("tube.young", POSITIVE, "Young's modulus, in Pa, must be {}"),
     ("tube.density", POSITIVE, "the density, in kg/m³, must be {}"),
     ("tube.poisson", Range::above(-1.0).below(0.5), "Poisson's ratio must lie {}"),
@@ -43,6 +43,8 @@ const FIELDS: [(&str, Range, &str); 56] = [
     ("orbit.start.settle", Range::from(0.0).to(MAX_SETTLE), "the motion settles in {} periods"),
     ("orbit.start.period", POSITIVE, "the period must be {}"),
     ("orbit.start.label", COUNT, "labels run from 1"),
+    ("equilibrium.start.label", COUNT, "labels run from 1"),
+    ("equilibrium.start.index", COUNT, "equilibria of a mode are counted from 1"),
     ("method.tolerance", Range::from(1e-14).to(MAX_TOLERANCE), "the tolerance is {}"),
     ("method.intervals", TWO.to(MAX_INTERVALS as f64), "a zone has {} mesh intervals"),
     ("method.degree", TWO.to(MAX_DEGREE as f64), "an interval has {} collocation points"),

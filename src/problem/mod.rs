@@ -40,7 +40,8 @@ pub use expectation::Expectation;
 pub use map::{Map, MapAxis, MapPoints, Starts, SystemMap};
 pub use scan::{Scan, ScanValues, Section, Sweep};
 pub use system::{
-    Beginning, Multipliers, Orbit, OrbitStart, SystemPlot, SystemProblem, SystemSimulation,
+    Beginning, Equilibrium, EquilibriumStart, Multipliers, Orbit, OrbitStart, SystemPlot,
+    SystemProblem, SystemSimulation,
 };
 pub use tube::{Rotation, Tube};
 
@@ -507,7 +508,7 @@ pub fn parse(text: &str, name: &str) -> Result<Problem, ProblemError> {
         Subject::Tube => tube_of(outline),
         Subject::System => {
             one_subject(outline)?;
-            let mut sections = ["system", "orbit"].into_iter();
+            let mut sections = ["system", "orbit", "equilibrium"].into_iter();
             let section = sections.find(|name| outline.has(name)).unwrap_or_default();
             let message = format!(
                 "this problem has a section `{section}`, and what is asked for is for waves of a tube"

@@ -275,7 +275,10 @@ impl<'a> Outline<'a> {
 
     /// What the problem is about, as far as its sections tell.
     pub fn subject(&self) -> Subject {
-        match self.has("system") || self.has("orbit") {
+        match ["system", "orbit", "equilibrium"]
+            .iter()
+            .any(|section| self.has(section))
+        {
             true => Subject::System,
             false => Subject::Tube,
         }

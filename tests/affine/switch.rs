@@ -1,7 +1,7 @@
 //! The other branch at a doubling and at a loss of symmetry, against figures of an independent program.
 
 use brakewave::EventType;
-use brakewave::hybrid::{Item, LabelledOrbit, Named, NoStart, Runner};
+use brakewave::hybrid::{EarlierPoint, Item, LabelledOrbit, Named, NoStart, Runner};
 use brakewave::orbit::legs::Run;
 use brakewave::problem::{
     Any, Continuation, OrbitStart, StopAfter, SystemProblem, Toward, parse_any,
@@ -54,7 +54,11 @@ fn switched(
         kind: at.point.kind,
         has_shrunk: false,
     };
-    Runner::begin(&problem, continuation, Some(&named))
+    Runner::begin(
+        &problem,
+        continuation,
+        Some(&EarlierPoint::Orbit(named.clone())),
+    )
 }
 
 /// The branch ends at the first event of this type.
@@ -170,7 +174,10 @@ fn a_doubled_orbit_and_the_way_back() {
         kind: None,
         has_shrunk: false,
     };
-    let items = collect(Runner::begin(&back, &down, Some(&named)).unwrap(), 400);
+    let items = collect(
+        Runner::begin(&back, &down, Some(&EarlierPoint::Orbit(named.clone()))).unwrap(),
+        400,
+    );
     let end = items.last().unwrap();
     assert_eq!(end.point.kind, Some(EventType::PD));
     near(end.point.parameters[1], 2.679_437_972_458_919_1, 1e-6);
@@ -188,7 +195,7 @@ fn a_doubled_orbit_and_the_way_back() {
         dir: "earlier".into(),
         label: 1,
     };
-    let refused = Runner::begin(&wrong, &along, Some(&named)).err();
+    let refused = Runner::begin(&wrong, &along, Some(&EarlierPoint::Orbit(named.clone()))).err();
     let message = refused.map(|error| error.to_string()).unwrap_or_default();
     assert!(message.contains("no other branch passes"), "{message}");
 }

@@ -6,6 +6,7 @@ mod bad_input;
 mod branch_end;
 mod budgets;
 mod check;
+mod equilibria;
 mod fields;
 mod figures;
 mod files;

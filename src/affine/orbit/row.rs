@@ -104,6 +104,7 @@ impl AffineOrbit {
         switches.truncate(self.sequence.switches());
         Ok(Cycle {
             names: order
+                .filter(|zone| self.sequence.is_told(*zone))
                 .map(|zone| self.sequence.zone(zone).name.clone())
                 .collect(),
             period: time,

@@ -63,6 +63,13 @@ impl Sequence {
         &self.0[index % self.0.len()]
     }
 
+    /// Whether a zone is told by its name: two modes of one name differ in nothing that a name tells, and are one where
+    /// they follow one another.
+    pub fn is_told(&self, index: usize) -> bool {
+        let (zone, next) = (self.zone(index), self.zone(index + 1));
+        zone.name != next.name || zone.mode == next.mode
+    }
+
     /// Whether another sequence is this one but for the zone it begins with.
     pub fn is_rotation_of(&self, other: &Sequence) -> bool {
         let count = self.len();
@@ -144,12 +151,8 @@ impl Sequence {
 
 impl fmt::Display for Sequence {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        // two modes of one name differ in nothing that a name tells: they are one where they follow one another
-        let is_told = |index: &usize| {
-            let (zone, next) = (self.zone(*index), self.zone(index + 1));
-            zone.name != next.name || zone.mode == next.mode
-        };
-        for (place, index) in (0..self.len()).filter(is_told).enumerate() {
+        let told = (0..self.len()).filter(|index| self.is_told(*index));
+        for (place, index) in told.enumerate() {
             let dash = if place > 0 { "-" } else { "" };
             write!(formatter, "{dash}{}", self.zone(index).name)?;
         }

@@ -33,7 +33,9 @@ impl Requested {
         let at_most = match problem.orbit.start {
             OrbitStart::Simulate { .. } => true,
             OrbitStart::Given { .. } => false,
-            OrbitStart::Restart { .. } | OrbitStart::Switch { .. } => return None,
+            OrbitStart::Nowhere | OrbitStart::Restart { .. } | OrbitStart::Switch { .. } => {
+                return None;
+            }
         };
         let source = &problem.system.source;
         let section = problem.continuation.as_ref()?;

@@ -93,6 +93,7 @@ pub(super) fn event(kind: EventType) -> &'static str {
         EventType::CO => "coalescence",
         EventType::ST => "stick vanishes",
         EventType::SL => "switch condition",
+        EventType::BE => "boundary equilibrium",
     }
 }
 
@@ -113,6 +114,7 @@ pub(super) fn event_mark(kind: EventType) -> Mark {
         EventType::CO => (Shape::Disc, 5.6),
         EventType::ST => (Shape::Square, 6.0),
         EventType::SL => (Shape::Star, 6.0),
+        EventType::BE => (Shape::Up, 6.0),
     };
     Mark::new(shape, size, BLACK)
 }

@@ -138,8 +138,13 @@ fn describe(
 /// The column that a diagram shows: the greatest value of the first state, unless it stays the same along most of
 /// the branch, as at a stop; then the first of its least value and those of the other states that does not.
 fn ordinate(source: &Source, branch: &Table) -> String {
-    let extremes = |state: &String| [format!("max_{state}"), format!("min_{state}")];
-    let mut columns = source.states.iter().flat_map(extremes);
+    // those of equilibria have the states themselves
+    let rests = |state: &String| branch.columns().any(|column| column == state.as_str());
+    let columns = |state: &String| match rests(state) {
+        true => vec![state.clone()],
+        false => vec![format!("max_{state}"), format!("min_{state}")],
+    };
+    let mut columns = source.states.iter().flat_map(columns);
     let changes = |name: &String| {
         let values = column(branch, name);
         let size = values

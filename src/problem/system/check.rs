@@ -10,6 +10,7 @@ use super::super::{
     Continuation, Curve, Scan, ScanValues, Section, Sweep, SystemCurve, SystemCurveEvent,
     SystemMap, fields,
 };
+use super::equilibrium::{COLUMNS, one_of_both};
 use super::mistake::flaw_at;
 use super::{Beginning, OrbitStart, SystemPlot, SystemProblem};
 use crate::affine::closure::{PERIOD, Prescribed};
@@ -84,6 +85,7 @@ const NO_STATE: [&str; 13] = [
 
 /// Refuses numbers and texts that are not admitted by themselves, and lists without end.
 pub(super) fn written(written: &SystemProblem<Source>, outline: &Outline) -> Check {
+    one_of_both(written, outline)?;
     lengths(written.continuation.as_ref(), &written.expect, outline)?;
     let Source {
         parameters,
@@ -132,7 +134,10 @@ pub(super) fn check(problem: &SystemProblem, outline: &Outline) -> Check {
     let checks = Checks { problem, outline };
     checks.names()?;
     checks.monitors()?;
-    checks.orbit()?;
+    match &problem.equilibrium {
+        Some(section) => checks.equilibrium(section)?,
+        None => checks.orbit()?,
+    }
     checks.used()?;
     if let Some(section) = &problem.continuation {
         checks.branch(section)?;
@@ -179,14 +184,19 @@ impl Checks<'_, SystemProblem> {
             Err(Flaw::new(at, message, "choose another name"))
         };
         let whole = |path: &str| self.outline.locate(path);
+        // states of equilibria have the names of columns, too
+        let rests = self.problem.equilibrium.is_some();
+        let of_equilibria = |name: &str| rests && COLUMNS.contains(&name);
         for name in states {
-            if NO_STATE.contains(&name.as_str()) {
+            let own = name.as_str();
+            let of_branch = || rests && NO_PARAMETER.contains(&own);
+            if NO_STATE.contains(&own) || of_equilibria(own) || of_branch() {
                 let at = self.outline.text_in("system.states", name);
                 return refused(at.unwrap_or_else(|| whole("system.states")), name);
             }
         }
         for name in parameters.names() {
-            if is_extremum(name, states) || NO_PARAMETER.contains(&name) {
+            if is_extremum(name, states) || NO_PARAMETER.contains(&name) || of_equilibria(name) {
                 let at = self.outline.key_of("system.parameters", name);
                 return refused(at.unwrap_or_else(|| whole("system.parameters")), name);
             }
@@ -257,19 +267,22 @@ impl Checks<'_, SystemProblem> {
             ));
         }
         // an earlier run may have begun in any mode
-        if self.problem.orbit.start.dir().is_some() {
+        if self.problem.earlier_run().is_some() {
             return Ok(());
         }
         let simulation = self.problem.simulation.as_ref();
         let scan = self.problem.scan.as_ref();
         let starts = [
-            self.problem.orbit.start.beginning(),
+            self.problem.start_of_motion(),
             simulation.and_then(|section| section.start.clone()),
             scan.and_then(|section| section.start.clone()),
         ];
         let of_map = self.problem.map.iter().flat_map(|section| &section.starts);
         let starts: Vec<&Beginning> = starts.iter().flatten().chain(of_map).collect();
-        let begins = |name: &str| starts.iter().any(|start| start.mode == name);
+        let rests = self.problem.equilibrium.as_ref();
+        let rests = rests.and_then(|section| section.start.mode());
+        let begins =
+            |name: &str| rests == Some(name) || starts.iter().any(|start| start.mode == name);
         let mut alone = system.unentered_modes().into_iter();
         let Some(name) = alone.find(|name| !begins(name)) else {
             return Ok(());
@@ -281,7 +294,7 @@ impl Checks<'_, SystemProblem> {
     }
 
     /// Refuses a name that is none of those known.
-    fn one_of(&self, path: &str, what: &str, name: &str, names: &[&str]) -> Check {
+    pub(super) fn one_of(&self, path: &str, what: &str, name: &str, names: &[&str]) -> Check {
         if names.contains(&name) {
             return Ok(());
         }
@@ -389,7 +402,7 @@ impl Checks<'_, SystemProblem> {
     }
 
     /// Refuses a beginning that names no mode, or not every state once, or a phase of nothing.
-    fn start(&self, path: &str, start: &Beginning) -> Check {
+    pub(super) fn start(&self, path: &str, start: &Beginning) -> Check {
         let Source {
             states,
             modes,
@@ -544,7 +557,7 @@ impl Checks<'_, SystemProblem> {
         }
         match &section.start {
             Some(start) => self.start("scan.start", start)?,
-            None if self.problem.orbit.start.dir().is_some() => {
+            None if self.problem.earlier_run().is_some() => {
                 let message =
                     "`orbit` begins at an earlier run: where the motions begin is not known";
                 let help =
@@ -590,7 +603,7 @@ impl Checks<'_, SystemProblem> {
         self.admit("continuation.range", range, range.0 < range.1, ORDER)?;
         let here = self.ends("continuation.range", column, [range.0, range.1])?;
         // an earlier run brings its own parameters
-        if self.problem.orbit.start.dir().is_none() {
+        if self.problem.earlier_run().is_none() {
             self.beginning(section, column, here, || {
                 format!("widen the range or change `{column}` in the system")
             })?;
@@ -648,6 +661,14 @@ impl Checks<'_, SystemProblem> {
 
     /// Refuses events that orbits do not have, or whose multipliers are not computed.
     fn looked_for(&self, path: &str, event: EventType) -> Check {
+        if self.problem.equilibrium.is_some() {
+            let message = format!("a {event} is no event of equilibria of a system");
+            let help = "take an event of equilibria: LP, BP, HB, BE, UZ, EP, MX";
+            return match event.of_equilibria() {
+                true => Ok(()),
+                false => self.refuse(path, message, help),
+            };
+        }
         if !event.of_systems() {
             let message =
                 format!("a {event} is an event of waves of a tube, not of orbits of a system");
@@ -692,6 +713,10 @@ impl Checks<'_, SystemProblem> {
                 self.admit(&path, plot, columns.contains(name), &rule)?;
             }
             self.once(&path, index, &output.plots)?;
+            if self.problem.equilibrium.is_some() {
+                self.plot_of_equilibria(&path, plot)?;
+                continue;
+            }
             if let Some((needed, cure)) = self.problem.lacks(plot) {
                 let message = format!("the plot {plot:?} shows nothing without {needed}");
                 return self.refuse(&path, message, format!("{cure}, or leave out the plot"));
@@ -706,9 +731,7 @@ impl Checks<'_, SystemProblem> {
             let message = "`sector` is expected of an orbit, which has none";
             return self.refuse(&format!("{path}.sector"), message, "leave it out");
         }
-        let parameters: Vec<&str> = self.source().parameters.names().collect();
-        let monitors: Vec<&str> = self.problem.monitor.names().collect();
-        let numbers = [&parameters[..], &Expectation::OF_ORBITS, &monitors].concat();
+        let numbers = self.numbers_of_events();
         let fields = Expectation::FIELDS
             .into_iter()
             .filter(|name| *name != "sector");
@@ -739,14 +762,19 @@ impl Checks<'_, SystemProblem> {
         let Some(section) = &self.problem.continuation else {
             return Ok(());
         };
-        let restarts = self.problem.orbit.start.dir().is_some();
+        let restarts = self.problem.earlier_run().is_some();
         let column = section.parameter.as_str();
         let varies = |name: &str| {
             let free = self.problem.orbit.free.as_deref() == Some(name);
-            let told = Expectation::OF_ORBITS.contains(&name) || monitors.contains(&name);
-            restarts || free || name == column || told
+            let other = self.source().parameters.index(name).is_none();
+            restarts || free || name == column || other
         };
-        self.fallible(path, event, section, column, varies, ("system", "period"))
+        let states = &self.source().states;
+        let other = match self.problem.equilibrium {
+            Some(_) => states.first().map_or("re", String::as_str),
+            None => "period",
+        };
+        self.fallible(path, event, section, column, varies, ("system", other))
     }
 }
 

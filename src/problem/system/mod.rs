@@ -2,6 +2,7 @@
 //! `wave`.
 
 mod check;
+mod equilibrium;
 mod mistake;
 #[cfg(test)]
 mod tests;
@@ -9,6 +10,8 @@ mod tests;
 use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
+
+pub use equilibrium::{Equilibrium, EquilibriumStart};
 
 use super::error::Flaw;
 use super::outline::{Outline, Subject};
@@ -39,10 +42,14 @@ pub struct SystemProblem<S = System> {
     /// What moves: affine at the values of the file, with parameters that are all used.
     pub system: S,
     /// The orbit to begin with.
+    #[serde(default, skip_serializing_if = "Orbit::is_none")]
     pub orbit: Orbit,
     /// Numbers of orbits: columns of the results.
     #[serde(default, skip_serializing_if = "Ordered::is_empty")]
     pub monitor: Ordered<MonitorSource>,
+    /// The equilibrium to begin with, in the place of the orbit.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub equilibrium: Option<Equilibrium>,
     /// The branch to follow in a parameter of the system.
     #[serde(default)]
     pub continuation: Option<Continuation<String>>,
@@ -98,10 +105,32 @@ fn one() -> usize {
     1
 }
 
+/// That of a problem without the section `orbit`.
+impl Default for Orbit {
+    fn default() -> Orbit {
+        Orbit {
+            start: OrbitStart::Nowhere,
+            periods: one(),
+            period: None,
+            free: None,
+        }
+    }
+}
+
+impl Orbit {
+    /// Whether the problem has no section `orbit`.
+    pub(crate) fn is_none(&self) -> bool {
+        self.start == OrbitStart::Nowhere
+    }
+}
+
 /// Where the first orbit comes from. States are complete, in the order of the file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum OrbitStart {
+    /// There is none: the problem is about equilibria.
+    #[serde(skip)]
+    Nowhere,
     /// What a motion comes to.
     Simulate {
         /// Mode that it begins in.
@@ -197,6 +226,7 @@ impl<S> SystemProblem<S> {
             system,
             orbit: self.orbit,
             monitor: self.monitor,
+            equilibrium: self.equilibrium,
             continuation: self.continuation,
             stability: self.stability,
             curve: self.curve,
@@ -214,7 +244,23 @@ impl<S> SystemProblem<S> {
     pub fn beginning(&self) -> Option<Beginning> {
         let own = self.simulation.as_ref();
         let own = own.and_then(|section| section.start.clone());
-        own.or(self.orbit.start.beginning())
+        own.or(self.start_of_motion())
+    }
+
+    /// The mode and the state that `orbit` or `equilibrium` gives.
+    pub fn start_of_motion(&self) -> Option<Beginning> {
+        match &self.equilibrium {
+            Some(section) => section.start.beginning(),
+            None => self.orbit.start.beginning(),
+        }
+    }
+
+    /// The earlier run that the start names.
+    pub fn earlier_run(&self) -> Option<&PathBuf> {
+        match &self.equilibrium {
+            Some(section) => section.start.dir(),
+            None => self.orbit.start.dir(),
+        }
     }
 }
 
@@ -232,7 +278,7 @@ impl OrbitStart {
                 state: state.clone(),
                 phase: *phase,
             }),
-            OrbitStart::Restart { .. } | OrbitStart::Switch { .. } => None,
+            OrbitStart::Nowhere | OrbitStart::Restart { .. } | OrbitStart::Switch { .. } => None,
         }
     }
 
@@ -240,7 +286,7 @@ impl OrbitStart {
     pub fn dir(&self) -> Option<&PathBuf> {
         match self {
             OrbitStart::Restart { dir, .. } | OrbitStart::Switch { dir, .. } => Some(dir),
-            OrbitStart::Simulate { .. } | OrbitStart::Given { .. } => None,
+            OrbitStart::Nowhere | OrbitStart::Simulate { .. } | OrbitStart::Given { .. } => None,
         }
     }
 }
@@ -359,6 +405,15 @@ impl SystemProblem {
         } = &self.system.source;
         let extrema = |state: &String| [format!("min_{state}"), format!("max_{state}")];
         let own = |names: &str| names.split(' ').map(str::to_owned).collect::<Vec<_>>();
+        if self.equilibrium.is_some() {
+            return [
+                own("point label"),
+                parameters.names().map(str::to_owned).collect(),
+                states.clone(),
+                own("unstable re im newton residual leg"),
+            ]
+            .concat();
+        }
         [
             own("point label"),
             parameters.names().map(str::to_owned).collect(),

@@ -1,0 +1,326 @@
+//! Equilibria as what the engine follows from mode to mode.
+
+use super::curve::{EquilibriumCurve, EquilibriumFailure, RestMode};
+use super::examine::{EquilibriumExamination, EquilibriumMargin};
+use super::extended::{Condition, locate};
+use super::normal_form::{Lyapunov, normal_form};
+use super::spectrum::{BRANCHING, HOPF, critical_pair};
+use super::{EquilibriumBifurcation, EquilibriumGuard, EquilibriumStop, VirtualEquilibrium};
+use crate::affine::mode::Exit;
+use crate::continuation::Node;
+use crate::continuation::locate::{Place, zero_along};
+use crate::continuation::newton;
+use crate::linalg::{Matrix, Vector};
+use crate::orbit::{Candidate, EventType, Examined, Orbit};
+
+/// A state is the one that a reset leaves alone where they differ by no more than this part of their size: an equilibrium
+/// is known to rounding.
+const SAME: f64 = 1e-9;
+
+/// The equations of a neighbouring mode hold at an equilibrium of this one where no residual, of order one, is larger:
+/// the event itself is known to about 1e-13.
+const AT_REST: f64 = 1e-8;
+
+/// Part of a step to which a change of stability is known before its extended system is solved.
+const NEAR: f64 = 1e-3;
+
+impl Orbit for EquilibriumCurve {
+    type Signature = RestMode;
+    type Parameter = String;
+    type Margin = EquilibriumMargin;
+    type Examination = EquilibriumExamination;
+    type Held = EquilibriumGuard;
+    type Inadmissible = VirtualEquilibrium;
+    type Special = EquilibriumBifurcation;
+    type Remark = EquilibriumGuard;
+    type Stop = EquilibriumStop;
+
+    fn signature(&self) -> &RestMode {
+        &self.signature
+    }
+
+    fn posed(&self, signature: RestMode) -> Option<EquilibriumCurve> {
+        let posed = self.in_mode(signature.mode)?;
+        (posed.signature == signature).then_some(posed)
+    }
+
+    fn is_rotation(&self, signature: &RestMode) -> bool {
+        *signature == self.signature
+    }
+
+    fn parameter(&self) -> String {
+        let names = self.setting.system.source.parameters.names();
+        let mut names = names.skip(self.setting.parameter);
+        names.next().unwrap_or_default().to_owned()
+    }
+
+    fn column(parameter: &String) -> &str {
+        parameter
+    }
+
+    /// Equilibria have no zones.
+    fn duration_index(&self, _zone: usize) -> usize {
+        0
+    }
+
+    fn unit(&self) -> f64 {
+        self.setting.scales.units[self.states()]
+    }
+
+    fn examination(&self, point: &Vector) -> Result<EquilibriumExamination, EquilibriumFailure> {
+        self.examined(point)
+    }
+
+    fn margin_at(
+        &self,
+        seen: &EquilibriumMargin,
+        point: &Vector,
+    ) -> Result<EquilibriumMargin, EquilibriumFailure> {
+        let examination = self.examined(point)?;
+        let known = examination.margins.into_iter().nth(seen.guard);
+        Ok(known.unwrap_or_else(|| seen.clone()))
+    }
+
+    fn value(margin: &EquilibriumMargin) -> f64 {
+        margin.value
+    }
+
+    fn add_gradient(&self, margin: &EquilibriumMargin, gradient: &mut [f64]) {
+        for (sum, by) in gradient.iter_mut().zip(&margin.gradient) {
+            *sum += by;
+        }
+    }
+
+    fn is_same(one: &EquilibriumMargin, other: &EquilibriumMargin) -> bool {
+        one.guard == other.guard
+    }
+
+    fn precedence(margin: &EquilibriumMargin) -> usize {
+        margin.guard
+    }
+
+    fn is_alike(
+        &self,
+        margin: &EquilibriumMargin,
+        other: &EquilibriumCurve,
+        of_other: &EquilibriumMargin,
+    ) -> bool {
+        self.guard_of(margin).guard == other.guard_of(of_other).guard
+    }
+
+    fn held(&self, margin: &EquilibriumMargin) -> EquilibriumGuard {
+        self.guard_of(margin)
+    }
+
+    fn inadmissible(&self, examination: &EquilibriumExamination) -> VirtualEquilibrium {
+        self.worst(examination)
+    }
+
+    fn candidates(
+        &self,
+        point: &Vector,
+        margin: &EquilibriumMargin,
+    ) -> Result<Vec<Candidate<EquilibriumCurve>>, EquilibriumFailure> {
+        let mode = self.signature.mode;
+        let guards = &self.lifted.modes[mode].guards;
+        let exits = guards
+            .get(margin.guard)
+            .map_or(&[][..], |guard| &guard.exits);
+        let mut found: Vec<Candidate<EquilibriumCurve>> = Vec::new();
+        for exit in exits {
+            let known = |one: &Candidate<EquilibriumCurve>| one.orbit.signature.mode == exit.to;
+            let elsewhere = exit.to == mode || found.iter().any(known);
+            if elsewhere || !self.stays(exit, point) {
+                continue;
+            }
+            found.extend(self.in_mode(exit.to).map(|orbit| Candidate {
+                orbit,
+                point: point.clone(),
+                nascent: Vec::new(),
+            }));
+        }
+        Ok(found)
+    }
+
+    fn classify(_: &RestMode, _: Option<&RestMode>, _: &EquilibriumMargin) -> EventType {
+        EventType::BE
+    }
+
+    fn opens(&self, _point: &Vector) -> bool {
+        false
+    }
+
+    /// The units are those of the first equilibrium, beside which another may be a thousand times as large.
+    fn stretch(&self, point: &Vector) -> f64 {
+        point.rows(0, self.states()).amax().max(1.0)
+    }
+
+    fn rounding(&self, matrix: &Matrix, point: &Vector, last: f64) -> Option<f64> {
+        let parameter = point.len() - 1;
+        let mut noise = newton::noise(self, matrix, point);
+        if let Some(noise) = &mut noise {
+            noise[parameter] = last;
+        }
+        Some(newton::rounding(matrix, &point.abs(), noise.as_ref())?[parameter])
+    }
+
+    fn ends_at(&self, point: &Vector, margin: &EquilibriumMargin) -> Option<EquilibriumStop> {
+        let candidates = self.candidates(point, margin).ok()?;
+        let rests = |one: &Candidate<EquilibriumCurve>| {
+            Node::within(&one.orbit, one.point.clone(), AT_REST).is_some()
+        };
+        let none = !candidates.iter().any(rests);
+        none.then(|| EquilibriumStop::NoneBeyond {
+            guard: self.guard_of(margin),
+        })
+    }
+
+    fn completes(stop: &EquilibriumStop) -> bool {
+        match stop {
+            EquilibriumStop::NoneBeyond { .. } => true,
+        }
+    }
+
+    /// By the extended system: the state is known as well as the parameter.
+    fn fold_near(&self, node: &Node) -> Option<(Vector, f64)> {
+        let located = locate(self, node, Condition::Fold)?;
+        Some((located.point, located.uncertainty))
+    }
+
+    fn zero_of(
+        &self,
+        test: usize,
+        from: &Node,
+        ends: [f64; 2],
+        tolerance: f64,
+    ) -> Option<(Place, f64)> {
+        let condition = match test {
+            BRANCHING => Condition::Branching,
+            _ => Condition::Hopf,
+        };
+        let near = self.near_zero(test, from, ends, tolerance)?;
+        let located = locate(self, &near, condition)?;
+        let s = from.tangent.dot(&(&located.point - &from.point));
+        // another one, beyond the step
+        if s < ends[0] || s > ends[1] {
+            return None;
+        }
+        let node = Node {
+            point: located.point,
+            ..near
+        };
+        let place = Place { s, node, blur: 0.0 };
+        Some((place, located.uncertainty))
+    }
+
+    fn across_folds(&self, test: usize, value: f64, node: &Node) -> f64 {
+        match test {
+            BRANCHING => self.across(node),
+            _ => value,
+        }
+    }
+
+    fn passed_by(test: usize) -> u64 {
+        if test == HOPF { 2 } else { 1 }
+    }
+
+    fn turns_at(test: usize) -> bool {
+        test == BRANCHING
+    }
+
+    fn crossing(&self, test: usize, node: &Node) -> Option<EquilibriumBifurcation> {
+        match test {
+            BRANCHING => Some(EquilibriumBifurcation::Branching),
+            _ => self.hopf(node),
+        }
+    }
+
+    fn passing(
+        &self,
+        node: &Node,
+        outside: [usize; 2],
+        between: Option<[f64; 2]>,
+    ) -> Option<EquilibriumBifurcation> {
+        if let Some(between) = between {
+            let growing = outside;
+            return Some(EquilibriumBifurcation::Unlocated { growing, between });
+        }
+        let count = outside[0].abs_diff(outside[1]);
+        match (count, self.hopf(node)) {
+            (0, _) => None,
+            (1, _) => Some(EquilibriumBifurcation::Branching),
+            (2, Some(hopf)) => Some(hopf),
+            (_, pair) => Some(EquilibriumBifurcation::Several {
+                count,
+                complex: pair.is_some(),
+            }),
+        }
+    }
+
+    fn kind(special: &EquilibriumBifurcation) -> EventType {
+        let pairs = match special {
+            EquilibriumBifurcation::Hopf { .. } => true,
+            EquilibriumBifurcation::Branching => false,
+            EquilibriumBifurcation::Several { complex, .. } => *complex,
+            EquilibriumBifurcation::Unlocated { growing, .. } => {
+                growing[0].abs_diff(growing[1]) > 1
+            }
+        };
+        if pairs { EventType::HB } else { EventType::BP }
+    }
+}
+
+impl EquilibriumCurve {
+    /// Whether a switch leaves the state of an equilibrium as it is.
+    fn stays(&self, exit: &Exit, point: &Vector) -> bool {
+        if exit.is_continuous() {
+            return true;
+        }
+        let place = self.place(point);
+        let mode = self.signature.mode;
+        let mut z = self.lifted.lift(mode, &place, 0.0);
+        self.lifted.modes[mode].field.complete_at_switch(&mut z);
+        let units = &self.setting.scales.units;
+        (0..self.states()).all(|state| {
+            let moved = exit.reset.value(state, &z) - place[state];
+            moved.abs() <= SAME * units[state].max(place[state].abs())
+        })
+    }
+
+    /// A node next to the zero of a function of the stability between two arclengths of a step.
+    fn near_zero(&self, test: usize, from: &Node, ends: [f64; 2], tolerance: f64) -> Option<Node> {
+        let value = |node: &Node| match test {
+            BRANCHING => Some(self.across(node)),
+            _ => Some(self.examined(&node.point).ok()?.tests()[test]),
+        };
+        let at = |s: f64| {
+            let node = crate::continuation::locate::node_at(self, from, s, tolerance)?;
+            Some((s, value(&node)?))
+        };
+        let ends = (at(ends[0])?, at(ends[1])?);
+        let width = NEAR * (ends.1.0 - ends.0.0);
+        let found = zero_along(self, from, ends, (0.0, width), tolerance, value)?;
+        Some(found.0.node)
+    }
+
+    /// Whether the rates of the mode are affine in the states.
+    pub(super) fn is_affine(&self, point: &Vector) -> bool {
+        let own = self.setting.system.at(&self.values_at(point), &[]).ok();
+        own.is_some_and(|own| own.modes[self.signature.mode].field.is_exact)
+    }
+
+    /// The Hopf point at a node; none where the two eigenvalues of sum zero are real.
+    fn hopf(&self, node: &Node) -> Option<EquilibriumBifurcation> {
+        let examination = self.examined(&node.point).ok()?;
+        let omega = critical_pair(&examination.eigenvalues)?;
+        let lyapunov = match self.is_affine(&node.point) {
+            true => Some(Lyapunov::Vertical),
+            false => {
+                let place = self.place(&node.point);
+                let at = self.linearised(&node.point).ok()?;
+                normal_form(self.local(&place), &at, omega).map(|form| form.lyapunov)
+            }
+        };
+        Some(EquilibriumBifurcation::Hopf { omega, lyapunov })
+    }
+}

@@ -1,0 +1,313 @@
+//! The equilibria of one mode as a curve in a parameter: unknowns, units and equations.
+//!
+//! The unknowns are the states and the parameter, each in its unit. The equations are f(x, p) = 0. In a sliding mode the
+//! rates satisfy ∇h·f = 0 wherever they are taken, so that one of them follows from the others: that of the state by
+//! which the surface changes most gives way to h(x, p) = 0.
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use super::field::{Linear, Linearised, LocalField, Of, lifted};
+use crate::affine::mode::AffineSystem;
+use crate::affine::system::System;
+use crate::continuation::newton::System as Equations;
+use crate::linalg::{Matrix, Vector, balance, known_eigenvalues, solve};
+
+/// The mode that an equilibrium is one of.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct RestMode {
+    /// Its index: those of the file, then the sliding ones.
+    pub mode: usize,
+    /// Its name.
+    pub name: String,
+}
+
+impl std::fmt::Display for RestMode {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        formatter.write_str(&self.name)
+    }
+}
+
+/// Units of the unknowns, and the place from which those of equations and guards come.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct EquilibriumScales {
+    /// Of the states, then of the parameter.
+    pub units: Vec<f64>,
+    /// States and parameter of the first equilibrium.
+    pub first: Vec<f64>,
+    /// Of the eigenvalues.
+    pub rate: f64,
+}
+
+/// What all equilibria of a branch have in common.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EquilibriumSetting {
+    /// The system.
+    pub system: System,
+    /// Values of its parameters, that of the branch at its beginning.
+    pub values: Vec<f64>,
+    /// Index of the parameter of the branch.
+    pub parameter: usize,
+    /// Units.
+    pub scales: EquilibriumScales,
+}
+
+/// Why the equations of an equilibrium cannot be evaluated.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, thiserror::Error)]
+pub enum EquilibriumFailure {
+    /// A rate, a guard or a derivative has no finite value.
+    #[error("the rates or guards of the mode `{mode}` have no finite value or derivative there")]
+    NoValue {
+        /// Name of the mode.
+        mode: String,
+    },
+}
+
+/// The equilibria of one mode.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EquilibriumCurve {
+    /// What all modes have in common.
+    pub setting: Arc<EquilibriumSetting>,
+    pub(super) signature: RestMode,
+    pub(super) lifted: Arc<AffineSystem>,
+    /// Factors that make rates, the form of the surface and guards of order one at the first equilibrium.
+    pub(super) rates: Vec<f64>,
+    pub(super) surface: f64,
+    pub(super) guards: Vec<f64>,
+}
+
+/// The factor that makes a function of order one, by its changes over the units of its argument.
+fn factor(linear: &Linear, units: &[f64]) -> f64 {
+    let terms = linear.by.iter().zip(units);
+    let size: f64 = terms.map(|(by, unit)| (by * unit).abs()).sum();
+    match size.is_normal() {
+        true => 1.0 / size,
+        false => 1.0,
+    }
+}
+
+impl EquilibriumCurve {
+    /// The equilibria of a mode; `None` where the system makes no sense, or has no such mode.
+    pub fn new(setting: EquilibriumSetting, mode: usize) -> Option<EquilibriumCurve> {
+        let fits = setting.scales.units.len() == setting.system.source.states.len() + 1
+            && setting.scales.first.len() == setting.scales.units.len()
+            && setting.values.len() == setting.system.source.parameters.0.len()
+            && setting.parameter < setting.values.len();
+        let usable = |unit: &f64| unit.is_finite() && *unit > 0.0;
+        let sensible = fits
+            && setting.scales.units.iter().all(usable)
+            && usable(&setting.scales.rate)
+            && setting.scales.first.iter().all(|x| x.is_finite());
+        if !sensible {
+            return None;
+        }
+        let lifted = lifted(&setting.system, &setting.values, setting.parameter).ok()?;
+        EquilibriumCurve::of(Arc::new(setting), Arc::new(lifted), mode)
+    }
+
+    /// The equilibria of another mode.
+    pub(super) fn in_mode(&self, mode: usize) -> Option<EquilibriumCurve> {
+        EquilibriumCurve::of(self.setting.clone(), self.lifted.clone(), mode)
+    }
+
+    fn of(
+        setting: Arc<EquilibriumSetting>,
+        lifted: Arc<AffineSystem>,
+        mode: usize,
+    ) -> Option<EquilibriumCurve> {
+        let own = lifted.modes.get(mode)?;
+        let name = setting.system.mode_name(mode).to_owned();
+        let EquilibriumScales { units, first, .. } = &setting.scales;
+        let at = LocalField {
+            lifted: &lifted,
+            mode,
+            place: first,
+        };
+        let at = at.linearised();
+        let of = |linear: &Linear| factor(linear, units);
+        let all = |list: Option<&Vec<Linear>>, count: usize| match list {
+            Some(list) => list.iter().map(of).collect(),
+            // there the mode has no values: elsewhere it is as it is
+            None => vec![1.0; count],
+        };
+        let surface = at.as_ref().and_then(|at| at.surface.as_ref());
+        Some(EquilibriumCurve {
+            signature: RestMode {
+                mode,
+                name: name.into_owned(),
+            },
+            rates: all(at.as_ref().map(|at| &at.rates), units.len() - 1),
+            surface: surface.map_or(1.0, of),
+            guards: all(at.as_ref().map(|at| &at.guards), own.guards.len()),
+            lifted,
+            setting,
+        })
+    }
+
+    /// Number of states.
+    pub(super) fn states(&self) -> usize {
+        self.setting.scales.units.len() - 1
+    }
+
+    /// States and parameter at scaled unknowns.
+    pub fn place(&self, point: &Vector) -> Vec<f64> {
+        let units = self.setting.scales.units.iter();
+        point.iter().zip(units).map(|(x, unit)| x * unit).collect()
+    }
+
+    /// The states at scaled unknowns.
+    pub fn state(&self, point: &Vector) -> Vec<f64> {
+        let mut place = self.place(point);
+        place.truncate(self.states());
+        place
+    }
+
+    /// Scaled unknowns of these states at this value of the parameter.
+    pub fn pack(&self, state: &[f64], value: f64) -> Vector {
+        let place = state.iter().copied().chain([value]);
+        let scaled = place
+            .zip(&self.setting.scales.units)
+            .map(|(x, unit)| x / unit);
+        Vector::from_iterator(self.states() + 1, scaled)
+    }
+
+    /// Values of all parameters at scaled unknowns.
+    pub fn values_at(&self, point: &Vector) -> Vec<f64> {
+        let mut values = self.setting.values.clone();
+        if let (Some(value), Some(place)) = (
+            values.get_mut(self.setting.parameter),
+            self.place(point).last(),
+        ) {
+            *value = *place;
+        }
+        values
+    }
+
+    pub(super) fn local<'a>(&'a self, place: &'a [f64]) -> LocalField<'a> {
+        LocalField {
+            lifted: &self.lifted,
+            mode: self.signature.mode,
+            place,
+        }
+    }
+
+    /// The functions of the mode at scaled unknowns.
+    pub(super) fn linearised(&self, point: &Vector) -> Result<Linearised, EquilibriumFailure> {
+        let place = self.place(point);
+        let found = self.local(&place).linearised();
+        found.ok_or_else(|| EquilibriumFailure::NoValue {
+            mode: self.signature.name.clone(),
+        })
+    }
+
+    /// The state whose rate gives way to the form of the surface.
+    fn axis(&self, at: &Linearised) -> Option<usize> {
+        let normal = at.normal()?;
+        let units = Vector::from_column_slice(&self.setting.scales.units[..self.states()]);
+        Some(normal.component_mul(&units).iamax())
+    }
+
+    /// The equations in their order, each with its factor.
+    pub(super) fn equations(&self, at: &Linearised) -> Vec<(Of, f64)> {
+        let axis = self.axis(at);
+        let equation = |state: usize| match axis == Some(state) {
+            true => (Of::Surface, self.surface),
+            false => (Of::Rate(state), self.rates[state]),
+        };
+        (0..self.states()).map(equation).collect()
+    }
+
+    /// Values of the equations and their derivatives in the scaled unknowns.
+    pub(super) fn rows(&self, at: &Linearised) -> Vec<Linear> {
+        let units = &self.setting.scales.units;
+        let rows = self.equations(at).into_iter().map(|(of, factor)| {
+            let linear = match of {
+                Of::Rate(state) => Some(&at.rates[state]),
+                Of::Surface => at.surface.as_ref(),
+            };
+            linear.map(|linear| linear.scaled(units, factor))
+        });
+        rows.flatten().collect()
+    }
+}
+
+impl Equations for EquilibriumCurve {
+    type Failure = EquilibriumFailure;
+
+    fn unknowns(&self) -> usize {
+        self.setting.scales.units.len()
+    }
+
+    fn evaluate(
+        &self,
+        point: &Vector,
+        residual: &mut [f64],
+        jacobian: &mut Matrix,
+    ) -> Result<(), EquilibriumFailure> {
+        let at = self.linearised(point)?;
+        for (row, linear) in self.rows(&at).iter().enumerate() {
+            residual[row] = linear.value;
+            for (column, by) in linear.by.iter().enumerate() {
+                jacobian[(row, column)] = *by;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Units in which an equilibrium is followed: the size of every state; of one that is zero but for rounding what it
+/// changes by over the range of the parameter; and of one that stays zero what makes the derivatives of the rates alike.
+pub(super) fn scales(
+    system: &System,
+    values: &[f64],
+    parameter: usize,
+    (mode, state): (usize, &[f64]),
+    width: f64,
+) -> Option<EquilibriumScales> {
+    /// A state that is smaller than this part of its change, or of the others in balanced units, is zero.
+    const NOTHING: f64 = 1e-9;
+    let lifted = lifted(system, values, parameter).ok()?;
+    let first: Vec<f64> = state.iter().copied().chain([values[parameter]]).collect();
+    let field = LocalField {
+        lifted: &lifted,
+        mode,
+        place: &first,
+    };
+    let at = field.linearised()?;
+    let slopes = at.slopes();
+    let n = state.len();
+    let by_parameter = Vector::from_fn(n, |row, _| -at.rates[row].by[n] * width);
+    let change = solve(&slopes, &by_parameter).unwrap_or_else(|| Vector::zeros(n));
+    let size = |index: usize| {
+        let (x, change) = (state[index].abs(), change[index].abs());
+        if x > NOTHING * change { x } else { change }
+    };
+    let (balanced, _) = balance(&slopes, 0.0);
+    let largest = (0..n).fold(0.0, |most: f64, index| {
+        most.max(size(index) / balanced[index])
+    });
+    let largest = if largest.is_normal() { largest } else { 1.0 };
+    let unit = |index: usize| {
+        let least = NOTHING * largest * balanced[index];
+        if size(index) > least {
+            size(index)
+        } else {
+            largest * balanced[index]
+        }
+    };
+    Some(EquilibriumScales {
+        units: (0..n).map(unit).chain([width]).collect(),
+        rate: rate_unit(&slopes),
+        first,
+    })
+}
+
+/// The geometric mean of the sizes of all eigenvalues that are not zero to rounding: a unit of rates.
+fn rate_unit(slopes: &Matrix) -> f64 {
+    let known = known_eigenvalues(slopes).unwrap_or_default();
+    let told = known.iter().filter(|one| one.value.norm() > one.error);
+    let logs: Vec<f64> = told.map(|one| one.value.norm().ln()).collect();
+    let mean = (logs.iter().sum::<f64>() / logs.len() as f64).exp();
+    if mean.is_normal() { mean } else { 1.0 }
+}

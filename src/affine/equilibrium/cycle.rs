@@ -1,0 +1,99 @@
+//! Guesses of the cycles that are born at a Hopf point.
+//!
+//! On the plane of the pair the motion is ż = (α + iω)z + ωl₁z|z|², α = α′(p − p₀): cycles of amplitude |z|² = −α/(ωl₁) lie
+//! on the side of p₀ where αl₁ < 0.
+
+use super::curve::EquilibriumCurve;
+use super::extended::{Condition, locate};
+use super::normal_form::{Lyapunov, normal_form};
+use super::spectrum::{critical_pair, eigenvalues};
+use crate::continuation::Node;
+use crate::linalg::Vector;
+
+/// Why no cycle can be guessed.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum NoCycle {
+    /// There is no Hopf point.
+    #[error("no pair of eigenvalues is imaginary at this equilibrium")]
+    NoHopf,
+    /// The rates are affine.
+    #[error(
+        "the mode is affine: the cycles of this Hopf point are a vertical family, all at this value of the parameter, and \
+         begin no branch"
+    )]
+    Vertical,
+    /// The side is not known.
+    #[error(
+        "rounding decides on which side of this Hopf point cycles lie: the first Lyapunov coefficient is zero, or the pair \
+         does not cross"
+    )]
+    Undecided,
+    /// None is found at any amplitude that is tried.
+    #[error("Newton's method finds no cycle next to this Hopf point")]
+    NotFound,
+}
+
+/// A guess of a cycle.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CycleGuess {
+    /// A state of it.
+    pub state: Vec<f64>,
+    /// The parameter.
+    pub value: f64,
+    /// Its period.
+    pub period: f64,
+    /// Whether cycles of larger amplitude have larger values of the parameter.
+    pub up: bool,
+}
+
+/// Amplitudes that are tried, relative to the units of the states: the normal form leaves out what is of third order, and
+/// next to the Hopf point the equations of a cycle are singular.
+const AMPLITUDES: [f64; 6] = [0.03, 0.01, 0.1, 0.003, 0.001, 0.0003];
+
+impl EquilibriumCurve {
+    /// Guesses of cycles of several amplitudes next to a Hopf point.
+    ///
+    /// # Errors
+    /// There is none, or its cycles are not on one side of it.
+    pub fn cycles(&self, point: &Vector) -> Result<Vec<CycleGuess>, NoCycle> {
+        let node = Node::on(self, point.clone()).ok_or(NoCycle::NoHopf)?;
+        let located = locate(self, &node, Condition::Hopf).ok_or(NoCycle::NoHopf)?;
+        if self.is_affine(&located.point) {
+            return Err(NoCycle::Vertical);
+        }
+        let at = self.linearised(&located.point);
+        let at = at.map_err(|_| NoCycle::NoHopf)?;
+        let omega = critical_pair(&eigenvalues(&at)).ok_or(NoCycle::NoHopf)?;
+        let place = self.place(&located.point);
+        let form = normal_form(self.local(&place), &at, omega).ok_or(NoCycle::NoHopf)?;
+        let Lyapunov::Known(lyapunov) = form.lyapunov else {
+            return Err(NoCycle::Undecided);
+        };
+        // u′ with p′ = 1
+        let units = &self.setting.scales.units;
+        let n = self.states();
+        let tangent = Node::on(self, located.point.clone()).ok_or(NoCycle::NoHopf)?;
+        let tangent = tangent.tangent;
+        let drift = tangent[n] * units[n];
+        let along = Vector::from_fn(n + 1, |i, _| tangent[i] * units[i] / drift);
+        let speed = form.crossing_speed(self.local(&place), &along);
+        if !(speed.is_normal() && lyapunov.is_normal()) {
+            return Err(NoCycle::Undecided);
+        }
+        let largest = form.unit_amplitude(units);
+        let guess = |relative: &f64| {
+            let amplitude = relative * largest;
+            let shift = -omega * lyapunov * amplitude * amplitude / speed;
+            let moved = form.displacement(amplitude);
+            CycleGuess {
+                state: (0..n)
+                    .map(|i| place[i] + along[i] * shift + moved[i])
+                    .collect(),
+                value: place[n] + shift,
+                period: std::f64::consts::TAU / omega,
+                up: shift > 0.0,
+            }
+        };
+        Ok(AMPLITUDES.iter().map(guess).collect())
+    }
+}

@@ -1,0 +1,132 @@
+//! Guards and stability of an equilibrium.
+
+use super::curve::{EquilibriumCurve, EquilibriumFailure};
+use super::spectrum::{bordered, eigenvalues, growths, is_told, sums};
+use super::{EquilibriumGuard, VirtualEquilibrium};
+use crate::continuation::Node;
+use crate::linalg::{Eigenvalue, Vector};
+use crate::orbit::sign::Verdict;
+use crate::orbit::{Examined, Growth};
+
+/// A guard of the mode at an equilibrium, scaled to order one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EquilibriumMargin {
+    /// Which of the mode.
+    pub guard: usize,
+    /// Its value.
+    pub value: f64,
+    /// What rounding of its terms may leave in that.
+    pub error: f64,
+    /// Its derivatives in the scaled unknowns.
+    pub gradient: Vec<f64>,
+}
+
+/// What an examination of an equilibrium found.
+#[derive(Clone, Debug)]
+pub struct EquilibriumExamination {
+    /// All guards of the mode.
+    pub margins: Vec<EquilibriumMargin>,
+    /// All eigenvalues, in a sliding mode those within its surface, the fastest growing first.
+    pub eigenvalues: Vec<Eigenvalue>,
+    tests: [f64; 2],
+    unit: f64,
+}
+
+impl Examined for EquilibriumExamination {
+    type Margin = EquilibriumMargin;
+
+    fn margins(&self) -> &[EquilibriumMargin] {
+        &self.margins
+    }
+
+    fn verdict(&self) -> Verdict {
+        match self.margins.iter().all(|margin| margin.value > 0.0) {
+            true => Verdict::Positive,
+            false => Verdict::Negative,
+        }
+    }
+
+    fn tests(&self) -> &[f64] {
+        &self.tests
+    }
+
+    fn is_told(&self, test: usize) -> bool {
+        is_told(&self.eigenvalues, test)
+    }
+
+    fn growths(&self) -> Option<Vec<Growth>> {
+        Some(growths(&self.eigenvalues, self.unit))
+    }
+}
+
+impl EquilibriumExamination {
+    /// How many eigenvalues grow, by more than rounding.
+    pub fn growing(&self) -> usize {
+        let all = self.eigenvalues.iter();
+        all.filter(|one| one.value.re > one.error).count()
+    }
+
+    /// Whether rounding decides whether one of them grows.
+    pub fn is_undecided(&self) -> bool {
+        let mut all = self.eigenvalues.iter();
+        all.any(|one| one.value.re.abs() <= one.error)
+    }
+}
+
+impl EquilibriumCurve {
+    /// Roundings of a guard, relative to its terms.
+    const ROUNDINGS: f64 = 8.0 * f64::EPSILON;
+
+    /// Guards and stability at scaled unknowns.
+    pub(super) fn examined(
+        &self,
+        point: &Vector,
+    ) -> Result<EquilibriumExamination, EquilibriumFailure> {
+        let at = self.linearised(point)?;
+        let units = &self.setting.scales.units;
+        let guards = at.guards.iter().zip(&self.guards).enumerate();
+        let margins = guards.map(|(guard, (linear, factor))| {
+            let scaled = linear.scaled(units, *factor);
+            EquilibriumMargin {
+                guard,
+                value: scaled.value,
+                error: EquilibriumCurve::ROUNDINGS * scaled.size,
+                gradient: scaled.by.iter().copied().collect(),
+            }
+        });
+        let eigenvalues = eigenvalues(&at);
+        Ok(EquilibriumExamination {
+            margins: margins.collect(),
+            // the sign of the first takes a tangent: see `across`
+            tests: [1.0, sums(&eigenvalues)],
+            eigenvalues,
+            unit: self.setting.scales.rate,
+        })
+    }
+
+    /// The function of [`super::spectrum::BRANCHING`] at a node.
+    pub(super) fn across(&self, node: &Node) -> f64 {
+        bordered(self, node).unwrap_or(f64::NAN)
+    }
+
+    pub(super) fn guard_of(&self, margin: &EquilibriumMargin) -> EquilibriumGuard {
+        let mode = self.signature.mode;
+        EquilibriumGuard {
+            mode: self.signature.name.clone(),
+            guard: self.setting.system.guard_name(mode, margin.guard),
+        }
+    }
+
+    /// The worst of the guards.
+    pub(super) fn worst(&self, examination: &EquilibriumExamination) -> VirtualEquilibrium {
+        let margins = examination.margins.iter();
+        let worst = margins.min_by(|one, other| one.value.total_cmp(&other.value));
+        match worst.filter(|margin| margin.value < -margin.error) {
+            Some(margin) => VirtualEquilibrium::Guard {
+                guard: self.guard_of(margin),
+                value: margin.value,
+            },
+            None => VirtualEquilibrium::Undecided,
+        }
+    }
+}

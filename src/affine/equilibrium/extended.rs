@@ -1,0 +1,347 @@
+//! Special equilibria by extended systems, which are regular there and whose derivatives are exact.
+//!
+//! With E(x, p) the n equations, A = ∂f/∂x, all in scaled unknowns:
+//!
+//! | point | unknowns | equations |
+//! |---|---|---|
+//! | fold | x, v, p | E = 0, E_x v = 0, c·v = 1 |
+//! | Hopf point | x, a, b, ω, p | E = 0, Aa + ωb = 0, Ab − ωa = 0, c·b = 0, c·a = 1 |
+//! | branch point | x, ψ, β, p | E + βd = 0, ψᵀE_x = 0, ψᵀE_p = 0, d·ψ = 1 |
+//!
+//! c and d are what v, a and ψ are near the point; at a branch point that branches do pass β is zero (G. Moore, A. Spence,
+//! SIAM J. Numer. Anal. 17, 1980; A. Griewank, G. Reddien, IMA J. Numer. Anal. 3, 1983; G. Moore, Numer. Funct. Anal. Optim.
+//! 2, 1980).
+
+use nalgebra::Complex;
+
+use super::curve::{EquilibriumCurve, EquilibriumFailure};
+use super::field::{Linearised, Of};
+use super::normal_form::Eigenvector;
+use crate::continuation::Node;
+use crate::continuation::newton::{self, Constraint, System};
+use crate::linalg::{self, Matrix, Vector};
+
+/// Which special points are asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Condition {
+    Fold,
+    Hopf,
+    Branching,
+}
+
+/// An extended system: its last unknown is the parameter, its last equation the constraint.
+pub(super) struct Extended<'a> {
+    curve: &'a EquilibriumCurve,
+    condition: Condition,
+    /// What v, a or ψ is near the point.
+    near: Vector,
+    /// The unit of ω.
+    omega: f64,
+}
+
+/// A special equilibrium.
+pub(super) struct Located {
+    /// Scaled unknowns.
+    pub point: Vector,
+    /// Error of the parameter, in physical units.
+    pub uncertainty: f64,
+}
+
+/// β is zero to rounding where branches cross; more than this, in equations of order one, is an imperfect crossing.
+const PERFECT: f64 = 1e-9;
+
+/// Settings of Newton's method: one iteration more than needed.
+const NEWTON: newton::Settings = newton::Settings {
+    tolerance: 1e-12,
+    most_iterations: 20,
+    halvings: 0,
+    polish: 1,
+};
+
+/// The last equation: c·v = 1.
+struct Normalised;
+
+impl Constraint<Extended<'_>> for Normalised {
+    fn evaluate(
+        &mut self,
+        system: &Extended,
+        point: &Vector,
+        gradient: &mut [f64],
+    ) -> Result<f64, EquilibriumFailure> {
+        let n = system.curve.states();
+        gradient[n..2 * n].copy_from_slice(system.near.as_slice());
+        Ok(system.near.dot(&point.rows(n, n)) - 1.0)
+    }
+}
+
+/// The special equilibrium of a kind next to a node. `None` where there is none.
+pub(super) fn locate(
+    curve: &EquilibriumCurve,
+    node: &Node,
+    condition: Condition,
+) -> Option<Located> {
+    let (extended, guess) = Extended::near(curve, node, condition)?;
+    let solution = newton::solve(&extended, &mut Normalised, &guess, &NEWTON).ok()?;
+    let found = solution.point;
+    let n = curve.states();
+    let beta = || found[2 * n].abs();
+    if condition == Condition::Branching && beta() > PERFECT {
+        return None;
+    }
+    let bordered = newton::bordered(&extended, &mut Normalised, &found).ok()?;
+    let noise = newton::noise(&extended, &bordered.matrix, &found);
+    let rounding = newton::rounding(&bordered.matrix, &found.abs(), noise.as_ref())?;
+    let last = found.len() - 1;
+    let mut point = found.rows(0, n + 1).clone_owned();
+    point[n] = found[last];
+    Some(Located {
+        point,
+        uncertainty: (rounding[last] + solution.correction.min(NEWTON.tolerance))
+            * curve.setting.scales.units[n],
+    })
+}
+
+impl<'a> Extended<'a> {
+    /// The system, and a guess from an equilibrium nearby.
+    fn near(
+        curve: &'a EquilibriumCurve,
+        node: &Node,
+        condition: Condition,
+    ) -> Option<(Extended<'a>, Vector)> {
+        let n = curve.states();
+        let at = curve.linearised(&node.point).ok()?;
+        let rows = curve.rows(&at);
+        let equations = Matrix::from_fn(n, n, |row, column| rows[row].by[column]);
+        let (near, more, omega) = match condition {
+            Condition::Fold => (linalg::least(&equations)?.right, Vec::new(), 1.0),
+            Condition::Branching => {
+                let whole = Matrix::from_fn(n, n + 1, |row, column| rows[row].by[column]);
+                (linalg::least_vector(&whole.transpose())?, vec![0.0], 1.0)
+            }
+            Condition::Hopf => {
+                let Eigenvector { value, right } = Eigenvector::critical(&at)?;
+                let units = &curve.setting.scales.units;
+                let scaled = right
+                    .iter()
+                    .zip(units)
+                    .map(|(q, unit)| q / Complex::from(*unit));
+                let (a, b) = turned(&scaled.collect::<Vec<_>>());
+                let size = a.norm_squared();
+                let mut more: Vec<f64> = b.iter().copied().collect();
+                more.push(1.0);
+                let near = &a / size;
+                let guess = guess(node, &a, &more);
+                let extended = Extended {
+                    curve,
+                    condition,
+                    near,
+                    omega: value.im,
+                };
+                return Some((extended, guess));
+            }
+        };
+        let guess = guess(node, &near, &more);
+        let extended = Extended {
+            curve,
+            condition,
+            near,
+            omega,
+        };
+        Some((extended, guess))
+    }
+
+    /// Rows of derivatives of E_x v in the unknowns x and p, with factors and units; `rates` where v is an eigenvector.
+    fn second(&self, place: &[f64], functions: &[(Of, f64)], v: &[f64]) -> Matrix {
+        let units = &self.curve.setting.scales.units;
+        let (all, n) = (units.len(), v.len());
+        let along = |index: usize| {
+            if index < n {
+                v[index] * units[index]
+            } else {
+                0.0
+            }
+        };
+        let v = Vector::from_fn(all, |index, _| along(index));
+        let others: Vec<Vector> = (0..all)
+            .map(|column| {
+                Vector::from_fn(
+                    all,
+                    |index, _| if index == column { units[index] } else { 0.0 },
+                )
+            })
+            .collect();
+        let (of, factors): (Vec<Of>, Vec<f64>) = functions.iter().copied().unzip();
+        let mut found = self.curve.local(place).second(&of, &v, &others);
+        for (mut row, factor) in found.row_iter_mut().zip(factors) {
+            row *= factor;
+        }
+        found
+    }
+
+    /// The parts of the equations that are those of an equilibrium.
+    fn equilibrium(&self, at: &Linearised, residual: &mut [f64], jacobian: &mut Matrix) -> Matrix {
+        let n = self.curve.states();
+        let last = jacobian.ncols() - 1;
+        let rows = self.curve.rows(at);
+        for (row, linear) in rows.iter().enumerate() {
+            residual[row] = linear.value;
+            for state in 0..n {
+                jacobian[(row, state)] = linear.by[state];
+            }
+            jacobian[(row, last)] = linear.by[n];
+        }
+        Matrix::from_fn(n, n + 1, |row, column| rows[row].by[column])
+    }
+
+    fn fold(&self, at: &Linearised, point: &Vector, residual: &mut [f64], jacobian: &mut Matrix) {
+        let n = self.curve.states();
+        let last = jacobian.ncols() - 1;
+        let by = self.equilibrium(at, residual, jacobian);
+        let v = &point.as_slice()[n..2 * n];
+        let place = self.curve.place(&self.unknown(point));
+        let second = self.second(&place, &self.curve.equations(at), v);
+        for row in 0..n {
+            residual[n + row] = (0..n).map(|column| by[(row, column)] * v[column]).sum();
+            for column in 0..n {
+                jacobian[(n + row, column)] = second[(row, column)];
+                jacobian[(n + row, n + column)] = by[(row, column)];
+            }
+            jacobian[(n + row, last)] = second[(row, n)];
+        }
+    }
+
+    fn hopf(&self, at: &Linearised, point: &Vector, residual: &mut [f64], jacobian: &mut Matrix) {
+        let n = self.curve.states();
+        let last = jacobian.ncols() - 1;
+        self.equilibrium(at, residual, jacobian);
+        let units = &self.curve.setting.scales.units;
+        let rates: Vec<(Of, f64)> = (0..n)
+            .map(|state| (Of::Rate(state), self.curve.rates[state]))
+            .collect();
+        let place = self.curve.place(&self.unknown(point));
+        let (a, b) = (&point.as_slice()[n..2 * n], &point.as_slice()[2 * n..3 * n]);
+        let omega = point[3 * n] * self.omega;
+        for (first, (own, own_at), (other, other_at), sign) in [
+            (n, (a, n), (b, 2 * n), 1.0),
+            (2 * n, (b, 2 * n), (a, n), -1.0),
+        ] {
+            let second = self.second(&place, &rates, own);
+            for row in 0..n {
+                let (line, factor) = (first + row, self.curve.rates[row]);
+                let slope = |column: usize| at.rates[row].by[column] * units[column] * factor;
+                let turn = sign * units[row] * factor;
+                let sum: f64 = (0..n).map(|column| slope(column) * own[column]).sum();
+                residual[line] = sum + turn * omega * other[row];
+                for column in 0..n {
+                    jacobian[(line, column)] = second[(row, column)];
+                    jacobian[(line, own_at + column)] = slope(column);
+                }
+                jacobian[(line, other_at + row)] += turn * omega;
+                jacobian[(line, 3 * n)] = turn * self.omega * other[row];
+                jacobian[(line, last)] = second[(row, n)];
+            }
+        }
+        residual[3 * n] = (0..n).map(|index| self.near[index] * b[index]).sum();
+        for index in 0..n {
+            jacobian[(3 * n, 2 * n + index)] = self.near[index];
+        }
+    }
+
+    fn branching(
+        &self,
+        at: &Linearised,
+        point: &Vector,
+        residual: &mut [f64],
+        jacobian: &mut Matrix,
+    ) {
+        let n = self.curve.states();
+        let last = jacobian.ncols() - 1;
+        let by = self.equilibrium(at, residual, jacobian);
+        let (psi, beta) = (&point.as_slice()[n..2 * n], point[2 * n]);
+        let place = self.curve.place(&self.unknown(point));
+        let (of, factors): (Vec<Of>, Vec<f64>) = self.curve.equations(at).into_iter().unzip();
+        let units = &self.curve.setting.scales.units;
+        let axes: Vec<Vector> = (0..=n)
+            .map(|column| {
+                Vector::from_fn(
+                    n + 1,
+                    |index, _| if index == column { units[index] } else { 0.0 },
+                )
+            })
+            .collect();
+        for row in 0..n {
+            residual[row] += beta * self.near[row];
+            jacobian[(row, 2 * n)] = self.near[row];
+        }
+        for line in 0..=n {
+            residual[n + line] = (0..n).map(|row| psi[row] * by[(row, line)]).sum();
+            let second = self.curve.local(&place).second(&of, &axes[line], &axes);
+            let curved = |column: usize| -> f64 {
+                let rows = 0..n;
+                rows.map(|row| psi[row] * factors[row] * second[(row, column)])
+                    .sum()
+            };
+            for column in 0..n {
+                jacobian[(n + line, column)] = curved(column);
+                jacobian[(n + line, n + column)] = by[(column, line)];
+            }
+            jacobian[(n + line, last)] = curved(n);
+        }
+    }
+
+    /// Scaled states and parameter of scaled unknowns.
+    fn unknown(&self, point: &Vector) -> Vector {
+        let n = self.curve.states();
+        let mut own = point.rows(0, n + 1).clone_owned();
+        own[n] = point[point.len() - 1];
+        own
+    }
+}
+
+/// States, the vector, what follows it, and the parameter.
+fn guess(node: &Node, vector: &Vector, more: &[f64]) -> Vector {
+    let n = vector.len();
+    let states = node.point.iter().take(n);
+    let all = states.chain(vector.iter()).chain(more);
+    let all: Vec<f64> = all.copied().chain([node.point[n]]).collect();
+    Vector::from_vec(all)
+}
+
+/// Real and imaginary part of an eigenvector, turned so that they are orthogonal and the first is the longer one.
+fn turned(vector: &[Complex<f64>]) -> (Vector, Vector) {
+    let part = |turn: Complex<f64>, of: fn(Complex<f64>) -> f64| {
+        Vector::from_iterator(vector.len(), vector.iter().map(|q| of(q * turn)))
+    };
+    // q·q becomes real and positive
+    let square: Complex<f64> = vector.iter().map(|q| q * q).sum();
+    let turn = Complex::from_polar(1.0, -0.5 * square.arg());
+    (part(turn, |q| q.re), part(turn, |q| q.im))
+}
+
+impl System for Extended<'_> {
+    type Failure = EquilibriumFailure;
+
+    fn unknowns(&self) -> usize {
+        let n = self.curve.states();
+        match self.condition {
+            Condition::Fold => 2 * n + 1,
+            Condition::Hopf => 3 * n + 2,
+            Condition::Branching => 2 * n + 2,
+        }
+    }
+
+    fn evaluate(
+        &self,
+        point: &Vector,
+        residual: &mut [f64],
+        jacobian: &mut Matrix,
+    ) -> Result<(), EquilibriumFailure> {
+        let at = self.curve.linearised(&self.unknown(point))?;
+        match self.condition {
+            Condition::Fold => self.fold(&at, point, residual, jacobian),
+            Condition::Hopf => self.hopf(&at, point, residual, jacobian),
+            Condition::Branching => self.branching(&at, point, residual, jacobian),
+        }
+        Ok(())
+    }
+}

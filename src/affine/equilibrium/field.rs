@@ -1,0 +1,197 @@
+//! The rates of a mode with their derivatives in states and parameter at once.
+//!
+//! The parameter of the branch is taken as one more state, which rests: rates, guards and surfaces are then functions of
+//! u = (x, p), and what [`HyperDual`] numbers give are their derivatives, up to the third, in any directions of u.
+
+use crate::affine::expression::Expression;
+use crate::affine::hyperdual::{DIRECTIONS, HyperDual};
+use crate::affine::mode::{AffineSystem, Row};
+use crate::affine::system::{System, SystemError};
+use crate::linalg::{Matrix, Vector};
+
+/// A system whose parameter with this index is its last state.
+///
+/// # Errors
+/// It makes no sense at these values of the others.
+pub(super) fn lifted(
+    system: &System,
+    values: &[f64],
+    parameter: usize,
+) -> Result<AffineSystem, SystemError> {
+    let mut system = system.clone();
+    let mut values = values.to_vec();
+    values.remove(parameter);
+    let (name, _) = system.source.parameters.0.remove(parameter);
+    system.source.states.push(name);
+    if let Ok(rest) = Expression::read("0") {
+        let modes = system.modes.iter_mut();
+        modes.for_each(|mode| mode.rates.push(rest.clone()));
+    }
+    system.at(&values, &[])
+}
+
+/// A function of u at a place: its value, and its derivatives in u.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Linear {
+    pub value: f64,
+    pub by: Vector,
+    /// Sum of the sizes of the terms of which the value is made.
+    pub size: f64,
+}
+
+impl Linear {
+    /// The same in units of its argument, times a factor.
+    pub fn scaled(&self, units: &[f64], factor: f64) -> Linear {
+        let by = self.by.iter().zip(units);
+        Linear {
+            value: self.value * factor,
+            by: Vector::from_iterator(self.by.len(), by.map(|(by, unit)| by * unit * factor)),
+            size: self.size * factor,
+        }
+    }
+
+    fn is_finite(&self) -> bool {
+        self.value.is_finite() && self.by.iter().all(|by| by.is_finite())
+    }
+}
+
+/// The functions of a mode at a place.
+#[derive(Clone, Debug)]
+pub(super) struct Linearised {
+    /// Rates of the states.
+    pub rates: Vec<Linear>,
+    /// The form that is zero in a sliding mode.
+    pub surface: Option<Linear>,
+    /// Guards, those of a sliding mode with what holds it.
+    pub guards: Vec<Linear>,
+}
+
+impl Linearised {
+    /// ∂f/∂x.
+    pub fn slopes(&self) -> Matrix {
+        let n = self.rates.len();
+        Matrix::from_fn(n, n, |row, column| self.rates[row].by[column])
+    }
+
+    /// Gradient of the surface in the states.
+    pub fn normal(&self) -> Option<Vector> {
+        let states = self.rates.len();
+        let surface = self.surface.as_ref()?;
+        Some(surface.by.rows(0, states).clone_owned())
+    }
+}
+
+/// Which functions of a mode are asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Of {
+    /// The rate of a state.
+    Rate(usize),
+    /// The form of its surface.
+    Surface,
+}
+
+/// A mode at a place u.
+#[derive(Clone, Copy)]
+pub(super) struct LocalField<'a> {
+    pub lifted: &'a AffineSystem,
+    pub mode: usize,
+    /// States and parameter.
+    pub place: &'a [f64],
+}
+
+impl LocalField<'_> {
+    /// The components of z, with their derivatives along directions of u.
+    fn components(&self, directions: &[&Vector]) -> Vec<HyperDual> {
+        let mut z: Vec<HyperDual> = Vec::with_capacity(self.lifted.size());
+        for (index, value) in self.place.iter().enumerate() {
+            let mut by = [0.0; DIRECTIONS];
+            for (by, direction) in by.iter_mut().zip(directions) {
+                *by = direction[index];
+            }
+            z.push(HyperDual::along(*value, by));
+        }
+        z.push(HyperDual::constant(1.0));
+        self.lifted.modes[self.mode].field.differentiate(&mut z);
+        z
+    }
+
+    /// A row of numbers times the components of z. What it does not have may have no value.
+    fn of<'b>(row: impl Iterator<Item = &'b f64>, z: &[HyperDual]) -> HyperDual {
+        let mut sum = HyperDual::default();
+        let terms = row.zip(z).filter(|(c, _)| **c != 0.0);
+        terms.for_each(|(c, z)| sum.add(*c, z));
+        sum
+    }
+
+    fn function(&self, of: Of, z: &[HyperDual]) -> HyperDual {
+        let mode = &self.lifted.modes[self.mode];
+        match of {
+            Of::Rate(state) => LocalField::of(mode.matrix.at.row(state).iter(), z),
+            Of::Surface => {
+                let surface = mode.surface.iter().flat_map(|row| row.at.iter());
+                LocalField::of(surface, z)
+            }
+        }
+    }
+
+    /// All functions of the mode with their first derivatives; `None` where one has no finite value.
+    pub fn linearised(&self) -> Option<Linearised> {
+        let mode = &self.lifted.modes[self.mode];
+        let (all, states) = (self.place.len(), self.place.len() - 1);
+        let units: Vec<Vector> = (0..all)
+            .map(|index| Vector::from_fn(all, |other, _| f64::from(u8::from(other == index))))
+            .collect();
+        let passes: Vec<Vec<HyperDual>> = units
+            .chunks(DIRECTIONS)
+            .map(|chunk| self.components(&chunk.iter().collect::<Vec<_>>()))
+            .collect();
+        let linear = |row: &mut dyn Iterator<Item = &f64>| {
+            let row: Vec<f64> = row.copied().collect();
+            let sums = passes.iter().map(|z| LocalField::of(row.iter(), z));
+            let sums: Vec<HyperDual> = sums.collect();
+            let by = |index: usize| sums[index / DIRECTIONS].derivative(&[index % DIRECTIONS]);
+            let terms = row.iter().zip(&passes[0]).filter(|(c, _)| **c != 0.0);
+            Linear {
+                value: sums[0].value(),
+                by: Vector::from_fn(all, |index, _| by(index)),
+                size: terms.map(|(c, z)| (c * z.value()).abs()).sum(),
+            }
+        };
+        let of_row = |row: &Row| linear(&mut row.at.iter());
+        let rates = (0..states).map(|state| linear(&mut mode.matrix.at.row(state).iter()));
+        let found = Linearised {
+            rates: rates.collect(),
+            surface: mode.surface.as_ref().map(of_row),
+            guards: mode.guards.iter().map(|guard| of_row(&guard.row)).collect(),
+        };
+        let all = found.rates.iter().chain(&found.surface);
+        let is_finite = all.chain(&found.guards).all(Linear::is_finite);
+        is_finite.then_some(found)
+    }
+
+    /// D²F(v, w) of functions, for one v and several w: a column for each of these.
+    pub fn second(&self, functions: &[Of], v: &Vector, others: &[Vector]) -> Matrix {
+        let mut found = Matrix::zeros(functions.len(), others.len());
+        for (pair, chunk) in others.chunks(DIRECTIONS - 1).enumerate() {
+            let directions: Vec<&Vector> = std::iter::once(v).chain(chunk).collect();
+            let z = self.components(&directions);
+            for (row, of) in functions.iter().enumerate() {
+                let value = self.function(*of, &z);
+                for index in 0..chunk.len() {
+                    let column = pair * (DIRECTIONS - 1) + index;
+                    found[(row, column)] = value.derivative(&[0, index + 1]);
+                }
+            }
+        }
+        found
+    }
+
+    /// D³f(v, v, w) of all rates is D³f with all three directions.
+    pub fn third(&self, directions: [&Vector; DIRECTIONS]) -> Vector {
+        let z = self.components(&directions);
+        let states = self.place.len() - 1;
+        Vector::from_fn(states, |state, _| {
+            self.function(Of::Rate(state), &z).derivative(&[0, 1, 2])
+        })
+    }
+}

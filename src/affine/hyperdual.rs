@@ -1,0 +1,179 @@
+//! Numbers with derivatives along three directions: u = Σ u_S ε_S over the subsets S of {1, 2, 3}, with εᵢ² = 0.
+//!
+//! With x = x₀ + ε₁a + ε₂b + ε₃c the coefficients of f(x) are its derivatives along these directions: f′a of ε₁,
+//! f″(a, b) of ε₁ε₂, f‴(a, b, c) of ε₁ε₂ε₃, without truncation (J. Fike, J. Alonso, AIAA 2011-886).
+
+use super::expression::Function;
+use super::form::Rule;
+
+/// Directions.
+pub(super) const DIRECTIONS: usize = 3;
+
+/// Subsets of them.
+const SUBSETS: usize = 1 << DIRECTIONS;
+
+/// A number with its derivatives: the coefficient of a subset stands at the number whose bits are its members.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct HyperDual([f64; SUBSETS]);
+
+impl HyperDual {
+    /// A number that is the same everywhere.
+    pub fn constant(value: f64) -> HyperDual {
+        HyperDual::along(value, [0.0; DIRECTIONS])
+    }
+
+    /// A coordinate, by its value and what it changes by along each direction.
+    pub fn along(value: f64, by: [f64; DIRECTIONS]) -> HyperDual {
+        let mut number = [0.0; SUBSETS];
+        number[0] = value;
+        for (direction, by) in by.into_iter().enumerate() {
+            number[1 << direction] = by;
+        }
+        HyperDual(number)
+    }
+
+    /// Its value.
+    pub fn value(&self) -> f64 {
+        self.0[0]
+    }
+
+    /// Its derivative along these directions, each of them once: the value where there are none.
+    pub fn derivative(&self, directions: &[usize]) -> f64 {
+        self.0[directions
+            .iter()
+            .map(|direction| 1 << direction)
+            .sum::<usize>()]
+    }
+
+    /// Adds another one times a number.
+    pub fn add(&mut self, factor: f64, other: &HyperDual) {
+        for (own, other) in self.0.iter_mut().zip(&other.0) {
+            *own += factor * other;
+        }
+    }
+
+    fn times(&self, other: &HyperDual) -> HyperDual {
+        let of = |subset: usize| {
+            let parts = (0..SUBSETS).filter(|part| part & !subset == 0);
+            parts
+                .map(|part| self.0[part] * other.0[subset & !part])
+                .sum()
+        };
+        HyperDual(std::array::from_fn(of))
+    }
+
+    /// f of it, by f and its first three derivatives at its value (Faà di Bruno).
+    fn composed(&self, [f0, f1, f2, f3]: [f64; 4]) -> HyperDual {
+        let u = &self.0;
+        let two = |i: usize, j: usize| f1 * u[i | j] + f2 * u[i] * u[j];
+        let mixed = u[1] * u[6] + u[2] * u[5] + u[4] * u[3];
+        HyperDual([
+            f0,
+            f1 * u[1],
+            f1 * u[2],
+            two(1, 2),
+            f1 * u[4],
+            two(1, 4),
+            two(2, 4),
+            f1 * u[7] + f2 * mixed + f3 * u[1] * u[2] * u[4],
+        ])
+    }
+
+    fn power(&self, r: f64) -> HyperDual {
+        let x = self.value();
+        let falling = [1.0, r, r * (r - 1.0), r * (r - 1.0) * (r - 2.0)];
+        let order = [0.0, 1.0, 2.0, 3.0];
+        self.composed(std::array::from_fn(|k| falling[k] * x.powf(r - order[k])))
+    }
+
+    fn function(&self, function: Function) -> HyperDual {
+        let x = self.value();
+        let (sin, cos) = (x.sin(), x.cos());
+        self.composed(match function {
+            Function::Sin => [sin, cos, -sin, -cos],
+            Function::Cos => [cos, -sin, -cos, sin],
+            Function::Tan => {
+                let (t, slope) = (x.tan(), 1.0 + x.tan().powi(2));
+                [t, slope, 2.0 * t * slope, slope * (2.0 + 6.0 * t * t)]
+            }
+            Function::Tanh => {
+                let (t, slope) = (x.tanh(), 1.0 - x.tanh().powi(2));
+                [t, slope, -2.0 * t * slope, slope * (6.0 * t * t - 2.0)]
+            }
+            Function::Asin | Function::Acos => {
+                let r = (1.0 - x * x).sqrt().recip();
+                let (r3, r5) = (r.powi(3), r.powi(5));
+                let asin = [x.asin(), r, x * r3, r3 + 3.0 * x * x * r5];
+                match function {
+                    Function::Asin => asin,
+                    _ => [x.acos(), -asin[1], -asin[2], -asin[3]],
+                }
+            }
+            Function::Atan => {
+                let r = (1.0 + x * x).recip();
+                let third = (6.0 * x * x - 2.0) * r.powi(3);
+                [x.atan(), r, -2.0 * x * r * r, third]
+            }
+            Function::Sinh => [x.sinh(), x.cosh(), x.sinh(), x.cosh()],
+            Function::Cosh => [x.cosh(), x.sinh(), x.cosh(), x.sinh()],
+            Function::Exp => [x.exp(); 4],
+            Function::Ln => [x.ln(), 1.0 / x, -1.0 / (x * x), 2.0 / (x * x * x)],
+            Function::Sqrt => return self.power(0.5),
+            // at its kink it has no derivative
+            Function::Abs if x == 0.0 => [0.0, f64::NAN, f64::NAN, f64::NAN],
+            Function::Abs => [x.abs(), x.signum(), 0.0, 0.0],
+        })
+    }
+
+    /// What a rule makes of its operands.
+    pub fn by_rule(rule: Rule, a: &HyperDual, b: &HyperDual) -> HyperDual {
+        match rule {
+            Rule::Product => a.times(b),
+            Rule::Quotient => a.times(&b.power(-1.0)),
+            Rule::Power(r) => a.power(r),
+            Rule::Function(function) => a.function(function),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Along one direction three times over, f‴ of every function is that of the series Σ fₖhᵏ/k! it begins with: the
+    /// derivatives of tan by those of sin/cos, of tanh by exponentials.
+    #[test]
+    fn functions_of_two_kinds_have_the_same_derivatives() {
+        let x = HyperDual::along(0.7, [1.3, -0.4, 0.9]);
+        let of = |function| x.function(function);
+        let tan = HyperDual::by_rule(Rule::Quotient, &of(Function::Sin), &of(Function::Cos));
+        let mut twice = HyperDual::constant(0.0);
+        twice.add(2.0, &x);
+        let exp = twice.function(Function::Exp);
+        let (mut above, mut below) = (exp, exp);
+        above.add(-1.0, &HyperDual::constant(1.0));
+        below.add(1.0, &HyperDual::constant(1.0));
+        let tanh = HyperDual::by_rule(Rule::Quotient, &above, &below);
+        let root = of(Function::Ln);
+        let mut half = HyperDual::constant(0.0);
+        half.add(0.5, &root);
+        let pairs = [
+            (tan, of(Function::Tan)),
+            (tanh, of(Function::Tanh)),
+            (half.function(Function::Exp), of(Function::Sqrt)),
+            (of(Function::Exp).function(Function::Ln), x),
+        ];
+        for (one, other) in pairs {
+            for (one, other) in one.0.iter().zip(&other.0) {
+                let size = one.abs().max(other.abs()).max(1.0);
+                assert!((one - other).abs() <= 64.0 * f64::EPSILON * size);
+            }
+        }
+        assert!(
+            HyperDual::along(0.0, [1.0; 3])
+                .function(Function::Abs)
+                .derivative(&[0])
+                .is_nan()
+        );
+    }
+}

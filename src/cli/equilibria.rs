@@ -1,0 +1,69 @@
+//! A problem with equilibria made ready to be run: the equilibrium it restarts from, and the ways its branch can go.
+
+use std::path::Path;
+
+use super::failure::{Exit, Failure};
+use super::prepare::{Source, named_equilibrium, ways};
+use crate::hybrid::equilibrium::{EquilibriumRunner, NamedEquilibrium, NoEquilibriumStart};
+use crate::problem::{Continuation, EquilibriumStart, SystemProblem};
+
+/// A problem with equilibria of a system, read and ready to run.
+pub(crate) struct PreparedEquilibrium {
+    pub problem: SystemProblem,
+    pub continuation: Continuation<String>,
+    named: Option<NamedEquilibrium>,
+    source: Source,
+}
+
+impl PreparedEquilibrium {
+    /// The beginning of the branch, or the line of the problem file that keeps it from beginning.
+    pub(crate) fn begin(&self) -> Result<EquilibriumRunner, Failure> {
+        let begun =
+            EquilibriumRunner::begin(&self.problem, &self.continuation, self.named.as_ref());
+        begun.map_err(|error: NoEquilibriumStart| {
+            let (path, help) = error.about();
+            let message = error.to_string();
+            self.source.placed(path, message, help, Exit::Numerical)
+        })
+    }
+}
+
+/// The branch of a problem that was read, and the equilibrium it restarts from if it does.
+pub(crate) fn ready(
+    problem: SystemProblem,
+    text: String,
+    path: &Path,
+) -> Result<PreparedEquilibrium, Failure> {
+    let source = Source::new(path.display().to_string(), text);
+    let section = problem.continuation(source.text(), source.name())?;
+    let mut continuation = section.clone();
+    let start = problem.equilibrium.as_ref().map(|section| &section.start);
+    let named = match start {
+        Some(
+            EquilibriumStart::Restart { dir, label } | EquilibriumStart::Switch { dir, label },
+        ) => Some(named_equilibrium(
+            &problem,
+            (dir, *label),
+            "equilibrium.start",
+            &source,
+        )?),
+        _ => None,
+    };
+    let values = match &named {
+        Some(named) => named.saved.values.clone(),
+        None => problem.values(),
+    };
+    let first = problem.parameter();
+    let first = first.and_then(|index| values.get(index).copied());
+    // the other branch at an event goes the way it goes
+    if !matches!(start, Some(EquilibriumStart::Switch { .. })) {
+        let column = continuation.parameter.clone();
+        continuation.toward = ways(&continuation, &column, first, &source)?;
+    }
+    Ok(PreparedEquilibrium {
+        problem,
+        continuation,
+        named,
+        source,
+    })
+}

@@ -1,0 +1,79 @@
+//! The cycle that is born at a Hopf point of a branch of equilibria.
+
+use super::super::begin::{First, NoStart, wanted};
+use super::begin::NamedEquilibrium;
+use super::point::LabelledEquilibrium;
+use crate::affine::equilibrium::EquilibriumCurve;
+use crate::affine::equilibrium::cycle::NoCycle;
+use crate::affine::equilibrium::start::EquilibriumRequest;
+use crate::affine::orbit::start::{Beginning, Search, Wanted, first};
+use crate::orbit::EventType;
+use crate::problem::{Continuation, SystemProblem};
+
+/// The first cycle on the side of a Hopf point on which cycles lie; the branch leads away from it.
+pub(in crate::hybrid) fn born(
+    problem: &SystemProblem,
+    continuation: &Continuation<String>,
+    named: &NamedEquilibrium,
+) -> Result<First, NoStart> {
+    let NamedEquilibrium { saved, kind } = named;
+    let LabelledEquilibrium {
+        label,
+        mode,
+        state,
+        values,
+    } = saved;
+    if *kind != Some(EventType::HB) {
+        return Err(NoStart::NotHopf {
+            label: *label,
+            kind: kind.map_or_else(|| "none".to_owned(), |kind| kind.to_string()),
+        });
+    }
+    let wanted = wanted(problem, continuation, values.clone())?;
+    let request = EquilibriumRequest {
+        system: problem.system.clone(),
+        values: values.clone(),
+        parameter: wanted.parameter,
+        width: wanted.width,
+        mode: problem.system.mode(mode).ok_or(NoStart::Unknown)?,
+    };
+    let at = EquilibriumCurve::at(&request, state).map_err(|_| NoStart::Unknown)?;
+    let (curve, point) = at;
+    let guesses = curve.cycles(&point).map_err(NoStart::NoCycle)?;
+    let (low, high) = continuation.range;
+    let within = guesses
+        .iter()
+        .filter(|guess| (low..=high).contains(&guess.value));
+    let mut tried = 0;
+    for guess in within {
+        tried += 1;
+        let mut values = values.clone();
+        values[wanted.parameter] = guess.value;
+        let beginning = Beginning {
+            mode: request.mode,
+            state: guess.state.clone(),
+            phase: 0.0,
+        };
+        let asked = Wanted {
+            values,
+            ..wanted.clone()
+        };
+        if let Ok((orbit, point)) = first(&asked, &beginning, Search::Guess(guess.period)) {
+            return Ok(First {
+                orbit,
+                point,
+                directions: vec![guess.up],
+            });
+        }
+    }
+    match guesses.first() {
+        Some(guess) if tried == 0 => Err(NoStart::LabelOutside {
+            label: *label,
+            column: continuation.parameter.clone(),
+            value: guess.value,
+            low,
+            high,
+        }),
+        _ => Err(NoStart::NoCycle(NoCycle::NotFound)),
+    }
+}

@@ -1,0 +1,142 @@
+//! What a branch of equilibria is made of, as plain data.
+
+use nalgebra::Complex;
+use serde::{Deserialize, Serialize};
+
+use crate::affine::equilibrium::EquilibriumGuard;
+use crate::affine::system::System;
+use crate::linalg::Eigenvalue;
+use crate::orbit::special::Close;
+use crate::orbit::{EventType, Stability};
+use crate::problem::compare::Occurrence;
+
+/// One accepted point of a branch: a row of `branch.csv`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EquilibriumPoint {
+    /// Running number from 1.
+    pub point: usize,
+    /// Label of a labelled point: the key of events and eigenvalues.
+    pub label: Option<usize>,
+    /// Leg it belongs to, from 1.
+    pub leg: usize,
+    /// Type of a special point.
+    pub kind: Option<EventType>,
+    /// Name of its mode.
+    pub mode: String,
+    /// Values of the parameters in the order of the file.
+    pub parameters: Vec<f64>,
+    /// The states.
+    pub state: Vec<f64>,
+    /// Stability.
+    pub stable: Stability,
+    /// Eigenvalues with a positive real part.
+    pub unstable: usize,
+    /// All eigenvalues, in a sliding mode those within its surface, the fastest growing first.
+    pub eigenvalues: Vec<Eigenvalue>,
+    /// Newton iterations spent on the point.
+    pub newton: usize,
+    /// Largest relative residual of the equations.
+    pub residual: f64,
+}
+
+impl EquilibriumPoint {
+    /// The eigenvalue that grows fastest; none in a surface of no dimension.
+    pub fn leading(&self) -> Option<Complex<f64>> {
+        self.eigenvalues.first().map(|one| one.value)
+    }
+}
+
+/// A special point: a row of `events.csv`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EquilibriumEvent {
+    /// Label of the point in `branch.csv`.
+    pub label: usize,
+    /// Type of the event.
+    pub kind: EventType,
+    /// Names and values of the parameters, then of the states, in the order of the file.
+    pub parameters: Vec<(String, f64)>,
+    /// See [`EquilibriumEvent::parameters`].
+    pub state: Vec<(String, f64)>,
+    /// The leading eigenvalue.
+    pub leading: Option<Complex<f64>>,
+    /// Imaginary part of the pair of a Hopf point.
+    pub omega: Option<f64>,
+    /// Its first Lyapunov coefficient.
+    pub lyapunov: Option<f64>,
+    /// Mode before the event, along the branch.
+    pub regimes_before: String,
+    /// Mode after the event, along the branch.
+    pub regimes_after: String,
+    /// Bound or honest estimate of the error of the located parameter.
+    pub uncertainty: f64,
+    /// A short sentence.
+    pub what: String,
+}
+
+impl Occurrence for EquilibriumEvent {
+    fn kind(&self) -> EventType {
+        self.kind
+    }
+
+    fn label(&self) -> usize {
+        self.label
+    }
+
+    fn number(&self, name: &str) -> Option<f64> {
+        match name {
+            "re" => self.leading.map(|value| value.re),
+            "im" => self.leading.map(|value| value.im),
+            "omega" => self.omega,
+            "lyapunov" => self.lyapunov,
+            _ => {
+                let mut named = self.parameters.iter().chain(&self.state);
+                named
+                    .find(|(known, _)| known == name)
+                    .map(|(_, value)| *value)
+            }
+        }
+    }
+
+    fn regimes(&self) -> [&str; 2] {
+        [&self.regimes_before, &self.regimes_after]
+    }
+}
+
+/// An equilibrium in physical numbers: what a restart needs.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LabelledEquilibrium {
+    /// Label.
+    pub label: usize,
+    /// Name of its mode.
+    pub mode: String,
+    /// The states.
+    pub state: Vec<f64>,
+    /// Values of the parameters.
+    pub values: Vec<f64>,
+}
+
+impl LabelledEquilibrium {
+    /// Whether it has all its numbers, all finite, and a mode of the system: a damaged file may say otherwise.
+    #[cfg_attr(not(feature = "cli"), allow(dead_code))]
+    pub(crate) fn is_whole(&self, system: &System) -> bool {
+        let all = || self.state.iter().chain(&self.values);
+        self.state.len() == system.source.states.len()
+            && self.values.len() == system.source.parameters.0.len()
+            && all().all(|number| number.is_finite())
+            && system.mode(&self.mode).is_some()
+    }
+}
+
+/// What could not be settled in a run.
+#[derive(Clone, Debug, PartialEq)]
+pub enum EquilibriumNote {
+    /// What comes so close to zero at a point, or between it and the one before, that rounding decides.
+    Close {
+        /// Name of the parameter.
+        parameter: String,
+        /// Its value.
+        value: f64,
+        /// What.
+        what: Close<EquilibriumGuard>,
+    },
+}

@@ -1,0 +1,521 @@
+//! Branches of equilibria against closed forms and figures of an independent program in 40 digits, in several units and orders
+//! of the states.
+
+use std::f64::consts::FRAC_1_SQRT_2;
+
+use brakewave::EventType;
+use brakewave::hybrid::equilibrium::run::EquilibriumProgress;
+use brakewave::hybrid::equilibrium::{
+    EquilibriumEvent, EquilibriumItem, EquilibriumRunner, NamedEquilibrium,
+};
+use brakewave::hybrid::{EarlierPoint, Runner};
+use brakewave::orbit::legs::Run as _;
+use brakewave::orbit::{Stability, special};
+
+use crate::affine::rests::{
+    BRUSSELATOR, CHUA, Course, FITZHUGH, HARVEST, PITCHFORK, STARTS, events, followed, meets,
+    number, runner,
+};
+use EventType::{BE, BP, EP, HB, LP};
+
+#[test]
+fn hopf_points_have_their_frequency_and_first_lyapunov_coefficient() {
+    // ω = A, l₁ = −(2 + A²)/(2A(1 + 2A²)) at B = 1 + A²
+    for a in [1.0, 0.6, 1.7] {
+        let text = BRUSSELATOR.replace("\"A\": 1.0", &format!("\"A\": {a:?}"));
+        let course = Course {
+            system: &text,
+            state: &[a, 1.5 / a],
+            range: (1.0, 4.5),
+            ..STARTS[0]
+        };
+        let lyapunov = -(2.0 + a * a) / (2.0 * a * (1.0 + 2.0 * a * a));
+        let numbers = [
+            ("omega", a),
+            ("lyapunov", lyapunov),
+            ("x", a),
+            ("y", (1.0 + a * a) / a),
+        ];
+        meets(&course.events(), HB, "B", 1.0 + a * a, &numbers);
+    }
+    let predators = STARTS[1].events();
+    let omega = 0.414_039_335_605_412_530_68;
+    let lyapunov = -1.199_286_351_408_781_123_3;
+    let numbers = [
+        ("omega", omega),
+        ("lyapunov", lyapunov),
+        ("y", 0.595_238_095_238_095_238_1),
+    ];
+    meets(&predators, HB, "K", 7.0 / 6.0, &numbers);
+    let lorenz = STARTS[2].events();
+    for x in [7.956_019_457_871_825_051_7, -7.956_019_457_871_825_051_7] {
+        let (omega, lyapunov) = (9.624_530_063_715_756_438_9, 2.655_189_725_836_714_223e-4);
+        let numbers = [("x", x), ("y", x), ("omega", omega), ("lyapunov", lyapunov)];
+        meets(&lorenz, HB, "r", 24.736_842_105_263_158_078, &numbers);
+    }
+    for (b, current, v, lyapunov) in [
+        (
+            0.45,
+            0.040_038_660_903_665_295_086,
+            -0.981_835_016_690_686_175_08,
+            -0.194_915_849_969_694_757_42,
+        ),
+        (
+            0.45,
+            3.071_072_450_207_445_816,
+            0.981_835_016_690_686_175_08,
+            -0.194_915_849_969_694_757_42,
+        ),
+        (
+            0.85,
+            0.353_246_389_356_172_089_14,
+            -0.965_401_470_891_773_605_44,
+            1.149_362_191_240_031_470_2,
+        ),
+        (
+            0.85,
+            1.293_812_434_173_239_675_6,
+            0.965_401_470_891_773_605_44,
+            1.149_362_191_240_031_470_2,
+        ),
+    ] {
+        let text = FITZHUGH.replace("0.45", &format!("{b:?}"));
+        let course = Course {
+            system: &text,
+            ..STARTS[4]
+        };
+        meets(
+            &course.events(),
+            HB,
+            "I",
+            current,
+            &[("v", v), ("lyapunov", lyapunov)],
+        );
+    }
+    let two = STARTS[10].events();
+    for (m, omega, lyapunov) in [
+        (
+            -0.622_254_678_596_635_211_61,
+            1.337_254_593_541_642_778_2,
+            -0.113_582_789_147_992_597_2,
+        ),
+        (
+            -0.254_323_987_131_998_359_73,
+            1.020_513_438_918_347_407_9,
+            -0.199_353_444_609_917_843_78,
+        ),
+        (
+            0.526_578_665_728_633_571_34,
+            1.465_538_287_810_599_706_1,
+            -0.078_100_748_450_120_275_249,
+        ),
+    ] {
+        meets(
+            &two,
+            HB,
+            "m",
+            m,
+            &[("omega", omega), ("lyapunov", lyapunov)],
+        );
+    }
+}
+
+/// In a sliding mode eigenvalues and l₁ are those of the field in its surface.
+#[test]
+fn a_relay_loses_its_rest_in_sliding() {
+    let events = STARTS[9].events();
+    let numbers = [
+        ("s", 0.0),
+        ("x", -0.051_359_056_450_322_587_371),
+        ("y", -9.227_887_506_676_062_378_8e-3),
+        ("omega", 0.910_165_120_233_586_004_28),
+        ("lyapunov", -2.195_034_368_307_056_97),
+    ];
+    meets(&events, HB, "mu", -0.144_554_186_825_393_419_35, &numbers);
+    let all = STARTS[9].all(&[1.0; 3], false);
+    assert!(all.iter().all(|item| item.point.eigenvalues.len() == 2));
+}
+
+#[test]
+fn folds_and_branch_points_are_located_to_rounding() {
+    let reaction = STARTS[3].events();
+    let numbers = [
+        ("u", 0.311_017_763_495_386_386_39),
+        ("w", 1.451_416_229_645_136_469_8),
+    ];
+    meets(&reaction, LP, "p", 0.105_738_978_271_650_651_01, &numbers);
+    let numbers = [
+        ("u", 0.688_982_236_504_613_613_61),
+        ("w", 3.215_250_437_021_530_196_8),
+    ];
+    meets(&reaction, LP, "p", 0.088_931_846_185_772_802_594, &numbers);
+    let numbers = [
+        ("omega", 4.007_774_662_864_486_653_1),
+        ("lyapunov", -0.388_954_535_527_405_477),
+    ];
+    meets(&reaction, HB, "p", 0.130_900_044_820_043_324_64, &numbers);
+    // the trace is zero at a saddle in between: no Hopf point
+    assert_eq!(reaction.len(), 3, "{reaction:#?}");
+    meets(
+        &STARTS[1].events(),
+        BP,
+        "K",
+        1.0 / 3.0,
+        &[("x", 1.0 / 3.0), ("y", 0.0)],
+    );
+    // where the branch of x = y ≠ 0 comes to that of 0 the parameter turns, which is no fold
+    let lorenz = STARTS[2].events();
+    meets(&lorenz, BP, "r", 1.0, &[("x", 0.0), ("y", 0.0), ("z", 0.0)]);
+    assert_eq!(lorenz.len(), 3, "{lorenz:#?}");
+    meets(&STARTS[5].events(), BP, "mu", 0.0, &[("x", 0.0)]);
+}
+
+/// A fold of pseudo-equilibria between boundary equilibria of both kinds.
+#[test]
+fn beyond_a_boundary_the_neighbouring_mode_goes_on() {
+    let found = STARTS[6].events();
+    let kinds: Vec<_> = found
+        .iter()
+        .map(|one| {
+            (
+                one.kind,
+                one.regimes_before.as_str(),
+                one.regimes_after.as_str(),
+            )
+        })
+        .collect();
+    let expected = [
+        (BE, "low", "slide"),
+        (LP, "slide", "slide"),
+        (BE, "slide", "high"),
+    ];
+    assert_eq!(kinds, expected);
+    let al = [
+        0.404_875_148_632_580_261_59,
+        0.422_5,
+        0.420_227_149_810_708_491_08,
+    ];
+    let x = [
+        0.217_241_379_310_344_827_59,
+        0.35,
+        0.397_674_418_604_651_162_79,
+    ];
+    for ((kind, ..), (al, x)) in expected.into_iter().zip(al.into_iter().zip(x)) {
+        meets(&found, kind, "al", al, &[("x", x), ("y", al)]);
+    }
+    assert!(
+        found[0].what.starts_with("nonsmooth fold"),
+        "{}",
+        found[0].what
+    );
+    assert!(
+        found[2].what.starts_with("persistence"),
+        "{}",
+        found[2].what
+    );
+    // with less harvest both turn
+    let text = HARVEST.replace("0.15", "0.05");
+    let found = Course {
+        system: &text,
+        ..STARTS[6]
+    }
+    .events();
+    assert_eq!(found.len(), 2);
+    meets(
+        &found,
+        BE,
+        "al",
+        0.415_450_338_198_647_205_41,
+        &[("x", 0.266_037_735_849_056_603_77)],
+    );
+    assert!(
+        found
+            .iter()
+            .all(|one| one.what.starts_with("nonsmooth fold"))
+    );
+    // two continuous modes: E = ∓αc, both equilibria on one side
+    let found = STARTS[7].events();
+    meets(
+        &found,
+        BE,
+        "E",
+        -6.0 / 7.0,
+        &[("x", 1.0), ("y", 0.0), ("z", -1.0)],
+    );
+    meets(
+        &found,
+        BE,
+        "E",
+        6.0 / 7.0,
+        &[("x", -1.0), ("y", 0.0), ("z", 1.0)],
+    );
+    assert!(
+        found
+            .iter()
+            .all(|one| one.what.starts_with("nonsmooth fold"))
+    );
+    let found = STARTS[8].events();
+    meets(&found, BE, "mu", 0.0, &[("x", 0.0), ("y", 0.0)]);
+    assert!(
+        found[0].what.starts_with("persistence"),
+        "{}",
+        found[0].what
+    );
+}
+
+/// Chua's outer equilibrium: m(m − 1)α² + (m − 1)α + β = 0, ω² = β + α(m − 1).
+#[test]
+fn cycles_of_an_affine_mode_are_a_vertical_family() {
+    let text = CHUA.replace("1.2857142857142857143", "0.0");
+    let course = Course {
+        system: &text,
+        state: &[1.5, 0.0, -1.5],
+        parameter: "alpha",
+        range: (5.0, 8.0),
+        ..STARTS[7]
+    };
+    let found = course.events();
+    let numbers = [
+        ("x", 1.5),
+        ("omega", 3.070_130_003_457_097_263_9),
+        ("lyapunov", 0.0),
+    ];
+    meets(&found, HB, "alpha", 6.796_022_466_621_533_519_6, &numbers);
+    assert!(
+        found[0].what.contains("vertical family"),
+        "{}",
+        found[0].what
+    );
+}
+
+/// Where a wall is in the way and nothing else rests there the branch ends, and nothing is left undone.
+#[test]
+fn a_branch_ends_at_a_wall() {
+    let text = r#"(states: ["x", "v"], parameters: {"f": 0.0}, modes: {"free": (
+        rates: {"x": "v", "v": "f - x - 0.1*v"}, until: [(zero: "1 - x", to: "free", reset: {"v": "-0.8*v"})])})"#;
+    let course = Course {
+        system: text,
+        mode: "free",
+        state: &[0.0, 0.0],
+        parameter: "f",
+        range: (-0.5, 2.0),
+    };
+    let found = course.events();
+    meets(&found, BE, "f", 1.0, &[("x", 1.0), ("v", 0.0)]);
+    assert!(
+        found[0].what.contains("the branch ends"),
+        "{}",
+        found[0].what
+    );
+}
+
+/// Events do not depend on units and order of the states, however large or small.
+#[test]
+fn units_and_order_of_the_states_make_no_difference() {
+    for course in STARTS {
+        let own = course.events();
+        for (units, reversed) in [
+            ([1e6, 1e6, 1e6, 1e6], false),
+            ([1e-6, 1e-6, 1e-6, 1e-6], true),
+            ([1e6, 1e-6, 1e3, 1e-3], true),
+        ] {
+            let other = events(&course.all(&units, reversed));
+            let kinds =
+                |all: &[EquilibriumEvent]| all.iter().map(|one| one.kind).collect::<Vec<_>>();
+            assert_eq!(kinds(&own), kinds(&other), "{}", course.system);
+            for (one, other) in own.iter().zip(&other) {
+                let [one_at, other_at] = [one, other].map(|event| number(event, course.parameter));
+                let off = (one_at - other_at).abs();
+                assert!(
+                    off <= 1e-12 * one_at.abs().max(1e-2),
+                    "{}: {off:e}",
+                    course.system
+                );
+                assert_eq!(one.omega.is_some(), other.omega.is_some());
+                let what =
+                    |event: &EquilibriumEvent| event.what.split(' ').next().unwrap().to_owned();
+                assert_eq!(what(one), what(other));
+            }
+        }
+    }
+}
+
+/// The number of growing eigenvalues changes at events alone, by what passes there.
+#[test]
+fn stability_changes_at_events_only() {
+    for course in STARTS {
+        let all = course.all(&[1.0; 9], false);
+        for pair in all.windows(2) {
+            let [one, other] = [&pair[0].point, &pair[1].point];
+            if one.leg != other.leg || pair.iter().any(|item| item.event.is_some()) {
+                continue;
+            }
+            assert_eq!(one.unstable, other.unstable, "{}: {one:?}", course.system);
+            let stable = if one.unstable == 0 {
+                Stability::Yes
+            } else {
+                Stability::No
+            };
+            assert_eq!(one.stable, stable);
+        }
+    }
+}
+
+/// On the branch that leaves a pitchfork y = x², mu = −x² + qx⁴: it turns at x = 1/√(2q), mu = −1/(4q).
+#[test]
+fn the_other_branch_leaves_a_branch_point() {
+    for q in [1.0, 0.7] {
+        let text = PITCHFORK.replace("\"q\": 1.0", &format!("\"q\": {q:?}"));
+        let course = Course {
+            system: &text,
+            ..STARTS[5]
+        };
+        let all = course.all(&[1.0; 2], false);
+        let at = all.iter().find(|item| item.point.kind == Some(BP)).unwrap();
+        let named = NamedEquilibrium {
+            saved: at.saved.clone().unwrap(),
+            kind: Some(BP),
+        };
+        let mut problem = course.problem(&[1.0; 2], false, "");
+        let start = r#"(start: Switch(dir: "earlier", label: 4))"#;
+        problem.equilibrium = Some(ron::from_str(start).unwrap());
+        let found = events(&followed(runner(&problem, Some(&named))));
+        let x = FRAC_1_SQRT_2 / f64::sqrt(q);
+        let sign = number(&found[0], "x").signum();
+        meets(
+            &found,
+            LP,
+            "mu",
+            -0.25 / q,
+            &[("x", sign * x), ("y", 0.5 / q)],
+        );
+        // no other branch leaves at another label
+        let named = NamedEquilibrium {
+            kind: Some(EP),
+            ..named
+        };
+        let section = problem.continuation.as_ref().unwrap();
+        assert!(EquilibriumRunner::begin(&problem, section, Some(&named)).is_err());
+    }
+}
+
+/// The cycle of a supercritical Hopf point and that of a subcritical one, in the direction that l₁ says.
+#[test]
+fn cycles_are_born_at_hopf_points() {
+    for (course, value, period) in [
+        (STARTS[0], 2.5, 6.577_284_341_905_833_303_4),
+        (STARTS[2], 24.0, 0.679_336_764_198_218_261_75),
+    ] {
+        let all = course.all(&[1.0; 3], false);
+        let at = all.iter().find(|item| item.point.kind == Some(HB)).unwrap();
+        let saved = at.saved.clone().unwrap();
+        let born = number(at.event.as_ref().unwrap(), course.parameter);
+        let named = EarlierPoint::Equilibrium(NamedEquilibrium {
+            saved,
+            kind: Some(HB),
+        });
+        let mut problem = course.problem(&[1.0; 3], false, "stability: ()");
+        problem.equilibrium = None;
+        problem.orbit = ron::from_str(r#"(start: Switch(dir: "earlier", label: 2))"#).unwrap();
+        let section = problem.continuation.as_mut().unwrap();
+        section.stop_at = vec![brakewave::problem::UserPoint::Parameter(value)];
+        let section = section.clone();
+        let mut runner = Runner::begin(&problem, &section, Some(&named)).unwrap();
+        let first = runner.step().remove(0).point;
+        let index = problem.parameter().unwrap();
+        let moved = first.parameters[index] - born;
+        assert!(
+            moved * (value - born) > 0.0 && moved.abs() < 0.01 * born,
+            "{moved}"
+        );
+        let stable = if value > born {
+            Stability::Yes
+        } else {
+            Stability::No
+        };
+        assert_eq!(first.stable, Some(stable));
+        let found = loop {
+            let items = runner.step();
+            assert!(runner.progress().end.is_none());
+            let user = items
+                .into_iter()
+                .find(|item| item.point.kind == Some(EventType::UZ));
+            if let Some(user) = user {
+                break user;
+            }
+        };
+        let off = found.point.period / period - 1.0;
+        assert!(off.abs() <= 1e-12, "{off:e}");
+    }
+}
+
+/// A run that goes on from its saved state finds the same points.
+#[test]
+fn a_saved_run_goes_on_as_if_it_had_not_been_interrupted() {
+    for course in [STARTS[2], STARTS[6]] {
+        let problem = course.problem(&[1.0; 3], false, "");
+        let section = problem.continuation.as_ref().unwrap();
+        let whole = followed(runner(&problem, None));
+        let mut begun = runner(&problem, None);
+        let mut all = Vec::new();
+        for _ in 0..40 {
+            all.extend(begun.step());
+        }
+        let saved = ron::to_string(&begun.state()).unwrap();
+        let progress: EquilibriumProgress = ron::from_str(&saved).unwrap();
+        let first = all[0].saved.clone().unwrap();
+        let resumed = EquilibriumRunner::resume(&problem, section, &first, progress).unwrap();
+        all.extend(followed(resumed));
+        let points = |all: &[EquilibriumItem]| {
+            all.iter()
+                .map(|item| item.point.clone())
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(points(&all), points(&whole));
+        // what is not of the problem is refused
+        let mut progress = begun.state();
+        progress.scales.units.pop();
+        let refused = EquilibriumRunner::resume(&problem, section, &first, progress);
+        assert!(matches!(
+            refused.err(),
+            Some(special::ResumeMismatch::Progress)
+        ));
+    }
+}
+
+/// What is no equilibrium of the system is refused, and what is wrong with it told.
+#[test]
+fn a_start_that_is_none_is_refused() {
+    let refused = |course: Course| {
+        let problem = course.problem(&[1.0; 3], false, "");
+        let section = problem.continuation.as_ref().unwrap();
+        let error = EquilibriumRunner::begin(&problem, section, None).err();
+        error.unwrap().to_string()
+    };
+    // beyond its own guard
+    let words = refused(Course {
+        mode: "high",
+        ..STARTS[6]
+    });
+    assert!(words.contains("of `high`"), "{words}");
+    // a line of equilibria
+    let text = r#"(states: ["x", "y"], parameters: {"a": 1.0}, modes: {"m": (rates: {"x": "a*y - a", "y": "a*y - a"})})"#;
+    let course = Course {
+        system: text,
+        mode: "m",
+        state: &[0.0, 0.0],
+        parameter: "a",
+        range: (0.5, 2.0),
+    };
+    refused(course);
+    // none at all
+    let text =
+        r#"(states: ["x"], parameters: {"a": 1.0}, modes: {"m": (rates: {"x": "a + x^2"})})"#;
+    refused(Course {
+        system: text,
+        mode: "m",
+        state: &[0.3],
+        parameter: "a",
+        range: (0.5, 2.0),
+    });
+}
