@@ -263,8 +263,10 @@ fn integrals_of_a_stiff_mode_are_right_to_rounding() {
         monitor: {"mx": Mean("x"), "my": Mean("y"), "xx": Mean("x^2"), "xy": Mean("x*y"), "yy": Mean("y^2")},
         orbit: (start: Simulate(mode: "on", state: {"x": 0.5, "y": 0.0}, settle: 20)),
         continuation: (parameter: "Q", range: (1.99, 2.0), toward: Down))"#;
-    for item in points(text) {
-        let of = |name: &str| monitor(&item, name);
+    for (index, item) in points(text).iter().enumerate() {
+        // the first orbit is solved to rounding, those of a branch as far as Newton's last step takes them
+        let tolerance = if index == 0 { 1.5e-14 } else { 1e-13 };
+        let of = |name: &str| monitor(item, name);
         let heat = item.point.parameters[1];
         let square = heat * of("my") - heat * heat * 1e-4 / item.point.period;
         for (one, other) in [
@@ -272,7 +274,7 @@ fn integrals_of_a_stiff_mode_are_right_to_rounding() {
             (of("xx"), of("xy")),
             (of("yy"), square),
         ] {
-            assert!((one - other).abs() <= 2e-14, "{one} {other}");
+            assert!((one - other).abs() <= tolerance, "{one} {other}");
         }
     }
 }
