@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::contact::Law;
+use super::contact::law::Law;
 use super::expression::{Expression, Flaw, Obstacle};
 use super::form::{Coefficient, Dual, Form};
 use super::system::{Mistake, Switch, System, SystemError};

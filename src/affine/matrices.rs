@@ -4,8 +4,8 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 use super::contact::law::Products;
-use super::contact::modes::Written;
-use super::contact::{ContactForms, ContactMistake};
+use super::contact::mistake::ContactMistake;
+use super::contact::modes::{ContactForms, Written};
 use super::evaluation::{Evaluation, FormMode, FormSwitch};
 use super::expression::Algebra;
 use super::form::{Dual, Form};

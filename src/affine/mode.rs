@@ -4,13 +4,15 @@
 //! What is not affine adds components to z that are made of the others, so that rates, guards and resets are linear
 //! in z all the same; how these move is not, and [`super::series`] has it.
 
+use std::fmt;
+use std::ops::Index;
 use std::sync::Arc;
 
-use super::contact::ContactMistake;
+use super::contact::mistake::ContactMistake;
 use super::form::Dual;
-pub use super::modes::Modes;
 pub use super::rows::{MatrixBy, Row};
 use super::series::{Field, Program};
+use super::slots::Slots;
 use crate::linalg::Vector;
 
 /// A way for a mode to end.
@@ -171,5 +173,116 @@ impl AffineSystem {
             }
         }
         regular
+    }
+}
+
+/// Makes a mode of its number.
+type Make = Box<dyn Fn(usize) -> AffineMode + Send + Sync>;
+
+/// The modes of a system at given parameters.
+#[derive(Clone)]
+pub struct Modes(Kind);
+
+#[derive(Clone)]
+enum Kind {
+    Written(Vec<AffineMode>),
+    Made(Arc<Made>),
+}
+
+struct Made {
+    count: usize,
+    make: Make,
+    slots: Slots<AffineMode>,
+}
+
+impl Modes {
+    /// All of them.
+    pub(super) fn of(modes: Vec<AffineMode>) -> Modes {
+        Modes(Kind::Written(modes))
+    }
+
+    /// So many, which are made when they are asked for.
+    pub(super) fn made(count: usize, make: Make) -> Modes {
+        let slots = Slots::new(count);
+        Modes(Kind::Made(Arc::new(Made { count, make, slots })))
+    }
+
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        match &self.0 {
+            Kind::Written(modes) => modes.len(),
+            Kind::Made(made) => made.count,
+        }
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The mode of a number, if there is one.
+    pub fn get(&self, index: usize) -> Option<&AffineMode> {
+        (index < self.len()).then(|| &self[index])
+    }
+
+    /// Whether the flow of every mode is exact: modes that are made when they are asked for are all alike.
+    pub fn are_exact(&self) -> bool {
+        match &self.0 {
+            Kind::Written(modes) => modes.iter().all(|mode| mode.field.is_exact),
+            Kind::Made(_) => self[0].field.is_exact,
+        }
+    }
+
+    /// Those that are laid out from the beginning.
+    pub fn written(&self) -> &[AffineMode] {
+        match &self.0 {
+            Kind::Written(modes) => modes,
+            Kind::Made(_) => &[],
+        }
+    }
+
+    /// See [`Modes::written`]; none can be added to others.
+    pub(super) fn written_mut(&mut self) -> &mut Vec<AffineMode> {
+        if let Kind::Made(_) = self.0 {
+            self.0 = Kind::Written(Vec::new());
+        }
+        match &mut self.0 {
+            Kind::Written(modes) => modes,
+            Kind::Made(_) => unreachable!("it has been replaced"),
+        }
+    }
+}
+
+impl Index<usize> for Modes {
+    type Output = AffineMode;
+
+    fn index(&self, index: usize) -> &AffineMode {
+        match &self.0 {
+            Kind::Written(modes) => &modes[index],
+            Kind::Made(made) => made.slots.get_or_make(index, || (made.make)(index)),
+        }
+    }
+}
+
+impl PartialEq for Modes {
+    fn eq(&self, other: &Modes) -> bool {
+        match (&self.0, &other.0) {
+            (Kind::Written(one), Kind::Written(other)) => one == other,
+            (Kind::Made(one), Kind::Made(other)) => Arc::ptr_eq(one, other),
+            _ => false,
+        }
+    }
+}
+
+impl fmt::Debug for Modes {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.0 {
+            Kind::Written(modes) => modes.fmt(formatter),
+            Kind::Made(made) => write!(
+                formatter,
+                "{} modes, made when they are asked for",
+                made.count
+            ),
+        }
     }
 }

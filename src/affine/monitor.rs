@@ -2,8 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::expression::{Expression, Flaw, Obstacle};
-use super::system::{Mistake, SystemError};
+use super::expression::Expression;
 
 /// A monitor as it is written.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -71,15 +70,6 @@ impl Monitor {
     pub(super) fn path(&self) -> String {
         let (place, _) = self.source.expression();
         format!("{MONITOR}.{}.{place}", self.name)
-    }
-
-    /// That its expression has no value.
-    pub(super) fn failed(&self, obstacle: Obstacle) -> SystemError {
-        let flaw = Flaw {
-            wrong: obstacle.into(),
-            span: self.expression.span.clone(),
-        };
-        SystemError::at(self.path(), Mistake::Expression(flaw))
     }
 
     /// Whether its expression names this.

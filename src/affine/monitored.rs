@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use super::expression::{Flaw, Obstacle};
 use super::mode::AffineSystem;
 use super::monitor::{MONITOR, Monitor, MonitorSource};
 use super::rows::Row;
@@ -42,6 +43,17 @@ pub struct MonitoredSystem {
     pub system: AffineSystem,
     /// The forms of all monitors by mode: of those that contacts make, in the modes that were asked for.
     pub forms: BTreeMap<usize, Vec<Row>>,
+}
+
+impl Monitor {
+    /// That its expression has no value.
+    pub(super) fn failed(&self, obstacle: Obstacle) -> SystemError {
+        let flaw = Flaw {
+            wrong: obstacle.into(),
+            span: self.expression.span.clone(),
+        };
+        SystemError::at(self.path(), Mistake::Expression(flaw))
+    }
 }
 
 impl System {

@@ -4,10 +4,10 @@
 use std::fmt;
 use std::sync::Arc;
 
-use super::contact::ContactMistake;
+use super::contact::mistake::ContactMistake;
 use super::flow::{ModeFlow, Onset};
 use super::mode::{AffineSystem, Row};
-use super::modes::Slots;
+use super::slots::Slots;
 use crate::linalg::Vector;
 
 /// Where a motion is.

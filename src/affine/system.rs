@@ -14,8 +14,8 @@ use serde::de::{MapAccess, Visitor};
 use serde::ser::SerializeMap;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use super::contact::law::{Products, stretch};
-use super::contact::{ContactMistake, Law, MAX_CONTACTS};
+use super::contact::law::{Law, Products, stretch};
+use super::contact::mistake::{ContactMistake, MAX_CONTACTS};
 use super::expression::{Expression, Flaw, Obstacle, Wrong};
 use super::monitor::Monitor;
 

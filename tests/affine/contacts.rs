@@ -213,6 +213,36 @@ fn a_bound_that_depends_on_the_slip() {
     assert!((one / other - 1.0).abs() < 1e-13, "{one} {other}");
 }
 
+/// A wall of springs as two modes of one's own with friction in both, and as a contact beside the friction.
+#[test]
+fn modes_of_ones_own_with_a_contact() {
+    let own = r#"(states: ["x", "v"], parameters: {"A": 1.0, "w": 0.6, "k": 4.0, "F": 0.2}, forcing: "w",
+        contacts: {"q": Friction(slip: "v", bound: "F")},
+        define: {"rest": "A*cos(phase) - x - 0.1*v + q"},
+        modes: {
+            "free": (rates: {"x": "v", "v": "rest"}, until: [(zero: "0.5 - x", to: "wall")]),
+            "wall": (rates: {"x": "v", "v": "rest - k*(x - 0.5)"}, until: [(zero: "x - 0.5", to: "free")]),
+        })"#;
+    let both = r#"(states: ["x", "v"], parameters: {"A": 1.0, "w": 0.6, "k": 4.0, "F": 0.2}, forcing: "w",
+        contacts: {"p": Spring(gap: "0.5 - x", stiffness: "k"), "q": Friction(slip: "v", bound: "F")},
+        rates: {"x": "v", "v": "A*cos(phase) - x - 0.1*v + q - p"})"#;
+    let along = ("A", (0.3, 1.5));
+    let of = |text: &str, mode: &str| met(text, (mode, &[0.0, 0.1], 100.0), along);
+    let (seen, other) = (of(own, "free.forward"), of(both, "open.forward"));
+    assert!(!seen.is_empty() && seen.len() == other.len());
+    for (one, other) in seen.iter().zip(&other) {
+        assert_eq!(one.kind, other.kind);
+        assert!(
+            (one.value - other.value).abs() <= 1e-12,
+            "{} {}",
+            one.value,
+            other.value
+        );
+        let renamed = one.what.replace("free", "open").replace("wall", "closed");
+        assert_eq!(renamed, other.what);
+    }
+}
+
 /// Friction under a mass that hits a stop: the impact turns its slip, and in between it may stick.
 #[test]
 fn an_impact_turns_a_slip() {

@@ -6,7 +6,7 @@
 //! where these are affine.
 
 use super::law::{BACKWARD, CLOSED, FORWARD, GIVES_BACKWARD, GIVES_FORWARD, HELD, Law, STICK};
-use super::{ContactMistake, Kinematic};
+use super::mistake::{ContactMistake, Kinematic};
 use crate::affine::expression::{Algebra, Obstacle};
 use crate::affine::form::{Dual, Form};
 use crate::linalg::Matrix;

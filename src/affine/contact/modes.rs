@@ -6,11 +6,11 @@ use super::law::{
     BACKWARD, CLOSED, FORWARD, GIVES_BACKWARD, GIVES_FORWARD, HELD, Law, OPEN, PARTING, Products,
     STICK,
 };
-use super::{ContactMistake, MAX_PRODUCTS};
+use super::mistake::{ContactMistake, MAX_PRODUCTS};
 use crate::affine::evaluation::{FormMode, FormSwitch};
 use crate::affine::expression::{Algebra, Obstacle};
 use crate::affine::form::{Dual, Form};
-use crate::affine::modes::Slots;
+use crate::affine::slots::Slots;
 
 /// A system with contacts as forms, of which its modes are made.
 #[derive(Debug)]
