@@ -3,9 +3,9 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
+use super::contact::forms::{ContactForms, Written};
 use super::contact::law::Products;
 use super::contact::mistake::ContactMistake;
-use super::contact::modes::{ContactForms, Written};
 use super::evaluation::{Evaluation, FormMode, FormSwitch};
 use super::expression::Algebra;
 use super::form::{Dual, Form};

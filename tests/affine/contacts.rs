@@ -25,7 +25,11 @@ fn started(
         state: state.to_vec(),
         phase: 0.0,
     };
-    let wanted = Wanted::new(system.clone(), parameter, range).unwrap();
+    let mut wanted = Wanted::new(system.clone(), parameter, range).unwrap();
+    // without forcing an orbit may come back to its first switch several times
+    if system.source.forcing.is_none() {
+        wanted.periods = 12;
+    }
     first(&wanted, &beginning, Search::Settles(settle))
 }
 
@@ -348,8 +352,13 @@ fn springs_on_one_side() {
     meets(&met(text, from, ("w", (0.295, 0.53))), &expected);
     let damped = text.replace("\"ks\")", "\"ks\", damping: \"c\")");
     let (orbit, point) = started(&system(&damped), from, ("w", (0.3, 0.6))).unwrap();
-    assert_eq!(orbit.sequence.to_string(), "open-closed");
-    assert_eq!(orbit.sequence.len(), 3);
+    let names = orbit.sequence.to_string();
+    let told: Vec<&str> = names.split('-').collect();
+    let alternate = told.chunks(2).all(|pair| pair == ["open", "closed"]);
+    assert!(
+        alternate && 2 * orbit.sequence.len() == 3 * told.len(),
+        "{names}"
+    );
     // the force is never tension, and the energy of a period balances: ∫ẍẋ = 0
     let zones = orbit.at(&point).unwrap().zones;
     let closed = zones

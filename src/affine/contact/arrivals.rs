@@ -5,11 +5,11 @@
 //! order of the file, and where what it does hangs on the state of the instant both ways are followed, each with its
 //! condition. What is left is every end of such a chain, one exit each.
 
+use super::forms::ContactForms;
 use super::law::{
     BACKWARD, CLOSED, FORWARD, GIVES_BACKWARD, GIVES_FORWARD, HELD, Law, OPEN, PARTING, STICK,
 };
 use super::mistake::ContactMistake;
-use super::modes::ContactForms;
 use crate::affine::expression::{Algebra, Obstacle};
 use crate::affine::form::Form;
 

@@ -1,193 +1,16 @@
 //! Modes of a system with contacts, made when they are asked for.
 
 use super::arrivals::{Arrival, Ending, Instant};
-use super::forces::Own;
+use super::forms::ContactForms;
 use super::law::{
-    BACKWARD, CLOSED, FORWARD, GIVES_BACKWARD, GIVES_FORWARD, HELD, Law, OPEN, PARTING, Products,
-    STICK,
+    BACKWARD, CLOSED, FORWARD, GIVES_BACKWARD, GIVES_FORWARD, HELD, Law, OPEN, PARTING, STICK,
 };
-use super::mistake::{ContactMistake, MAX_PRODUCTS};
+use super::mistake::ContactMistake;
 use crate::affine::evaluation::{FormMode, FormSwitch};
 use crate::affine::expression::{Algebra, Obstacle};
-use crate::affine::form::{Dual, Form};
-use crate::affine::slots::Slots;
-
-/// A system with contacts as forms, of which its modes are made.
-#[derive(Debug)]
-pub struct ContactForms {
-    /// The user's modes.
-    pub(super) own: Vec<Own>,
-    /// The user's switches of these.
-    switches: Vec<Vec<FormSwitch>>,
-    /// The laws, bounds with forces as states from the number of states on.
-    pub(super) laws: Vec<Law<Form>>,
-    /// Names of the contacts.
-    names: Vec<String>,
-    products: Products,
-    /// Forces of every mode that has been asked for.
-    forces: Slots<Result<Vec<Form>, ContactMistake>>,
-}
-
-/// What is to be known of a system to make its modes.
-pub struct Written<'a> {
-    /// Names of the contacts.
-    pub names: Vec<String>,
-    /// Their laws.
-    pub laws: Vec<Law<Form>>,
-    /// The state of every Jenkins element.
-    pub stretches: &'a [Option<usize>],
-    /// The modes with the states of the contacts.
-    pub products: Products,
-    /// Angular frequency of the forcing.
-    pub omega: Dual,
-}
+use crate::affine::form::Form;
 
 impl ContactForms {
-    /// Of the user's modes, in whose rates forces are states from the number of states on.
-    ///
-    /// # Errors
-    /// What is wrong with a contact, with its number.
-    pub fn new(
-        modes: Vec<FormMode>,
-        written: Written,
-    ) -> Result<ContactForms, (usize, ContactMistake)> {
-        let Written {
-            names,
-            laws,
-            stretches,
-            products,
-            omega,
-        } = written;
-        let states = modes.first().map_or(0, |mode| mode.rates.len());
-        for (contact, law) in laws.iter().enumerate() {
-            check(law, states, &laws).map_err(|mistake| (contact, mistake))?;
-        }
-        let mut own = Vec::new();
-        let mut switches = Vec::new();
-        for mode in modes {
-            own.push(Own::new(&mode.rates, &laws, (&names, stretches), omega)?);
-            switches.push(mode.switches);
-        }
-        Ok(ContactForms {
-            own,
-            switches,
-            laws,
-            names,
-            forces: Slots::new(products.count()),
-            products,
-        })
-    }
-
-    /// How many modes there are.
-    pub fn count(&self) -> usize {
-        self.products.count()
-    }
-
-    /// Refuses more modes than are made at once.
-    ///
-    /// # Errors
-    /// There are more.
-    pub fn few(&self) -> Result<usize, ContactMistake> {
-        let count = self.count();
-        match count > MAX_PRODUCTS {
-            true => Err(ContactMistake::Products(count)),
-            false => Ok(count),
-        }
-    }
-
-    /// Whether every form that modes are made of is affine, with forces that act with constant weights.
-    pub fn is_affine(&self) -> bool {
-        let affine = |form: &Form| form.beyond.is_empty();
-        let own = self.own.iter().all(|own| {
-            let weights = own.weights.iter().flatten();
-            let moving = own.kinematics.iter();
-            let by = moving.clone().flat_map(|moving| &moving.by);
-            own.rates.iter().all(affine)
-                && weights.chain(by).all(Form::is_constant)
-                && moving
-                    .flat_map(|moving| [&moving.speed, &moving.drift])
-                    .all(affine)
-        });
-        let switches = self.switches.iter().flatten();
-        let mut of_switches = switches.flat_map(|switch| {
-            let reset = switch.reset.iter().map(|(_, form)| form);
-            reset.chain(&switch.conditions).chain([&switch.guard])
-        });
-        let law = |law: &Law<Form>| match law {
-            Law::Stop { gap, restitution } => affine(gap) && restitution.is_constant(),
-            Law::Spring {
-                gap,
-                stiffness,
-                damping,
-            } => {
-                affine(gap)
-                    && [Some(stiffness), damping.as_ref()]
-                        .into_iter()
-                        .flatten()
-                        .all(Form::is_constant)
-            }
-            Law::Jenkins {
-                slip, stiffness, ..
-            } => affine(slip) && stiffness.is_constant(),
-            Law::Friction { .. } => law.parts().iter().all(|(_, form)| affine(form)),
-        };
-        own && of_switches.all(affine) && self.laws.iter().all(law)
-    }
-
-    /// Highest multiple of the phase in what modes are made of, where that is affine.
-    pub fn highest(&self) -> usize {
-        let own = self.own.iter().flat_map(|own| {
-            let moving = own.kinematics.iter();
-            let moving = moving.flat_map(|moving| [&moving.speed, &moving.drift]);
-            own.rates.iter().chain(moving)
-        });
-        let laws = self.laws.iter().flat_map(|law| law.parts());
-        let switches = self.switches.iter().flatten().flat_map(|switch| {
-            let reset = switch.reset.iter().map(|(_, form)| form);
-            reset.chain(&switch.conditions).chain([&switch.guard])
-        });
-        let all = own.chain(laws.map(|(_, form)| form)).chain(switches);
-        all.map(Form::highest).max().unwrap_or(0)
-    }
-
-    pub(super) fn name(&self, own: usize, digits: &[usize]) -> String {
-        self.products.name(self.products.number(own, digits))
-    }
-
-    /// The forces of contacts in these states.
-    pub(super) fn forces(&self, own: usize, digits: &[usize]) -> Result<&[Form], ContactMistake> {
-        let name = || self.name(own, digits);
-        let find = || self.own[own].forces(&self.laws, digits, (&self.names, &name));
-        let number = self.products.number(own, digits);
-        let found = self.forces.get_or_make(number, find);
-        found.as_deref().map_err(Clone::clone)
-    }
-
-    /// The most that friction holds, given all forces.
-    pub(super) fn hold(&self, law: &Law<Form>, forces: &[Form]) -> Result<Form, Obstacle> {
-        let Law::Friction { bound, hold, .. } = law else {
-            return Ok(Form::default());
-        };
-        let states = self.own[0].rates.len();
-        let of = |state: usize| forces.get(state.checked_sub(states)?).cloned();
-        hold.as_ref().unwrap_or(bound).with(&of)
-    }
-
-    /// The rate of the slip of a contact, or of the velocity of its gap, with these forces.
-    pub(super) fn acceleration(
-        &self,
-        own: usize,
-        contact: usize,
-        forces: &[Form],
-    ) -> Result<Form, Obstacle> {
-        let moving = &self.own[own].kinematics[contact];
-        let mut rate = moving.drift.clone();
-        for (force, by) in forces.iter().zip(&moving.by) {
-            rate = rate.plus(by.clone().times(force.clone())?)?;
-        }
-        Ok(rate.trimmed())
-    }
-
     /// A mode by its number.
     ///
     /// # Errors
@@ -235,19 +58,6 @@ impl ContactForms {
         }
         let held = self.held(own, &digits);
         FormMode { rates, switches }.within(&held).map_err(failed)
-    }
-
-    /// A form in which forces stand as states in a mode, with these as they are there.
-    ///
-    /// # Errors
-    /// The forces are not determined, or it has no value.
-    pub fn of_mode(&self, form: &Form, number: usize) -> Result<Form, ContactMistake> {
-        let (own, digits) = self.products.digits(number);
-        let forces = self.forces(own, &digits)?;
-        let states = self.own[own].rates.len();
-        let of = |state: usize| forces.get(state.checked_sub(states)?).cloned();
-        let failed = |obstacle| ContactMistake::Obstacle(self.products.name(number), obstacle);
-        form.with(&of).map_err(failed)
     }
 
     /// The rates with these forces.
@@ -439,59 +249,4 @@ fn together(contact: usize, ending: &Ending, endings: &[Vec<Ending>]) -> Vec<(us
         .filter(|(other, _)| *other != contact);
     let found = others.filter_map(|(other, all)| Some((other, all.iter().find(same)?.to)));
     found.collect()
-}
-
-/// Refuses a law with a force where none may stand, and bounds that have no meaning.
-fn check(law: &Law<Form>, states: usize, laws: &[Law<Form>]) -> Result<(), ContactMistake> {
-    let force_in = |form: &Form| form.has_from(states);
-    let number = |form: &Form| form.is_constant().then_some(form.constant.value);
-    let bounds: Vec<&Form> = match law {
-        Law::Friction { slip, bound, hold } => {
-            if force_in(slip) {
-                return Err(ContactMistake::HasForce);
-            }
-            [Some(bound), hold.as_ref()].into_iter().flatten().collect()
-        }
-        Law::Jenkins { bound, .. } => {
-            if number(bound).is_none() {
-                return Err(ContactMistake::BoundChanges);
-            }
-            if law.parts().into_iter().any(|(_, form)| force_in(form)) {
-                return Err(ContactMistake::HasForce);
-            }
-            vec![bound]
-        }
-        Law::Stop { restitution, .. } if number(restitution).is_some_and(|value| value < 0.0) => {
-            return Err(ContactMistake::Restitution(restitution.constant.value));
-        }
-        Law::Stop { .. } | Law::Spring { .. } => {
-            match law.parts().into_iter().any(|(_, form)| force_in(form)) {
-                true => return Err(ContactMistake::HasForce),
-                false => Vec::new(),
-            }
-        }
-    };
-    for bound in &bounds {
-        if let Some(value) = number(bound).filter(|value| *value < 0.0) {
-            return Err(ContactMistake::Bound(value));
-        }
-        let mut stops = laws.iter().enumerate();
-        let impulse = stops.any(|(contact, law)| {
-            let impacts = matches!(law, Law::Stop { restitution, .. } if !restitution.is_zero());
-            let mut zero = vec![Form::default(); states + laws.len()];
-            zero[states + contact] = Form::number(1.0);
-            let by = bound.lie(&zero, Dual::default());
-            impacts && by.is_ok_and(|by| !by.is_zero())
-        });
-        if impulse {
-            return Err(ContactMistake::Impulse);
-        }
-    }
-    match bounds.as_slice() {
-        [bound, hold] => match (number(bound), number(hold)) {
-            (Some(bound), Some(hold)) if hold < bound => Err(ContactMistake::Static(hold, bound)),
-            _ => Ok(()),
-        },
-        _ => Ok(()),
-    }
 }

@@ -117,7 +117,7 @@ impl EquilibriumCurve {
         mode: usize,
     ) -> Option<EquilibriumCurve> {
         let own = lifted.modes.get(mode)?;
-        let name = setting.system.mode_name(mode).to_owned();
+        let name = setting.system.mode_name(mode).into_owned();
         let EquilibriumScales { units, first, .. } = &setting.scales;
         let at = LocalField {
             lifted: &lifted,
@@ -133,10 +133,7 @@ impl EquilibriumCurve {
         };
         let surface = at.as_ref().and_then(|at| at.surface.as_ref());
         Some(EquilibriumCurve {
-            signature: RestMode {
-                mode,
-                name: name.into_owned(),
-            },
+            signature: RestMode { mode, name },
             rates: all(at.as_ref().map(|at| &at.rates), units.len() - 1),
             surface: surface.map_or(1.0, of),
             guards: all(at.as_ref().map(|at| &at.guards), own.guards.len()),
