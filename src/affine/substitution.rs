@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::expression::{Algebra, Obstacle, Operation};
-use super::form::{Coefficient, Form, Rule, Term};
+use super::form::{Coefficient, Dual, Form, Rule, Term};
 
 impl<C: Coefficient> Form<C> {
     /// The sum of two.
@@ -111,10 +111,55 @@ impl<C: Coefficient> Form<C> {
     }
 }
 
+/// Part of two coefficients below which their sum is nothing but the roundings of the few operations that made them.
+const ROUNDING: f64 = 16.0 * f64::EPSILON;
+
+/// One plus another, zero where that is rounding; derivatives, too.
+fn cancelled(one: Dual, other: Dual) -> Dual {
+    let sum = |a: f64, b: f64| match (a + b).abs() <= ROUNDING * (a.abs() + b.abs()) {
+        true => 0.0,
+        false => a + b,
+    };
+    Dual {
+        value: sum(one.value, other.value),
+        by: std::array::from_fn(|p| sum(one.by[p], other.by[p])),
+    }
+}
+
+impl Form {
+    /// The sum of two where what cancels is zero: a force that holds takes exactly away what it holds against.
+    ///
+    /// # Errors
+    /// See [`Form::plus`].
+    pub(super) fn held_by(self, other: Form) -> Result<Form, Obstacle> {
+        let mut sum = self.clone().plus(other.clone())?;
+        for (index, state) in sum.states.iter_mut().enumerate() {
+            let of = |form: &Form| form.states.get(index).copied().unwrap_or_default();
+            *state = cancelled(of(&self), of(&other));
+        }
+        sum.constant = cancelled(self.constant, other.constant);
+        for (index, pair) in sum.harmonics.iter_mut().enumerate() {
+            let of = |form: &Form| form.harmonics.get(index).copied().unwrap_or_default();
+            let (one, other) = (of(&self), of(&other));
+            *pair = [0, 1].map(|part| cancelled(one[part], other[part]));
+        }
+        for (coefficient, term) in &mut sum.beyond {
+            let of = |form: &Form| {
+                let mut terms = form.beyond.iter();
+                let own = terms.find(|(_, known)| Arc::ptr_eq(known, term));
+                own.map_or_else(Dual::default, |(coefficient, _)| *coefficient)
+            };
+            *coefficient = cancelled(of(&self), of(&other));
+        }
+        sum.beyond
+            .retain(|(coefficient, _)| *coefficient != Dual::default());
+        Ok(sum.trimmed())
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::expression::Expression;
-    use super::super::form::Dual;
     use super::*;
 
     fn form(text: &str) -> Form<Dual> {
@@ -125,6 +170,22 @@ mod tests {
             _ => None,
         };
         Expression::read(text).unwrap().evaluate(&meaning).unwrap()
+    }
+
+    /// 5.177(−1/0.892)0.892 is not −5.177 in doubles.
+    #[test]
+    fn what_is_held_is_zero() {
+        let drift = form("(3.898*x - 0.159*y + 1.215)/0.892");
+        let force = drift.clone().over(form("1/0.892")).unwrap().negative();
+        let held = force.times(form("1/0.892")).unwrap();
+        assert_eq!(
+            drift.clone().held_by(held.clone()).unwrap(),
+            Form::default()
+        );
+        assert_eq!(
+            form("x + y").held_by(form("y - x")).unwrap(),
+            form("0*x + 2*y")
+        );
     }
 
     #[test]

@@ -75,7 +75,10 @@ impl Instant<'_> {
         for (contact, to) in self.together {
             digits[*contact] = *to;
         }
-        self.follow(self.contact, &mut digits);
+        let together = self.together.iter().map(|(contact, _)| *contact);
+        for contact in std::iter::once(self.contact).chain(together) {
+            self.follow(contact, &mut digits);
+        }
         // what is released leaves by the sign of what was too much, as long as nothing else changes
         let mut seen = vec![false; digits.len()];
         seen[self.contact] = self.is_friction(self.contact) && self.before[self.contact] == STICK;

@@ -68,7 +68,7 @@ impl ContactForms {
             for (rate, weight) in rates.iter_mut().zip(weights) {
                 if !weight.is_zero() {
                     let more = weight.clone().times(force.clone())?;
-                    *rate = std::mem::take(rate).plus(more)?.trimmed();
+                    *rate = std::mem::take(rate).held_by(more)?;
                 }
             }
         }
@@ -203,7 +203,7 @@ impl ContactForms {
         for (state, weight) in own.weights[contact].iter().enumerate() {
             if !weight.is_zero() {
                 let less = impulse.clone().times(weight.clone())?;
-                jump.push((state, Form::state(state).minus(less)?.trimmed()));
+                jump.push((state, Form::state(state).held_by(less.negative())?));
             }
         }
         Ok(jump)
