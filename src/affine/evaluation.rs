@@ -32,16 +32,20 @@ pub struct FormMode<C = Dual> {
     pub switches: Vec<FormSwitch<C>>,
 }
 
+impl<C> FormSwitch<C> {
+    /// All forms of it.
+    pub fn forms(&self) -> impl Iterator<Item = &Form<C>> {
+        let reset = self.reset.iter().map(|(_, form)| form);
+        std::iter::once(&self.guard)
+            .chain(reset)
+            .chain(&self.conditions)
+    }
+}
+
 impl<C> FormMode<C> {
     /// All forms of it.
     pub fn forms(&self) -> impl Iterator<Item = &Form<C>> {
-        let switches = self.switches.iter().flat_map(|switch| {
-            let reset = switch.reset.iter().map(|(_, form)| form);
-            [&switch.guard]
-                .into_iter()
-                .chain(reset)
-                .chain(&switch.conditions)
-        });
+        let switches = self.switches.iter().flat_map(FormSwitch::forms);
         self.rates.iter().chain(switches)
     }
 }

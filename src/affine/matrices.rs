@@ -143,10 +143,7 @@ impl System {
         modes: &[FormMode],
         monitors: &[Monitor],
     ) -> Result<Vec<Vec<Form>>, SystemError> {
-        let forms = monitors
-            .iter()
-            .map(|monitor| evaluation.form(&|| monitor.path(), &monitor.expression));
-        let forms = forms.collect::<Result<Vec<Form>, _>>()?;
+        let forms = of_monitors(evaluation, monitors)?;
         let of_mode = |mode: Option<&FormMode>| {
             let within = monitors.iter().zip(&forms).map(|(monitor, form)| {
                 let within = mode.map_or_else(|| Ok(form.clone()), |mode| mode.of_mode(form));
@@ -239,11 +236,8 @@ impl System {
         let section = evaluation.section()?;
         let states = self.source.states.len();
         let how = (self.flow_tolerance(), self.integrated);
-        let monitored = monitors
-            .iter()
-            .map(|monitor| evaluation.form(&|| monitor.path(), &monitor.expression));
-        let monitored = monitored.collect::<Result<Vec<Form>, _>>()?;
-        let of_monitors = |number: usize, mode: &FormMode| -> Result<Vec<Form>, SystemError> {
+        let monitored = of_monitors(evaluation, monitors)?;
+        let observed_in = |number: usize, mode: &FormMode| -> Result<Vec<Form>, SystemError> {
             let of_mode = |(monitor, form): (&Monitor, &Form)| {
                 // a mode whose forces are not determined has no value of theirs
                 let form = forms.of_mode(form, number).unwrap_or_default();
@@ -266,7 +260,7 @@ impl System {
             modes.extend(section);
             let observed = modes.iter().enumerate();
             let observed = observed.map(|(number, mode)| match number < count {
-                true => of_monitors(number, mode),
+                true => observed_in(number, mode),
                 false => Ok(Vec::new()),
             });
             let observed = observed.collect::<Result<Vec<_>, _>>()?;
@@ -282,7 +276,7 @@ impl System {
         let asked: &[usize] = if monitors.is_empty() { &[] } else { asked };
         let known = asked.iter().map(|number| {
             let mode = forms.mode(*number).unwrap_or_else(|_| still(states));
-            let observed = of_monitors(*number, &mode)?;
+            let observed = observed_in(*number, &mode)?;
             Ok((*number, mode, observed))
         });
         let known = known.collect::<Result<Vec<_>, SystemError>>()?;
@@ -304,14 +298,15 @@ impl System {
         let rows = rows.collect();
         let count = forms.count();
         let all = count + usize::from(section.is_some());
-        let made: Vec<(usize, AffineMode)> = known
+        let laid = move |shape: &Shape, number: usize, mode: &FormMode, program: &Arc<Program>| {
+            let mut mode = shape.mode(number, mode, omega);
+            mode.field = field(&mode, program, how);
+            mode
+        };
+        let made = known
             .iter()
-            .map(|(number, mode, _)| {
-                let mut laid = own.mode(*number, mode, omega);
-                laid.field = field(&laid, &program, how);
-                (*number, laid)
-            })
-            .collect();
+            .map(|(number, mode, _)| (*number, laid(&own, *number, mode, &program)));
+        let made: Vec<(usize, AffineMode)> = made.collect();
         let of = program.clone();
         let has_terms = program.made() > 0;
         let make = move |number: usize| {
@@ -331,10 +326,10 @@ impl System {
                 harmonics,
                 terms: Terms::of(&of),
             };
-            let mut mode = shape.mode(number, &made, omega);
-            mode.obstruction = obstruction;
-            mode.field = field(&mode, &of, how);
-            mode
+            AffineMode {
+                obstruction,
+                ..laid(&shape, number, &made, &of)
+            }
         };
         let system = AffineSystem {
             states,
@@ -348,6 +343,17 @@ impl System {
             forms: rows,
         })
     }
+}
+
+/// The expressions of monitors as forms, whatever the mode.
+fn of_monitors(
+    evaluation: &Evaluation<Dual>,
+    monitors: &[Monitor],
+) -> Result<Vec<Form>, SystemError> {
+    let forms = monitors
+        .iter()
+        .map(|monitor| evaluation.form(&|| monitor.path(), &monitor.expression));
+    forms.collect()
 }
 
 /// A mode in which nothing moves.

@@ -127,6 +127,20 @@ fn cancelled(one: Dual, other: Dual) -> Dual {
 }
 
 impl Form {
+    /// What a unit of a state adds to it.
+    ///
+    /// # Errors
+    /// See [`Form::times`].
+    pub(super) fn slope(&self, state: usize) -> Result<Form, Obstacle> {
+        if self.beyond.is_empty() {
+            let by = self.states.get(state).copied();
+            return Ok(Form::constant(by.unwrap_or_default()));
+        }
+        let mut unit = vec![Form::default(); state + 1];
+        unit[state] = Form::number(1.0);
+        Ok(self.lie(&unit, Dual::default())?.trimmed())
+    }
+
     /// The sum of two where what cancels is zero: a force that holds takes exactly away what it holds against.
     ///
     /// # Errors

@@ -60,21 +60,12 @@ impl Own {
         let bare = rates.iter().map(|rate| rate.with(&none));
         let bare: Vec<Form> = bare.collect::<Result<_, _>>().map_err(failed(0))?;
         let mut weights = Vec::new();
-        for contact in 0..laws.len() {
-            let mut unit = vec![Form::default(); states + laws.len()];
-            unit[states + contact] = Form::number(1.0);
+        for (contact, name) in names.iter().enumerate() {
             let mut own = Vec::new();
             for rate in rates {
-                if rate.beyond.is_empty() {
-                    let by = rate.states.get(states + contact).copied();
-                    own.push(Form::constant(by.unwrap_or_default()));
-                    continue;
-                }
-                let by = rate.lie(&unit, Dual::default());
-                let by = by.map_err(failed(contact))?.trimmed();
+                let by = rate.slope(states + contact).map_err(failed(contact))?;
                 if by.has_from(states) {
-                    let name = names[contact].clone();
-                    return Err((contact, ContactMistake::Nonlinear(name)));
+                    return Err((contact, ContactMistake::Nonlinear(name.clone())));
                 }
                 own.push(by);
             }
@@ -257,10 +248,7 @@ impl Own {
         let mut row = Vec::new();
         for other in unknown {
             let own = if *other == contact { 1.0 } else { 0.0 };
-            let mut unit = vec![Form::default(); states + forces.len()];
-            unit[states + other] = Form::number(1.0);
-            let by = force.lie(&unit, Dual::default())?.trimmed();
-            row.push(Form::number(own).minus(by)?);
+            row.push(Form::number(own).minus(force.slope(states + other)?)?);
         }
         let of = |state: usize| {
             let contact = state.checked_sub(states)?;

@@ -4,7 +4,7 @@ use super::forces::Own;
 use super::law::{Law, Products};
 use super::mistake::{ContactMistake, MAX_PRODUCTS};
 use crate::affine::evaluation::{FormMode, FormSwitch};
-use crate::affine::expression::{Algebra, Obstacle};
+use crate::affine::expression::Obstacle;
 use crate::affine::form::{Dual, Form};
 use crate::affine::slots::Slots;
 
@@ -106,10 +106,7 @@ impl ContactForms {
                     .all(affine)
         });
         let switches = self.switches.iter().flatten();
-        let mut of_switches = switches.flat_map(|switch| {
-            let reset = switch.reset.iter().map(|(_, form)| form);
-            reset.chain(&switch.conditions).chain([&switch.guard])
-        });
+        let mut of_switches = switches.flat_map(FormSwitch::forms);
         let law = |law: &Law<Form>| match law {
             Law::Stop { gap, restitution } => affine(gap) && restitution.is_constant(),
             Law::Spring {
@@ -139,10 +136,8 @@ impl ContactForms {
             own.rates.iter().chain(moving)
         });
         let laws = self.laws.iter().flat_map(|law| law.parts());
-        let switches = self.switches.iter().flatten().flat_map(|switch| {
-            let reset = switch.reset.iter().map(|(_, form)| form);
-            reset.chain(&switch.conditions).chain([&switch.guard])
-        });
+        let switches = self.switches.iter().flatten();
+        let switches = switches.flat_map(FormSwitch::forms);
         let all = own.chain(laws.map(|(_, form)| form)).chain(switches);
         all.map(Form::highest).max().unwrap_or(0)
     }
@@ -165,9 +160,13 @@ impl ContactForms {
         let Law::Friction { bound, hold, .. } = law else {
             return Ok(Form::default());
         };
+        self.with_forces(hold.as_ref().unwrap_or(bound), forces)
+    }
+
+    /// A form in which forces stand as states, with these in their place.
+    fn with_forces(&self, form: &Form, forces: &[Form]) -> Result<Form, Obstacle> {
         let states = self.own[0].rates.len();
-        let of = |state: usize| forces.get(state.checked_sub(states)?).cloned();
-        hold.as_ref().unwrap_or(bound).with(&of)
+        form.with(&|state| forces.get(state.checked_sub(states)?).cloned())
     }
 
     /// The rate of the slip of a contact, or of the velocity of its gap, with these forces.
@@ -192,10 +191,8 @@ impl ContactForms {
     pub fn of_mode(&self, form: &Form, number: usize) -> Result<Form, ContactMistake> {
         let (own, digits) = self.products.digits(number);
         let forces = self.forces(own, &digits)?;
-        let states = self.own[own].rates.len();
-        let of = |state: usize| forces.get(state.checked_sub(states)?).cloned();
         let failed = |obstacle| ContactMistake::Obstacle(self.products.name(number), obstacle);
-        form.with(&of).map_err(failed)
+        self.with_forces(form, forces).map_err(failed)
     }
 }
 
@@ -236,9 +233,7 @@ fn check(law: &Law<Form>, states: usize, laws: &[Law<Form>]) -> Result<(), Conta
         let mut stops = laws.iter().enumerate();
         let impulse = stops.any(|(contact, law)| {
             let impacts = matches!(law, Law::Stop { restitution, .. } if !restitution.is_zero());
-            let mut zero = vec![Form::default(); states + laws.len()];
-            zero[states + contact] = Form::number(1.0);
-            let by = bound.lie(&zero, Dual::default());
+            let by = bound.slope(states + contact);
             impacts && by.is_ok_and(|by| !by.is_zero())
         });
         if impulse {
