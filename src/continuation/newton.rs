@@ -225,19 +225,19 @@ pub fn rounding(matrix: &Matrix, sizes: &Vector, noise: Option<&Vector>) -> Opti
     } else {
         pseudo_inverse(matrix, f64::EPSILON)?
     };
-    let share = |unknown: usize, residual: &dyn Fn(usize) -> f64| -> f64 {
-        let rows = 0..matrix.nrows();
-        rows.map(|row| inverse[(unknown, row)].abs() * residual(row))
-            .sum()
+    let share = |unknown: usize, residuals: &Vector| -> f64 {
+        let row = inverse.row(unknown);
+        let shares = row.iter().zip(residuals);
+        shares.map(|(by, residual)| by.abs() * residual).sum()
     };
-    let formed = |row: usize| {
+    let formed = Vector::from_fn(matrix.nrows(), |row, _| {
         let columns = 0..n;
         columns
             .map(|column| matrix[(row, column)].abs() * sizes[column])
             .sum()
-    };
+    });
     Some(Vector::from_fn(n, |unknown, _| {
-        let seen = noise.map_or(0.0, |noise| 3.0 * share(unknown, &|row| noise[row]));
+        let seen = noise.map_or(0.0, |noise| 3.0 * share(unknown, noise));
         OPERATIONS * f64::EPSILON * share(unknown, &formed) + seen
     }))
 }

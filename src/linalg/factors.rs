@@ -5,6 +5,8 @@
 //! entry is that of the pivot: the work is in proportion to the zones. The pivot is the shortest of the rows whose entry in the column is
 //! large enough, for a row with entries in all columns, as that of a tangent, would make others as long as itself.
 
+use std::sync::Arc;
+
 use nalgebra::{Dyn, LU};
 
 use super::{Matrix, Vector};
@@ -29,8 +31,25 @@ enum Stored {
     Lists(Lists),
 }
 
-/// Entries of a row that are not zero, each with its column, in order.
-type List = Vec<(usize, f64)>;
+/// Entries of a row that are not zero.
+#[derive(Clone, Debug)]
+struct List {
+    /// Their columns, in order: rows of one zone soon share them.
+    columns: Arc<[usize]>,
+    /// Their values.
+    values: Vec<f64>,
+    /// How many at the beginning count no more.
+    gone: usize,
+}
+
+/// The columns of two rows beyond the first of both, and where in these those of each are.
+struct Union {
+    /// The columns of the first row.
+    of: Arc<[usize]>,
+    columns: Arc<[usize]>,
+    own: Vec<usize>,
+    other: Vec<usize>,
+}
 
 /// Factors by rows.
 #[derive(Clone, Debug)]
@@ -82,49 +101,106 @@ impl Factors {
     }
 }
 
-/// row − factor·pivot beyond the first column of both.
-fn eliminated(row: &List, factor: f64, pivot: &List) -> List {
-    let (mut row, mut pivot) = (row[1..].iter().peekable(), pivot[1..].iter().peekable());
-    let mut list = Vec::with_capacity(row.len() + pivot.len());
-    loop {
-        let at = |entry: Option<&&(usize, f64)>| entry.map_or(usize::MAX, |entry| entry.0);
-        let (own, other) = (at(row.peek()), at(pivot.peek()));
-        let column = own.min(other);
-        if column == usize::MAX {
-            return list;
+impl List {
+    fn new(columns: Vec<usize>, values: Vec<f64>) -> List {
+        List {
+            columns: columns.into(),
+            values,
+            gone: 0,
         }
-        let mut value = 0.0;
-        if own == column {
-            value = row.next().map_or(0.0, |entry| entry.1);
+    }
+
+    fn columns(&self) -> &[usize] {
+        &self.columns[self.gone..]
+    }
+
+    fn values(&self) -> &[f64] {
+        &self.values[self.gone..]
+    }
+
+    /// self − factor·pivot beyond the first column of both; `union` is that of the last row.
+    fn take(&mut self, factor: f64, pivot: &List, union: &mut Option<Union>) {
+        if self.columns() == pivot.columns() {
+            let own = &mut self.values[self.gone..];
+            for (own, other) in own.iter_mut().zip(pivot.values()) {
+                *own -= factor * other;
+            }
+            self.gone += 1;
+            return;
         }
-        if other == column {
-            value -= factor * pivot.next().map_or(0.0, |entry| entry.1);
+        let known = union.take().filter(|union| *union.of == *self.columns());
+        let known = known.unwrap_or_else(|| Union::new(self.columns(), pivot.columns()));
+        let mut values = vec![0.0; known.columns.len()];
+        for (place, value) in known.own.iter().zip(&self.values()[1..]) {
+            values[*place] = *value;
         }
-        list.push((column, value));
+        for (place, value) in known.other.iter().zip(&pivot.values()[1..]) {
+            values[*place] -= factor * value;
+        }
+        *self = List {
+            columns: known.columns.clone(),
+            values,
+            gone: 0,
+        };
+        *union = Some(known);
+    }
+}
+
+impl Union {
+    fn new(of: &[usize], pivot: &[usize]) -> Union {
+        let (own, other) = (&of[1..], &pivot[1..]);
+        let mut columns = Vec::with_capacity(own.len() + other.len());
+        let mut places = [Vec::new(), Vec::new()];
+        let (mut here, mut there) = (own.iter().peekable(), other.iter().peekable());
+        loop {
+            let at = |entry: Option<&&usize>| entry.map_or(usize::MAX, |column| **column);
+            let next = [at(here.peek()), at(there.peek())];
+            let column = next[0].min(next[1]);
+            if column == usize::MAX {
+                break;
+            }
+            if here.next_if(|one| **one == column).is_some() {
+                places[0].push(columns.len());
+            }
+            if there.next_if(|one| **one == column).is_some() {
+                places[1].push(columns.len());
+            }
+            columns.push(column);
+        }
+        let [own, other] = places;
+        Union {
+            of: of.into(),
+            columns: columns.into(),
+            own,
+            other,
+        }
     }
 }
 
 impl Lists {
     fn new(matrix: &Matrix) -> Lists {
         let size = matrix.nrows();
-        let mut rows: Vec<List> = vec![Vec::new(); size];
+        let mut rows: Vec<(Vec<usize>, Vec<f64>)> = vec![Default::default(); size];
         for (column, entries) in matrix.as_slice().chunks_exact(size).enumerate() {
             for (row, entry) in entries.iter().enumerate().filter(|(_, x)| **x != 0.0) {
-                rows[row].push((column, *entry));
+                rows[row].0.push(column);
+                rows[row].1.push(*entry);
             }
         }
+        let rows = rows.into_iter();
+        let mut rows: Vec<List> = rows.map(|(at, entries)| List::new(at, entries)).collect();
         // the rows that are left, by the column of their first entry that is not zero
         let mut beginning: Vec<Vec<usize>> = vec![Vec::new(); size];
         let begins = |list: &mut List, row: usize, beginning: &mut Vec<Vec<usize>>| {
-            let zeros = list.iter().take_while(|(_, entry)| *entry == 0.0).count();
-            list.drain(..zeros);
-            if let Some((column, _)) = list.first() {
+            list.gone += list.values().iter().take_while(|x| **x == 0.0).count();
+            if let Some(column) = list.columns().first() {
                 beginning[*column].push(row);
             }
         };
         for (row, list) in rows.iter_mut().enumerate() {
             begins(list, row, &mut beginning);
         }
+        let none = List::new(Vec::new(), Vec::new());
         let mut factors = Lists {
             pivots: Vec::with_capacity(size),
             upper: Vec::with_capacity(size),
@@ -132,23 +208,24 @@ impl Lists {
         for column in 0..size {
             let mut here = std::mem::take(&mut beginning[column]);
             here.sort_unstable();
-            let first = |row: &usize| rows[*row][0].1.abs();
+            let first = |row: &usize| rows[*row].values()[0].abs();
             let largest = here.iter().map(first).fold(0.0, f64::max);
             let places = (0..here.len()).filter(|place| first(&here[*place]) >= LEAST * largest);
-            let Some(place) = places.min_by_key(|place| rows[here[*place]].len()) else {
+            let Some(place) = places.min_by_key(|place| rows[here[*place]].values().len()) else {
                 // singular: no solution is asked for again
                 factors.pivots.push((column, Vec::new()));
-                factors.upper.push(Vec::new());
+                factors.upper.push(none.clone());
                 continue;
             };
             let row = here.remove(place);
-            let pivot = std::mem::take(&mut rows[row]);
+            let pivot = std::mem::replace(&mut rows[row], none.clone());
+            let mut union = None;
             let mut taken = Vec::with_capacity(here.len());
             for other in here {
-                let factor = rows[other][0].1 / pivot[0].1;
-                let mut list = eliminated(&rows[other], factor, &pivot);
-                begins(&mut list, other, &mut beginning);
-                rows[other] = list;
+                let list = &mut rows[other];
+                let factor = list.values()[0] / pivot.values()[0];
+                list.take(factor, &pivot, &mut union);
+                begins(list, other, &mut beginning);
                 taken.push((other, factor));
             }
             factors.pivots.push((row, taken));
@@ -159,7 +236,7 @@ impl Lists {
 
     /// Solves in place; false where a pivot is missing.
     fn solve(&self, right_side: &mut Vector) -> bool {
-        if self.upper.iter().any(Vec::is_empty) {
+        if self.upper.iter().any(|list| list.values().is_empty()) {
             return false;
         }
         for (row, taken) in &self.pivots {
@@ -170,9 +247,9 @@ impl Lists {
         }
         let mut solution = Vector::zeros(self.upper.len());
         for (column, (list, (row, _))) in self.upper.iter().zip(&self.pivots).enumerate().rev() {
-            let rest = list[1..].iter();
+            let rest = list.columns()[1..].iter().zip(&list.values()[1..]);
             let rest: f64 = rest.map(|(column, by)| by * solution[*column]).sum();
-            solution[column] = (right_side[*row] - rest) / list[0].1;
+            solution[column] = (right_side[*row] - rest) / list.values()[0];
         }
         right_side.copy_from(&solution);
         true
@@ -240,7 +317,7 @@ mod tests {
             let Stored::Lists(lists) = Factors::new(&cyclic(blocks, 4)).0 else {
                 panic!("a full matrix");
             };
-            let longest = lists.upper.iter().map(Vec::len).max();
+            let longest = lists.upper.iter().map(|list| list.values().len()).max();
             assert!(longest <= Some(3 * 4 + 1));
             let taken = lists.pivots.iter().map(|(_, taken)| taken.len()).max();
             assert!(taken <= Some(2 * 4 + 1));
