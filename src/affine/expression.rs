@@ -326,30 +326,6 @@ impl Expression {
         }
     }
 
-    /// Whether it is constant (0) or affine (1) in a number, where names are so; `None` where it may be neither.
-    pub fn degree(&self, of: &impl Fn(&str) -> Option<u32>) -> Option<u32> {
-        match &self.node {
-            Node::Number(_) => Some(0),
-            Node::Name(name) => of(name),
-            Node::Negative(one) => one.degree(of),
-            Node::Call(_, one) => one.degree(of).filter(|degree| *degree == 0),
-            Node::Extremum(_, both) => {
-                let mut all = both.iter().map(|one| one.degree(of));
-                all.all(|degree| degree == Some(0)).then_some(0)
-            }
-            Node::Binary(operation, both) => {
-                let [one, other] = &**both;
-                let (one, other) = (one.degree(of)?, other.degree(of)?);
-                match operation {
-                    Operation::Plus | Operation::Minus => Some(one.max(other)),
-                    Operation::Times => Some(one + other).filter(|degree| *degree <= 1),
-                    Operation::Over => (other == 0).then_some(one),
-                    Operation::Power => (one + other == 0).then_some(0),
-                }
-            }
-        }
-    }
-
     /// Its value, where names stand for what `meaning` says.
     ///
     /// # Errors

@@ -31,6 +31,18 @@ pub trait Coefficient: Algebra + Default + PartialEq {
     }
 }
 
+/// How a number depends on the parameter along which a system is led.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Degree {
+    /// Not at all, or none is.
+    #[default]
+    Fixed,
+    /// By its slope alone.
+    Affine,
+    /// In some other way.
+    Beyond,
+}
+
 /// A number with its derivatives in the parameters that vary.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Dual {
@@ -38,6 +50,8 @@ pub struct Dual {
     pub value: f64,
     /// ∂/∂p of the parameters that vary, zero where fewer do.
     pub by: [f64; VARYING],
+    /// How it depends on the first of them, where a system is led along that.
+    pub degree: Degree,
 }
 
 impl Dual {
@@ -47,12 +61,35 @@ impl Dual {
         if let Some(index) = index {
             by[index] = 1.0;
         }
-        Dual { value, by }
+        Dual::new(value, by)
+    }
+
+    /// Of this value with these derivatives.
+    pub(super) fn new(value: f64, by: [f64; VARYING]) -> Dual {
+        let degree = Degree::Fixed;
+        Dual { value, by, degree }
+    }
+
+    /// The same with a degree; what is affine and has no slope is fixed.
+    pub(super) fn of_degree(self, degree: Degree) -> Dual {
+        let degree = match degree {
+            Degree::Affine if self.by[0] == 0.0 => Degree::Fixed,
+            degree => degree,
+        };
+        Dual { degree, ..self }
+    }
+
+    /// Parameters by their index, at these values, of which that of the index `along` is the one that a system is led along.
+    pub(super) fn led(values: &[f64], along: usize) -> impl Fn(usize) -> Dual {
+        move |index| {
+            let varies = (index == along).then_some(0);
+            Dual::parameter(values[index], varies).of_degree(Degree::Affine)
+        }
     }
 
     /// Parameters by their index, at these values, of which those of the indices `varying` vary.
     pub(super) fn parameters(values: &[f64], varying: &[usize]) -> impl Fn(usize) -> Dual {
-        |index| {
+        move |index| {
             let varies = varying.iter().position(|varying| *varying == index);
             Dual::parameter(values[index], varies)
         }
@@ -63,7 +100,15 @@ impl Dual {
         let by = self
             .by
             .map(|by| if by == 0.0 { 0.0 } else { derivative * by });
-        Dual { value, by }
+        Dual::new(value, by).of_degree(self.bent())
+    }
+
+    /// The degree of a function of it.
+    fn bent(self) -> Degree {
+        match self.degree {
+            Degree::Fixed => Degree::Fixed,
+            _ => Degree::Beyond,
+        }
     }
 
     /// self/other, whatever that is.
@@ -74,15 +119,13 @@ impl Dual {
 
     fn power(self, exponent: Dual) -> Dual {
         let (x, n) = (self.value, exponent.value);
-        if exponent.by == [0.0; VARYING] {
+        if exponent.fixed().is_some() {
             let slope = if n == 0.0 { 0.0 } else { n * x.powf(n - 1.0) };
             return self.chain((x.powf(n), slope));
         }
         let value = x.powf(n);
-        Dual {
-            value,
-            by: [0, 1].map(|p| value * (n * self.by[p] / x + x.ln() * exponent.by[p])),
-        }
+        let by = [0, 1].map(|p| value * (n * self.by[p] / x + x.ln() * exponent.by[p]));
+        Dual::new(value, by).of_degree(self.bent().max(exponent.bent()))
     }
 }
 
@@ -90,21 +133,22 @@ impl Coefficient for Dual {
     const TERMS: bool = true;
 
     fn sum(self, weight: f64, other: Dual, other_weight: f64) -> Dual {
-        Dual {
-            value: weight * self.value + other_weight * other.value,
-            by: [0, 1].map(|p| weight * self.by[p] + other_weight * other.by[p]),
-        }
+        let value = weight * self.value + other_weight * other.value;
+        let by = [0, 1].map(|p| weight * self.by[p] + other_weight * other.by[p]);
+        Dual::new(value, by).of_degree(self.degree.max(other.degree))
     }
 
     fn times(self, other: Dual) -> Dual {
-        Dual {
-            value: self.value * other.value,
-            by: [0, 1].map(|p| self.by[p] * other.value + self.value * other.by[p]),
-        }
+        let degree = match (self.degree, other.degree) {
+            (Degree::Fixed, degree) | (degree, Degree::Fixed) => degree,
+            _ => Degree::Beyond,
+        };
+        let by = [0, 1].map(|p| self.by[p] * other.value + self.value * other.by[p]);
+        Dual::new(self.value * other.value, by).of_degree(degree)
     }
 
     fn fixed(&self) -> Option<f64> {
-        (self.by == [0.0; VARYING]).then_some(self.value)
+        (self.by == [0.0; VARYING] && self.degree == Degree::Fixed).then_some(self.value)
     }
 
     fn finite(self) -> Result<Dual, Obstacle> {
@@ -142,7 +186,9 @@ impl Algebra for Dual {
             Extremum::Min => self.value < other.value,
             Extremum::Max => self.value > other.value,
         };
-        Ok(if takes_self { self } else { other })
+        let degree = self.bent().max(other.bent());
+        let taken = if takes_self { self } else { other };
+        Ok(taken.of_degree(degree))
     }
 }
 
@@ -685,13 +731,22 @@ impl Form {
             .then(|| if factor.value < 0.0 { -1.0 } else { 1.0 })
     }
 
-    /// Size of its largest coefficient.
-    pub(super) fn largest(&self) -> f64 {
+    fn coefficients(&self) -> impl Iterator<Item = &Dual> {
         let harmonics = self.harmonics.iter().flatten();
         let terms = self.states.iter().chain(harmonics).chain([&self.constant]);
-        let beyond = self.beyond.iter().map(|(c, _)| c);
-        let values = terms.chain(beyond).map(|c| c.value.abs());
+        terms.chain(self.beyond.iter().map(|(c, _)| c))
+    }
+
+    /// Size of its largest coefficient.
+    pub(super) fn largest(&self) -> f64 {
+        let values = self.coefficients().map(|c| c.value.abs());
         values.fold(0.0, f64::max)
+    }
+
+    /// How it depends on the parameter along which a system is led.
+    pub(super) fn degree(&self) -> Degree {
+        let degrees = self.coefficients().map(|c| c.degree);
+        degrees.max().unwrap_or_default()
     }
 
     /// Whether it is the same as another where a guard is zero: their difference is nothing, or a multiple of the guard.

@@ -2,7 +2,8 @@
 //!
 //! [`expression`] reads what stands in a problem file, [`system`] the whole section with its names; [`form`] is
 //! what expressions of such a system are evaluated in, [`evaluation`] does that, [`mode`] the linear flow that a mode is made
-//! into at given parameters: `matrices` lays it out, `sliding` puts modes between two others. [`series`] has the flow of a
+//! into at given parameters: `shape` and `matrices` lay it out, `products` what contacts make, `sliding` puts modes between two
+//! others, and `origin` leads a system along a parameter. [`series`] has the flow of a
 //! mode whose rates are not affine, by [`recurrence`], `exponential` those of matrices, `stiff` what is slow of one, [`flow`] either with the
 //! signs of its guards, [`motion`] follows it through its switches,
 //! and [`course`] sees it at equal times; [`steady`] has the equilibria, [`orbit`] the periodic orbits, whose period [`closure`]
@@ -24,9 +25,12 @@ pub mod monitor;
 pub mod monitored;
 pub mod motion;
 pub mod orbit;
+pub mod origin;
+mod products;
 pub mod recurrence;
 pub mod rows;
 pub mod series;
+mod shape;
 mod sliding;
 pub(crate) mod slots;
 pub mod steady;

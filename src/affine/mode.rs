@@ -6,7 +6,7 @@
 
 use std::fmt;
 use std::ops::Index;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use super::contact::mistake::ContactMistake;
 use super::form::Dual;
@@ -61,12 +61,55 @@ pub struct AffineMode {
     pub guards: Vec<Guard>,
     /// What is zero all along in a sliding mode.
     pub surface: Option<Row>,
+    /// What contacts hold at zero all along.
+    pub held: Vec<Row>,
     /// The modes on the two sides of the surface of a sliding mode: the first where its form is positive.
     pub sides: Option<[usize; 2]>,
     /// How the components of z move that are not those of states and phase.
     pub field: Field,
     /// Why the forces of its contacts make no motion, if they do not: then it has no guard.
     pub obstruction: Option<ContactMistake>,
+    /// Whether every entry is affine in the parameter along which the system is led, if it is.
+    pub leads: bool,
+}
+
+impl AffineMode {
+    /// Leads it to a value of the parameter in which the same mode, `origin`, is affine, from any other value; that is it where
+    /// the parameter is zero. False where an entry that changes is zero by chance, or not finite.
+    pub(super) fn lead(&mut self, origin: &AffineMode, value: f64) -> bool {
+        let mut regular = true;
+        let mut to = |at: &mut [f64], origin: &[f64], by: &[f64]| {
+            for ((at, origin), by) in at.iter_mut().zip(origin).zip(by) {
+                if *by != 0.0 {
+                    *at = origin + value * by;
+                    regular &= *at != 0.0 && at.is_finite();
+                }
+            }
+        };
+        let (own, by) = (&mut self.matrix.at, &origin.matrix.by[0]);
+        to(
+            own.as_mut_slice(),
+            origin.matrix.at.as_slice(),
+            by.as_slice(),
+        );
+        for (guard, known) in self.guards.iter_mut().zip(&origin.guards) {
+            let (own, by) = (&mut guard.row.at, &known.row.by[0]);
+            to(own.as_mut_slice(), known.row.at.as_slice(), by.as_slice());
+            for (exit, known) in guard.exits.iter_mut().zip(&known.exits) {
+                let (own, by) = (&mut exit.reset.at, &known.reset.by[0]);
+                to(own.as_mut_slice(), known.reset.at.as_slice(), by.as_slice());
+                for (row, known) in exit.conditions.iter_mut().zip(&known.conditions) {
+                    let (own, by) = (&mut row.at, &known.by[0]);
+                    to(own.as_mut_slice(), known.at.as_slice(), by.as_slice());
+                }
+            }
+        }
+        for (row, known) in self.held.iter_mut().zip(&origin.held) {
+            let (own, by) = (&mut row.at, &known.by[0]);
+            to(own.as_mut_slice(), known.at.as_slice(), by.as_slice());
+        }
+        regular
+    }
 }
 
 /// A system at given parameters.
@@ -82,6 +125,8 @@ pub struct AffineSystem {
     pub modes: Modes,
     /// What z has beyond states and phase.
     pub program: Arc<Program>,
+    /// Numbers of its contacts that make no sense where they are negative.
+    pub signs: Vec<Dual>,
 }
 
 impl AffineSystem {
@@ -133,51 +178,13 @@ impl AffineSystem {
     pub fn size(&self) -> usize {
         self.program.size()
     }
-
-    /// Leads a system that is affine in a parameter from one value to another; `origin` is it at zero. False where it
-    /// makes no sense there, or an entry that changes is zero by chance.
-    pub fn move_to(&mut self, origin: &AffineSystem, value: f64) -> bool {
-        self.omega.value = origin.omega.value + value * origin.omega.by[0];
-        let mut regular = origin.omega == Dual::default() || self.omega.value > 0.0;
-        let mut to = |at: &mut [f64], origin: &[f64], by: &[f64]| {
-            for ((at, origin), by) in at.iter_mut().zip(origin).zip(by) {
-                if *by != 0.0 {
-                    *at = origin + value * by;
-                    regular &= *at != 0.0 && at.is_finite();
-                }
-            }
-        };
-        for (mode, known) in self
-            .modes
-            .written_mut()
-            .iter_mut()
-            .zip(origin.modes.written())
-        {
-            let (own, by) = (&mut mode.matrix.at, &known.matrix.by[0]);
-            to(
-                own.as_mut_slice(),
-                known.matrix.at.as_slice(),
-                by.as_slice(),
-            );
-            for (guard, known) in mode.guards.iter_mut().zip(&known.guards) {
-                let (own, by) = (&mut guard.row.at, &known.row.by[0]);
-                to(own.as_mut_slice(), known.row.at.as_slice(), by.as_slice());
-                for (exit, known) in guard.exits.iter_mut().zip(&known.exits) {
-                    let (own, by) = (&mut exit.reset.at, &known.reset.by[0]);
-                    to(own.as_mut_slice(), known.reset.at.as_slice(), by.as_slice());
-                    for (row, known) in exit.conditions.iter_mut().zip(&known.conditions) {
-                        let (own, by) = (&mut row.at, &known.by[0]);
-                        to(own.as_mut_slice(), known.at.as_slice(), by.as_slice());
-                    }
-                }
-            }
-        }
-        regular
-    }
 }
 
 /// Makes a mode of its number.
 type Make = Box<dyn Fn(usize) -> AffineMode + Send + Sync>;
+
+/// Makes all modes anew at a value of the parameter that a system is led along.
+pub(super) type Anew = Arc<dyn Fn(f64) -> Option<Modes> + Send + Sync>;
 
 /// The modes of a system at given parameters.
 #[derive(Clone)]
@@ -195,6 +202,12 @@ struct Made {
     slots: Slots<AffineMode>,
 }
 
+impl Made {
+    fn mode(&self, number: usize) -> &AffineMode {
+        self.slots.get_or_make(number, || (self.make)(number))
+    }
+}
+
 impl Modes {
     /// All of them.
     pub(super) fn of(modes: Vec<AffineMode>) -> Modes {
@@ -205,6 +218,45 @@ impl Modes {
     pub(super) fn made(count: usize, make: Make) -> Modes {
         let slots = Slots::new(count);
         Modes(Kind::Made(Arc::new(Made { count, make, slots })))
+    }
+
+    /// Leads all of them to a value of the parameter in which those of the origin are affine, those that are made when they are
+    /// asked for one by one: `anew` makes what cannot be led. False where that is one of those that are laid out.
+    pub(super) fn lead(&mut self, origin: &Modes, value: f64, anew: &Anew) -> bool {
+        let known = match (&mut self.0, &origin.0) {
+            (Kind::Written(modes), Kind::Written(known)) => {
+                let mut modes = modes.iter_mut().zip(known);
+                return modes.all(|(mode, known)| mode.lead(known, value));
+            }
+            (_, known) => known.clone(),
+        };
+        let Kind::Made(known) = known else {
+            return false;
+        };
+        let (of, anew, other) = (known.clone(), anew.clone(), OnceLock::new());
+        let make = Box::new(move |number: usize| {
+            let origin = of.mode(number);
+            let mut mode = origin.clone();
+            if origin.leads && origin.obstruction.is_none() && mode.lead(origin, value) {
+                return mode;
+            }
+            let other: &Option<Modes> = other.get_or_init(|| anew(value));
+            if let Some(other) = other {
+                mode = other[number].clone();
+            }
+            mode.leads = false;
+            mode
+        });
+        if let Kind::Made(own) = &mut self.0
+            && let Some(own) = Arc::get_mut(own)
+        {
+            own.make = make;
+            own.slots
+                .retain(|number, mode| mode.leads && mode.lead(known.mode(number), value));
+        } else {
+            *self = Modes::made(known.count, make);
+        }
+        true
     }
 
     /// How many there are.
@@ -259,7 +311,7 @@ impl Index<usize> for Modes {
     fn index(&self, index: usize) -> &AffineMode {
         match &self.0 {
             Kind::Written(modes) => &modes[index],
-            Kind::Made(made) => made.slots.get_or_make(index, || (made.make)(index)),
+            Kind::Made(made) => made.mode(index),
         }
     }
 }

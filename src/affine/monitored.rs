@@ -2,7 +2,9 @@
 
 use std::collections::BTreeMap;
 
+use super::evaluation::Evaluation;
 use super::expression::{Flaw, Obstacle};
+use super::form::{Dual, Form};
 use super::mode::AffineSystem;
 use super::monitor::{MONITOR, Monitor, MonitorSource};
 use super::rows::Row;
@@ -43,6 +45,20 @@ pub struct MonitoredSystem {
     pub system: AffineSystem,
     /// The forms of all monitors by mode: of those that contacts make, in the modes that were asked for.
     pub forms: BTreeMap<usize, Vec<Row>>,
+}
+
+/// The expressions of monitors as forms, whatever the mode.
+///
+/// # Errors
+/// One that has no finite value, with its place.
+pub(super) fn of_monitors(
+    evaluation: &Evaluation<Dual>,
+    monitors: &[Monitor],
+) -> Result<Vec<Form>, SystemError> {
+    let forms = monitors
+        .iter()
+        .map(|monitor| evaluation.form(&|| monitor.path(), &monitor.expression));
+    forms.collect()
 }
 
 impl Monitor {

@@ -44,10 +44,8 @@ impl Row {
 
     /// Coefficient of a component of z.
     pub(super) fn dual(&self, column: usize) -> Dual {
-        Dual {
-            value: self.at[column],
-            by: self.by.each_ref().map(|by| by[column]),
-        }
+        let by = self.by.each_ref().map(|by| by[column]);
+        Dual::new(self.at[column], by)
     }
 
     /// Its value at z. Components that it does not have may have none.

@@ -297,9 +297,9 @@ impl Field {
             at_end.for_each(|row| take(row, &mut at_switch));
             program.complete(&mut at_switch);
         }
-        let entry = |row: usize, c: usize| Dual {
-            value: matrix.at[(row, c)],
-            by: matrix.by.each_ref().map(|by| by[(row, c)]),
+        let entry = |row: usize, c: usize| {
+            let by = matrix.by.each_ref().map(|by| by[(row, c)]);
+            Dual::new(matrix.at[(row, c)], by)
         };
         let is_exact = !integrated && !at_switch.contains(&true);
         let rate = |row| Sparse::new((0..program.size()).map(|c| (c, entry(row, c))));

@@ -129,7 +129,7 @@ impl AffineSystem {
             }
             let by = [0, 1]
                 .map(|p| (row.by[p][pivot] - ratio * difference.by[p][(largest, pivot)]) / scale);
-            direction.set(state, Dual { value: ratio, by });
+            direction.set(state, Dual::new(ratio, by));
         }
         let normal = surface.at.rows(0, self.states);
         let across = normal.dot(&direction.at);
@@ -217,6 +217,7 @@ impl AffineSystem {
             let slides = exit(own, vec![held], None);
             exits.insert(0, Exit { name, ..slides });
         }
+        let leads = sides.iter().all(|side| self.modes[*side].leads);
         self.modes.written_mut().push(AffineMode {
             states: self.states,
             matrix,
@@ -224,7 +225,9 @@ impl AffineSystem {
             surface: Some(surface),
             sides: Some(sides),
             field: Field::default(),
+            held: Vec::new(),
             obstruction: None,
+            leads,
         });
         Ok(())
     }

@@ -38,6 +38,22 @@ impl<T> Slots<T> {
     }
 }
 
+impl<T> Slots<T> {
+    /// Keeps what has been made where that is to be; the rest will be made again.
+    pub fn retain(&mut self, mut keep: impl FnMut(usize, &mut T) -> bool) {
+        match &mut self.0 {
+            Kept::Few(slots) => {
+                for (index, slot) in slots.iter_mut().enumerate() {
+                    if slot.get_mut().is_some_and(|thing| !keep(index, thing)) {
+                        slot.take();
+                    }
+                }
+            }
+            Kept::Many(known) => known.as_mut().retain(|index, thing| keep(*index, thing)),
+        }
+    }
+}
+
 impl<T> Clone for Slots<T> {
     /// The same number of slots, all empty: what is in them is made again.
     fn clone(&self) -> Slots<T> {

@@ -120,10 +120,8 @@ fn cancelled(one: Dual, other: Dual) -> Dual {
         true => 0.0,
         false => a + b,
     };
-    Dual {
-        value: sum(one.value, other.value),
-        by: std::array::from_fn(|p| sum(one.by[p], other.by[p])),
-    }
+    let by = std::array::from_fn(|p| sum(one.by[p], other.by[p]));
+    Dual::new(sum(one.value, other.value), by).of_degree(one.degree.max(other.degree))
 }
 
 impl Form {

@@ -502,6 +502,68 @@ fn a_contact_that_makes_no_sense_is_refused() {
     }
 }
 
+/// An element that never slips is a spring, whose offset against the mass is that of the start: x'' + cx' + (1 + k)x = a cos φ,
+/// multipliers e^(λT) with λ² + cλ + 1 + k = 0 and 1 for the offset. Slip begins at both bounds at once where the amplitude
+/// is B/k, at two frequencies, ka = B|1 + k - w² + icw|.
+#[test]
+fn an_element_that_never_slips_keeps_its_offset() {
+    let text = r#"(states: ["x", "v"], parameters: {"a": 0.5, "w": 0.9, "c": 0.05, "k": 0.8, "B": 0.3}, forcing: "w",
+        contacts: {"q": Jenkins(slip: "v", stiffness: "k", bound: "B")},
+        rates: {"x": "v", "v": "a*cos(phase) - x - c*v + q"})"#;
+    let from: From = ("stick", &[0.0, 0.1, 0.0], 100.0);
+    let along = ("w", (0.5, 2.0));
+    let (orbit, point) = started(&system(text), from, along).unwrap();
+    let (a, c, k, bound): (f64, f64, f64, f64) = (0.5, 0.05, 0.8, 0.3);
+    // (1 + k - s)² + c²s = (ka/B)² for s = w²
+    let (sum, product) = (
+        2.0 * (1.0 + k) - c * c,
+        (1.0 + k).powi(2) - (k * a / bound).powi(2),
+    );
+    let root = (sum * sum / 4.0 - product).sqrt();
+    for (up, square) in [(true, sum / 2.0 + root), (false, sum / 2.0 - root)] {
+        let (seen, all) = follow(&orbit, &point, up, along.1, 4000);
+        let [onset, end] = &seen[..] else {
+            panic!("{} events", seen.len());
+        };
+        // states to 1e-15, and a square root that opens there
+        assert!((onset.value - square.sqrt()).abs() <= 1e-13);
+        assert_eq!((onset.kind, end.kind), (GR, EP));
+        assert_eq!(all[all.len() - 1].orbit.sequence.switches(), 0);
+    }
+    let text = text.replace("\"w\": 0.9", "\"w\": 0.6");
+    let (orbit, point) = started(&system(&text), from, along).unwrap();
+    let multipliers = orbit.multipliers(&point).unwrap();
+    let period = std::f64::consts::TAU / 0.6;
+    let turn = (1.0 + k - c * c / 4.0).sqrt() * period;
+    let size = (-c / 2.0 * period).exp();
+    assert_eq!(multipliers.len(), 3);
+    assert!(multipliers[0].trivial && multipliers[0].value.re == 1.0);
+    let pair = &multipliers[1].value;
+    assert!((pair.re - size * turn.cos()).abs() < 1e-13);
+    assert!((pair.im.abs() - size * turn.sin().abs()).abs() < 1e-13);
+}
+
+/// A block that friction holds for ever stays where it was, and its neighbour moves about what that makes of it.
+#[test]
+fn a_block_that_never_slips_stays_where_it_was() {
+    let text = r#"(states: ["x", "v", "y", "u"], parameters: {"w": 0.7, "k": 0.5, "F": 3.0}, forcing: "w",
+        contacts: {"q": Friction(slip: "v", bound: "F"), "s": Spring(gap: "2 - y", stiffness: "k")},
+        rates: {"x": "v", "v": "-x - k*(x - y) + q", "y": "u", "u": "cos(phase) - y - k*(y - x) - 0.1*u - s"})"#;
+    let from: From = ("stick.open", &[0.8, 0.0, 0.0, 0.0], 200.0);
+    let (orbit, point) = started(&system(text), from, ("w", (0.6, 0.9))).unwrap();
+    let (seen, all) = follow(&orbit, &point, true, (0.6, 0.9), 2000);
+    assert!(seen.iter().all(|one| one.kind == EP));
+    for found in &all {
+        let zones = found.orbit.at(&found.node.point).unwrap().zones;
+        let [x, v] = [0, 1].map(|state| zones[0].state[state]);
+        assert!((x - 0.8).abs() < 1e-15 && v == 0.0, "{x} {v}");
+    }
+    let multipliers = orbit.multipliers(&point).unwrap();
+    let trivial = multipliers.iter().filter(|one| one.trivial);
+    let values: Vec<f64> = trivial.map(|one| one.value.re).collect();
+    assert_eq!(values, [1.0, 0.0]);
+}
+
 /// Painlevé's rod in one point: with much friction a force that opens the gap closes it by the friction that it causes.
 #[test]
 fn a_paradox_is_told() {

@@ -1,6 +1,6 @@
 //! Derivatives of matrices, guards and resets against differences.
 
-use brakewave::affine::mode::AffineSystem;
+use brakewave::affine::mode::{AffineMode, AffineSystem};
 
 use crate::affine::systems::{BUCK, CHUA, FRICTION, IMPACT, RELAY, system, values};
 
@@ -10,7 +10,8 @@ fn numbers(system: &AffineSystem) -> Vec<[f64; 2]> {
     let mut take = |at: &[f64], by: &[f64]| {
         numbers.extend(at.iter().zip(by).map(|(at, by)| [*at, *by]));
     };
-    for mode in system.modes.written() {
+    for number in 0..system.modes.len() {
+        let mode = &system.modes[number];
         take(mode.matrix.at.as_slice(), mode.matrix.by[0].as_slice());
         for guard in &mode.guards {
             take(guard.row.at.as_slice(), guard.row.by[0].as_slice());
@@ -81,11 +82,11 @@ fn affine_systems_are_led_to_other_values_of_a_parameter() {
                 continue;
             };
             found.push(name.to_owned());
-            let mut moved = origin.clone();
+            let mut moved = origin.at(here[index]).unwrap();
             for factor in [0.3, 1.0, 1.7] {
                 let mut values = here.clone();
                 values[index] *= factor;
-                assert!(moved.move_to(&origin, values[index]), "{name}");
+                assert!(origin.lead(&mut moved, values[index]), "{name}");
                 let at = numbers(&system.at(&values, &[index]).unwrap());
                 for (one, other) in numbers(&moved).iter().flatten().zip(at.iter().flatten()) {
                     // a few roundings of the terms
@@ -96,4 +97,64 @@ fn affine_systems_are_led_to_other_values_of_a_parameter() {
         }
         assert_eq!(found, affine);
     }
+}
+
+/// Modes that contacts make are led one by one: a mass bends what holds and nothing else, and what is bent is made anew. All are
+/// the same as those that are made there.
+#[test]
+fn modes_of_contacts_are_led_to_other_values_of_a_parameter() {
+    const TEXT: &str = r#"(
+        states: ["x", "v", "y", "u"],
+        parameters: {"A": 1.0, "w": 1.1, "m": 2.0, "k": 1.5, "c": 0.2, "F": 0.4, "G": 0.6, "mu": 0.3, "d": 1.0, "K": 30.0, "D": 0.5, "e": 0.7},
+        forcing: "w",
+        contacts: {
+            "q": Friction(slip: "v - 0.1", bound: "F", static: "F + G"),
+            "r": Friction(slip: "v - u", bound: "mu*s"),
+            "s": Spring(gap: "d - y", stiffness: "K", damping: "D"),
+            "p": Stop(gap: "d + x", restitution: "e"),
+            "j": Jenkins(slip: "u", stiffness: "k", bound: "G"),
+        },
+        rates: {"x": "v", "v": "(A*cos(phase) - c*v - k*x + q + r + p)/m", "y": "u", "u": "-u - y - r - s + j"},
+    )"#;
+    let system = system(TEXT);
+    let here = values(&system, &[]);
+    let mut found = Vec::new();
+    for (index, name) in system.source.parameters.names().enumerate() {
+        let Some(origin) = system.origin(&here, index) else {
+            continue;
+        };
+        found.push(name.to_owned());
+        let mut moved = origin.at(here[index]).unwrap();
+        let mut led = 0;
+        for factor in [0.3, 1.0, 1.7] {
+            let mut values = here.clone();
+            values[index] *= factor;
+            assert!(origin.lead(&mut moved, values[index]), "{name}");
+            let formed = system.at(&values, &[index]).unwrap();
+            for number in 0..formed.modes.len() {
+                let (one, other) = (&moved.modes[number], &formed.modes[number]);
+                assert_eq!(one.obstruction, other.obstruction);
+                let to = |mode: &AffineMode| -> Vec<usize> {
+                    let exits = mode.guards.iter().flat_map(|guard| &guard.exits);
+                    exits.map(|exit| exit.to).collect()
+                };
+                assert_eq!(to(one), to(other), "{name}");
+                led += usize::from(one.leads);
+            }
+            let pairs = numbers(&moved);
+            let pairs = pairs.iter().zip(numbers(&formed));
+            for (one, other) in pairs {
+                for (one, other) in one.iter().zip(other) {
+                    // a few roundings of the terms, of which the largest is a hundred
+                    let allowed = 1e-13 * (1.0 + other.abs());
+                    assert!((one - other).abs() <= allowed, "{name}: {one} for {other}");
+                }
+            }
+        }
+        assert!(led > 0, "{name}");
+    }
+    assert_eq!(
+        found,
+        ["A", "w", "k", "c", "F", "G", "mu", "d", "K", "D", "e"]
+    );
 }

@@ -39,13 +39,10 @@ impl Reference<'_> {
         let values = values(&system, self.replaced);
         let parameter = system.source.parameters.index(self.parameter).unwrap();
         let value = values[parameter];
-        let zone = |(mode, (guard, exit), ..): &Part| Zone {
-            mode: system.mode(mode).unwrap(),
-            way: Some(Way {
-                guard: *guard,
-                exit: *exit,
-            }),
-            name: (*mode).to_owned(),
+        let zone = |(mode, (guard, exit), ..): &Part| {
+            let (guard, exit) = (*guard, *exit);
+            let number = system.mode(mode).unwrap();
+            Zone::new(number, Some(Way { guard, exit }), (*mode).to_owned())
         };
         let sequence = Sequence(self.zones.iter().map(zone).collect());
         let points = self.zones.iter().map(|(_, _, state, duration)| ZonePoint {

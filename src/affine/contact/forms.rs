@@ -142,6 +142,32 @@ impl ContactForms {
         all.map(Form::highest).max().unwrap_or(0)
     }
 
+    /// The name of the first contact.
+    pub fn first(&self) -> &str {
+        self.names.first().map_or("", String::as_str)
+    }
+
+    /// Numbers that make no sense where they are negative: bounds, what a static one has more, restitutions, and what forces do
+    /// to what they act on.
+    pub fn signs(&self) -> Vec<Dual> {
+        let influence = self.own.iter().flat_map(|own| {
+            let moving = own.kinematics.iter().enumerate();
+            moving.map(|(contact, moving)| moving.by[contact].clone())
+        });
+        let of_laws = self.laws.iter().flat_map(|law| match law {
+            Law::Friction { bound, hold, .. } => {
+                let more = hold.clone().map(|hold| hold.minus(bound.clone()));
+                let more = more.and_then(Result::ok);
+                [Some(bound.clone()), more].into_iter().flatten().collect()
+            }
+            Law::Jenkins { bound, .. } => vec![bound.clone()],
+            Law::Stop { restitution, .. } => vec![restitution.clone()],
+            Law::Spring { .. } => Vec::new(),
+        });
+        let numbers = influence.chain(of_laws).filter(Form::is_constant);
+        numbers.map(|form| form.constant).collect()
+    }
+
     pub(super) fn name(&self, own: usize, digits: &[usize]) -> String {
         self.products.name(self.products.number(own, digits))
     }

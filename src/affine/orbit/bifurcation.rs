@@ -195,11 +195,8 @@ mod tests {
     }
 
     fn sequence(system: &System, names: &str) -> Sequence {
-        let zone = |name: &str| Zone {
-            mode: system.mode(name).unwrap(),
-            way: (names.len() > 1).then_some(Way { guard: 0, exit: 0 }),
-            name: name.to_owned(),
-        };
+        let way = (names.len() > 1).then_some(Way { guard: 0, exit: 0 });
+        let zone = |name: &str| Zone::new(system.mode(name).unwrap(), way, name.to_owned());
         Sequence(names.split('-').map(zone).collect())
     }
 

@@ -70,6 +70,7 @@ pub fn candidates(
             return;
         };
         let zones: Vec<ZonePoint> = pieces.iter().map(|piece| piece.at.clone()).collect();
+        let other = other.keeping(&zones[0].state);
         let point = other.pack(&zones, &at.values);
         let nascent = (0..pieces.len())
             .filter(|index| pieces[*index].nascent)
@@ -169,12 +170,9 @@ impl OrbitAt<'_> {
 
     /// The zone of a mode on the way, which has no length yet.
     fn nascent(&self, stage: &Stage, phase: f64) -> Piece {
+        let name = self.orbit.setting.system.mode_name(stage.mode).into_owned();
         Piece {
-            zone: Zone {
-                mode: stage.mode,
-                way: None,
-                name: self.orbit.setting.system.mode_name(stage.mode).into_owned(),
-            },
+            zone: Zone::new(stage.mode, None, name),
             at: ZonePoint {
                 state: stage.state.clone(),
                 duration: 0.0,

@@ -84,10 +84,7 @@ impl Units<'_> {
 /// 1/x.
 fn inverse(x: Dual) -> Dual {
     let value = x.value.recip();
-    Dual {
-        value,
-        by: x.by.map(|by| -value * value * by),
-    }
+    Dual::new(value, x.by.map(|by| -value * value * by))
 }
 
 /// Forms in echelon form: each has a component of its own in which the others are zero, and its coefficient of that is 1.
@@ -341,10 +338,7 @@ fn parts_of(matrix: &MatrixBy) -> impl Iterator<Item = &Matrix> {
 fn dual(form: &[f64], column: usize, size: usize) -> Dual {
     let mut parts = form[column..].iter().step_by(size).copied();
     let mut part = || parts.next().unwrap_or(0.0);
-    Dual {
-        value: part(),
-        by: std::array::from_fn(|_| part()),
-    }
+    Dual::new(part(), std::array::from_fn(|_| part()))
 }
 
 /// Adds a slice times a factor.

@@ -5,6 +5,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use serde::{Deserialize, Serialize};
 
+use super::conserved::Conserved;
 use super::forms::Units;
 use super::memory::Memory;
 use super::passage::{Integrated, Jet, Passage, Propagators, derivative};
@@ -15,6 +16,7 @@ use crate::affine::closure::Prescribed;
 use crate::affine::flow::{MOST_PIECES, ModeFlow};
 use crate::affine::mode::{AffineMode, AffineSystem, Guard, MatrixBy, Row};
 use crate::affine::monitor::Monitor;
+use crate::affine::origin::Origin;
 use crate::affine::slots::Slots;
 use crate::affine::stiff::STIFF;
 use crate::affine::system::{System, SystemError};
@@ -174,13 +176,13 @@ impl Posed {
     /// with it; `None` where that takes more than other numbers.
     fn moved_to(
         mut self,
-        origin: &AffineSystem,
+        origin: &Origin,
         value: f64,
         changed: impl FnOnce(&AffineSystem, &[ZoneFacts]) -> Vec<ZoneFacts>,
     ) -> Option<Posed> {
         let linear = |facts: &ZoneFacts| facts.generic.is_none();
         let lasts = self.moved && self.facts.iter().all(linear);
-        if !lasts || !self.system.move_to(origin, value) {
+        if !lasts || !origin.lead(&mut self.system, value) {
             return None;
         }
         if !self.facts.iter().all(ZoneFacts::is_constant) {
@@ -303,8 +305,10 @@ pub struct AffineOrbit {
     last: Last,
     /// Passages through its zones that are known.
     memory: Arc<Memory>,
+    /// Sums of states that never change.
+    pub(super) conserved: Arc<Conserved>,
     /// The system where the parameter is zero, if all of it is affine in that.
-    origin: Arc<OnceLock<Option<AffineSystem>>>,
+    origin: Arc<OnceLock<Option<Origin>>>,
 }
 
 impl PartialEq for AffineOrbit {
@@ -377,14 +381,35 @@ impl AffineOrbit {
         };
         let known = sequence.0.iter().all(|zone| known(zone).is_some());
         let fits = !sequence.is_empty() && setting.scales.states.len() == states;
-        (known && fits).then(|| AffineOrbit {
-            sizes: sizes(&system, &setting.scales.states),
-            last: Last::default(),
-            memory: Arc::default(),
-            origin: Arc::default(),
-            setting,
-            sequence,
+        (known && fits).then(|| {
+            let orbit = AffineOrbit {
+                sizes: sizes(&system, &setting.scales.states),
+                last: Last::default(),
+                memory: Arc::default(),
+                conserved: Arc::default(),
+                origin: Arc::default(),
+                setting,
+                sequence,
+            };
+            let conserved = Conserved::new(&system, &orbit.sequence, &orbit.units());
+            AffineOrbit {
+                conserved: Arc::new(conserved),
+                ..orbit
+            }
         })
+    }
+
+    /// The same orbits where sums of states that never change are those of these states.
+    pub fn keeping(mut self, states: &[f64]) -> AffineOrbit {
+        let kept = if self.conserved.count() > 0 {
+            states
+        } else {
+            &[]
+        };
+        if !(kept.is_empty() && self.sequence.kept().is_empty()) {
+            self.sequence = self.sequence.keeping(kept);
+        }
+        self
     }
 
     /// The same problem for another sequence.
@@ -529,7 +554,8 @@ impl AffineOrbit {
         let origin = self.origin.get_or_init(of_origin).as_ref();
         let facts = |system: &AffineSystem, known: Option<&[ZoneFacts]>| {
             let zones = self.unpack(point, system.omega.value);
-            facts(system, &self.sequence, &self.units(), &zones, known)
+            let of = (&self.sequence, &*self.conserved);
+            facts(system, of, &self.units(), &zones, known)
         };
         let mut known = last;
         if let Some(origin) = origin {
@@ -544,10 +570,7 @@ impl AffineOrbit {
                 None => {}
             }
         }
-        let moved = origin.and_then(|origin| {
-            let mut system = origin.clone();
-            system.move_to(origin, value).then_some(system)
-        });
+        let moved = origin.and_then(|origin| origin.at(value));
         let is_moved = moved.is_some();
         let at = || {
             let values = self.values_at(point);

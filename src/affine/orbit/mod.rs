@@ -15,6 +15,7 @@ pub mod behaviour;
 mod bifurcation;
 mod branch_point;
 pub mod candidates;
+mod conserved;
 mod discontinuity;
 mod ends;
 pub mod examine;

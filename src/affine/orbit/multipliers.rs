@@ -19,8 +19,8 @@ use crate::orbit::events::AT_ZERO;
 pub struct Multiplier {
     /// Its value.
     pub value: Complex<f64>,
-    /// Whether it is what it is for every orbit of its kind: 1 for the shift in time of an orbit without forcing,
-    /// 0 for a dimension that a sliding mode or a reset takes away.
+    /// Whether it is what it is for every orbit of its kind: 1 for the shift in time of an orbit without forcing and for a
+    /// sum of states that never changes, 0 for a dimension that a sliding mode, a contact or a reset takes away.
     pub trivial: bool,
     /// Radius of a disc about it that holds the multiplier of the orbit as it is known.
     pub error: f64,
@@ -89,8 +89,8 @@ pub struct Monodromy {
     falls: Vec<f64>,
     /// Dimensions that are taken away.
     zeros: usize,
-    /// Whether the shift in time has been divided out.
-    shifts: bool,
+    /// Dimensions in which everything stays: the shift in time without forcing, and what is kept of the start.
+    ones: usize,
 }
 
 /// Error of a factor relative to its norm: the rounding of an exponential, or of a series.
@@ -325,6 +325,15 @@ impl OrbitAt<'_> {
                 });
             }
         }
+        let conserved = &self.orbit.conserved;
+        if !conserved.is_empty() {
+            for factor in &mut factors {
+                factor.matrix = conserved.within(&factor.matrix);
+            }
+            for rate in &mut rates {
+                *rate = conserved.left(rate);
+            }
+        }
         let finite = |one: &Factor| one.matrix.iter().all(|x| x.is_finite());
         if !factors.iter().all(finite) {
             return None;
@@ -357,8 +366,8 @@ impl OrbitAt<'_> {
         Some(Monodromy {
             own: own.collect(),
             falls,
-            zeros,
-            shifts,
+            zeros: zeros + conserved.held(),
+            ones: conserved.count() + usize::from(shifts),
         })
     }
 }
@@ -419,8 +428,8 @@ impl Monodromy {
             trivial: true,
             error: 0.0,
         };
-        let one = self.shifts.then(|| trivial(1.0));
-        let mut all: Vec<Multiplier> = self.own.iter().copied().chain(one).collect();
+        let ones = (0..self.ones).map(|_| trivial(1.0));
+        let mut all: Vec<Multiplier> = self.own.iter().copied().chain(ones).collect();
         all.sort_by(|one, other| other.value.norm().total_cmp(&one.value.norm()));
         all.extend((0..self.zeros).map(|_| trivial(0.0)));
         all

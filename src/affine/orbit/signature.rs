@@ -1,6 +1,8 @@
 //! The sequence of zones of an orbit.
 
+use std::cmp::Ordering;
 use std::fmt;
+use std::hash::{Hash, Hasher};
 
 use serde::{Deserialize, Serialize};
 
@@ -14,6 +16,41 @@ pub struct Way {
     pub exit: usize,
 }
 
+/// States that sums which never change along a sequence have at its beginning, where there are such sums: no part of what a zone is.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct Kept(Vec<f64>);
+
+impl PartialEq for Kept {
+    fn eq(&self, _: &Kept) -> bool {
+        true
+    }
+}
+
+impl Eq for Kept {}
+
+impl Hash for Kept {
+    fn hash<H: Hasher>(&self, _: &mut H) {}
+}
+
+impl PartialOrd for Kept {
+    fn partial_cmp(&self, other: &Kept) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Kept {
+    fn cmp(&self, _: &Kept) -> Ordering {
+        Ordering::Equal
+    }
+}
+
+impl Kept {
+    fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+}
+
 /// A zone: a mode, and how it ends.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -24,6 +61,22 @@ pub struct Zone {
     pub way: Option<Way>,
     /// Name of the mode.
     pub name: String,
+    /// Of the first zone: what is kept of the start.
+    #[serde(default, skip_serializing_if = "Kept::is_empty")]
+    pub kept: Kept,
+}
+
+impl Zone {
+    /// Of a mode with this name, and how it ends.
+    pub fn new(mode: usize, way: Option<Way>, name: String) -> Zone {
+        let kept = Kept::default();
+        Zone {
+            mode,
+            way,
+            name,
+            kept,
+        }
+    }
 }
 
 /// A zone at a point, in physical units.
@@ -61,6 +114,23 @@ impl Sequence {
     /// A zone, counted round the cycle.
     pub fn zone(&self, index: usize) -> &Zone {
         &self.0[index % self.0.len()]
+    }
+
+    /// The states that are kept of the start.
+    pub fn kept(&self) -> &[f64] {
+        self.0.first().map_or(&[], |zone| &zone.kept.0)
+    }
+
+    /// The same where these are.
+    pub fn keeping(mut self, states: &[f64]) -> Sequence {
+        for (index, zone) in self.0.iter_mut().enumerate() {
+            zone.kept = Kept(if index == 0 {
+                states.to_vec()
+            } else {
+                Vec::new()
+            });
+        }
+        self
     }
 
     /// Whether a zone is told by its name: two modes of one name differ in nothing that a name tells, and are one where

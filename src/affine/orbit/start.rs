@@ -166,8 +166,20 @@ pub enum NoStart {
     /// The orbit is not admissible.
     #[error("the solution found is not an admissible orbit: {0}")]
     Inadmissible(Inadmissible),
-    /// The system does not have these zones: an orbit has no infinitely many switches, and without forcing at least
-    /// one.
+    /// The motion has infinitely many switches in a period: no orbit is followed through them.
+    #[error(
+        "infinitely many switches of `{from}` end in `{to}` at t = {time}, and so in every period: `simulate` and `scan` go on \
+         through them, but no orbit is followed through infinitely many zones"
+    )]
+    Accumulates {
+        /// Where they end.
+        time: f64,
+        /// Name of the mode before.
+        from: String,
+        /// Name of that which goes on.
+        to: String,
+    },
+    /// The system does not have these zones.
     #[error("the motion has zones that no orbit has")]
     NoZones,
     /// The equations of an orbit are regular at a fixed parameter: no other branch passes there.
@@ -402,12 +414,17 @@ fn found(
         moves(wanted, &system, (place, time), &whole)?;
     }
     // a switch that leads to where infinitely many others end
-    let leads = |(_, switching, _): &(Place, Switching, f64)| {
+    let leads = |(_, switching, _): &&(Place, Switching, f64)| {
         let exits = &system.modes[switching.from].guards[switching.guard].exits;
         exits.get(switching.exit).map(|exit| exit.to) == Some(switching.to)
     };
-    if !course.zones.iter().all(leads) {
-        return Err(NoStart::NoZones);
+    if let Some((_, switching, _)) = course.zones.iter().find(|zone| !leads(zone)) {
+        let name = |mode: usize| wanted.system.mode_name(mode).into_owned();
+        return Err(NoStart::Accumulates {
+            time: switching.time,
+            from: name(switching.from),
+            to: name(switching.to),
+        });
     }
     let Some((tried, off)) = course.nearly else {
         return course.posed(wanted, &FROM_A_GUESS);
@@ -505,11 +522,8 @@ fn from_switch(motion: &mut Motion, time: f64) -> Result<Vec<(Place, Switching, 
 }
 
 fn zone(wanted: &Wanted, place: &Place, way: Option<Way>, duration: f64) -> (Zone, ZonePoint) {
-    let zone = Zone {
-        mode: place.mode,
-        way,
-        name: wanted.system.mode_name(place.mode).into_owned(),
-    };
+    let name = wanted.system.mode_name(place.mode).into_owned();
+    let zone = Zone::new(place.mode, way, name);
     let point = ZonePoint {
         state: place.state.clone(),
         duration,
@@ -944,7 +958,9 @@ fn moves(
         let place = place.clone();
         return Err(NoStart::Rests { time, place });
     }
-    if states.is_empty() {
+    // where they stand is kept along a branch, but where a motion slides
+    let mode = &system.modes[place.mode];
+    if states.is_empty() || mode.surface.is_none() && mode.field.is_exact {
         return Ok(());
     }
     let names = &wanted.system.source.states;
@@ -1102,6 +1118,7 @@ pub(super) fn scaled(
         states: units,
         ..scales
     })?;
+    let orbit = orbit.keeping(&points[0].state);
     let point = orbit.pack(&points, &wanted.values);
     let begun = free && orbit.sequence.switches() == 0;
     let point = match begun {

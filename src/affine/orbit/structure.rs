@@ -5,6 +5,7 @@
 
 use std::cell::OnceCell;
 
+use super::conserved::Conserved;
 use super::forms::{Forms, Rates, Units};
 use super::generic::Points;
 use super::signature::{Sequence, ZonePoint};
@@ -120,6 +121,7 @@ pub fn section(mode: &AffineMode) -> usize {
 struct Zeros<'a> {
     system: &'a AffineSystem,
     sequence: &'a Sequence,
+    conserved: &'a Conserved,
     units: &'a Units<'a>,
     /// Of every mode, once it is asked for.
     rates: Vec<OnceCell<Rates>>,
@@ -128,12 +130,18 @@ struct Zeros<'a> {
 }
 
 impl<'a> Zeros<'a> {
-    /// Nothing but what sliding modes have from their entries to their ends: they lie in their surfaces.
-    fn new(system: &'a AffineSystem, sequence: &'a Sequence, units: &'a Units<'a>) -> Zeros<'a> {
+    /// Nothing but what sliding modes have from their entries to their ends, since they lie in their surfaces, and what is
+    /// kept of the start.
+    fn new(
+        system: &'a AffineSystem,
+        (sequence, conserved): (&'a Sequence, &'a Conserved),
+        units: &'a Units<'a>,
+    ) -> Zeros<'a> {
         let count = sequence.len();
         let mut zeros = Zeros {
             system,
             sequence,
+            conserved,
             units,
             rates: vec![OnceCell::new(); system.modes.len()],
             entries: vec![Forms::default(); count],
@@ -155,6 +163,12 @@ impl<'a> Zeros<'a> {
     fn of_surface(&self, zone: usize) -> Forms {
         let mut forms = Forms::default();
         self.on_surface(zone, &mut forms);
+        // from there they last
+        if zone == 0 {
+            let (mode, kept) = (self.mode(0), self.sequence.kept());
+            self.conserved
+                .at_beginning(mode, kept, &mut forms, self.units);
+        }
         forms
     }
 
@@ -249,7 +263,8 @@ impl<'a> Zeros<'a> {
         first: usize,
         mut pivots: impl Iterator<Item = (&'z [usize], &'z [usize])>,
     ) -> Option<Zeros<'a>> {
-        let mut zeros = Zeros::new(self.system, self.sequence, self.units);
+        let of = (self.sequence, self.conserved);
+        let mut zeros = Zeros::new(self.system, of, self.units);
         let (count, mut gone) = (zeros.entries.len(), Vec::new());
         for zone in first..first + count {
             zeros.go_through(zone % count, &mut gone);
@@ -271,14 +286,14 @@ impl<'a> Zeros<'a> {
 /// of the same orders.
 pub fn facts(
     system: &AffineSystem,
-    sequence: &Sequence,
+    (sequence, conserved): (&Sequence, &Conserved),
     units: &Units,
     zones: &[ZonePoint],
     known: Option<&[ZoneFacts]>,
 ) -> Vec<ZoneFacts> {
     let linear = system.program.made() == 0;
     let known = known.filter(|_| linear);
-    let mut zeros = Zeros::new(system, sequence, units);
+    let mut zeros = Zeros::new(system, (sequence, conserved), units);
     if let Some(known) = known
         && let Some(first) = known.iter().position(|zone| zone.forgets)
         && let Some(zeros) = zeros.again(first, known.iter().map(ZoneFacts::pivots))

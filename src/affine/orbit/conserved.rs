@@ -1,0 +1,242 @@
+//! Sums of states that never change along a sequence of zones: of what sticks all the time, the place; of an element that never
+//! slips, its stretch less its travel.
+//!
+//! They make an orbit one of a family, which differ in their values. The orbit that is meant has those of the start: that a sum is
+//! what it was takes the place of the equation by which it would return, which says nothing.
+
+use super::forms::{Forms, Units};
+use super::signature::{Sequence, Zone};
+use super::structure::exit_of;
+use crate::affine::mode::{AffineMode, AffineSystem, MatrixBy, Row};
+use crate::linalg::{Matrix, Vector};
+
+/// The sums of states that never change along a sequence.
+#[derive(Clone, Debug, Default)]
+pub struct Conserved {
+    /// All of them, each with a state that the others do not have.
+    basis: Vec<(usize, Vector)>,
+    /// Those of which no law says the value.
+    sums: Vec<Vector>,
+}
+
+/// Part of the terms of an entry below which it is their rounding.
+const NOTHING: f64 = 64.0 * f64::EPSILON;
+
+impl Conserved {
+    /// Of a sequence of linear zones whose modes and exits are in the system.
+    pub fn new(system: &AffineSystem, sequence: &Sequence, units: &Units) -> Conserved {
+        let first = &system.modes[sequence.zone(0).mode];
+        // what slides all the time is led onto its surface
+        let slides = sequence.switches() == 0 && first.surface.is_some();
+        if slides || system.program.made() > 0 || !system.modes.are_exact() {
+            return Conserved::default();
+        }
+        let basis = dependencies(changes(system, sequence));
+        // what is held has the value that holds it, and moves with it
+        let mut known = Forms::default();
+        for held in &first.held {
+            let mut sum = Row::zero(held.at.len());
+            sum.at
+                .rows_mut(0, system.states)
+                .copy_from(&held.at.rows(0, system.states));
+            known.insert(&sum, units);
+        }
+        let mut sums = Vec::new();
+        for (_, sum) in &basis {
+            let row = row(sum, system.size());
+            if !known.contain(&row, units.size(&row), units) {
+                known.insert(&row, units);
+                sums.push(sum.clone());
+            }
+        }
+        Conserved { basis, sums }
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.basis.is_empty()
+    }
+
+    /// How many have a value of the start.
+    pub fn count(&self) -> usize {
+        self.sums.len()
+    }
+
+    /// How many have a value by a law.
+    pub fn held(&self) -> usize {
+        self.basis.len() - self.sums.len()
+    }
+
+    /// Adds what is zero in a mode at the beginning of the sequence: what it holds, and what the sums differ by from those of
+    /// the states that are kept.
+    pub fn at_beginning(&self, mode: &AffineMode, kept: &[f64], forms: &mut Forms, units: &Units) {
+        if self.is_empty() {
+            return;
+        }
+        for held in &mode.held {
+            forms.insert(held, units);
+        }
+        if kept.len() != mode.states {
+            return;
+        }
+        for sum in &self.sums {
+            let mut row = row(sum, mode.matrix.at.ncols());
+            row.at[mode.states] = -sum.iter().zip(kept).map(|(by, x)| by * x).sum::<f64>();
+            forms.insert(&row, units);
+        }
+    }
+
+    /// What a matrix that keeps the sums does to perturbations that do not change them.
+    pub fn within(&self, matrix: &Matrix) -> Matrix {
+        let mut within = matrix.clone();
+        for (pivot, sum) in &self.basis {
+            let column = within.column(*pivot).clone_owned();
+            for (state, by) in sum.iter().enumerate().filter(|(_, by)| **by != 0.0) {
+                let mut own = within.column_mut(state);
+                own.axpy(-by / sum[*pivot], &column, 1.0);
+            }
+        }
+        let gone = self.pivots();
+        within.remove_columns_at(&gone).remove_rows_at(&gone)
+    }
+
+    /// A change of states that does not change the sums, in the states that are left.
+    pub fn left(&self, change: &Vector) -> Vector {
+        change.clone().remove_rows_at(&self.pivots())
+    }
+
+    fn pivots(&self) -> Vec<usize> {
+        let mut pivots: Vec<usize> = self.basis.iter().map(|(pivot, _)| *pivot).collect();
+        pivots.sort_unstable();
+        pivots
+    }
+}
+
+/// A sum of states as a form of z.
+fn row(sum: &Vector, size: usize) -> Row {
+    let mut row = Row::zero(size);
+    row.at.rows_mut(0, sum.len()).copy_from(sum);
+    row
+}
+
+/// What is held at zero in every zone, whatever the parameters: each form with a component that it has most of.
+fn held(system: &AffineSystem, sequence: &Sequence) -> Vec<(usize, Vector)> {
+    let mode = |zone: &Zone| &system.modes[zone.mode];
+    let first = &mode(sequence.zone(0)).held;
+    let all = first.iter().filter(|held| {
+        let fixed = held.by.iter().flat_map(|by| by.iter()).all(|by| *by == 0.0);
+        fixed && sequence.0.iter().all(|zone| mode(zone).held.contains(held))
+    });
+    let mut known: Vec<(usize, Vector)> = Vec::new();
+    for form in all {
+        let form = without(form.at.clone(), &known);
+        let pivot = form.rows(0, system.states).iamax();
+        if form[pivot] != 0.0 {
+            known.push((pivot, form));
+        }
+    }
+    known
+}
+
+/// A form less what is held in it.
+fn without(mut form: Vector, held: &[(usize, Vector)]) -> Vector {
+    for (pivot, held) in held {
+        let factor = form[*pivot] / held[*pivot];
+        if factor != 0.0 {
+            form.axpy(-factor, held, 1.0);
+            form[*pivot] = 0.0;
+        }
+    }
+    form
+}
+
+/// Of every state: how its rate depends on z in every zone, and how its jump does at every switch, with derivatives in the
+/// parameters, where what is held is zero.
+fn changes(system: &AffineSystem, sequence: &Sequence) -> Vec<Vec<f64>> {
+    let mut rows: Vec<Vec<f64>> = vec![Vec::new(); system.states];
+    let held = held(system, sequence);
+    let mut seen = Vec::new();
+    let mut add = |matrix: &MatrixBy, stays: f64| {
+        for (state, row) in rows.iter_mut().enumerate() {
+            let mut own = matrix.at.row(state).transpose();
+            own[state] -= stays;
+            row.extend(without(own, &held).iter());
+            for by in &matrix.by {
+                row.extend(without(by.row(state).transpose(), &held).iter());
+            }
+        }
+    };
+    for (index, zone) in sequence.0.iter().enumerate() {
+        if !seen.contains(&zone.mode) {
+            seen.push(zone.mode);
+            add(&system.modes[zone.mode].matrix, 0.0);
+        }
+        if let Some(exit) = exit_of(system, sequence, index).filter(|exit| !exit.is_continuous()) {
+            add(&exit.reset, 1.0);
+        }
+    }
+    rows
+}
+
+/// The sums of rows that are zero, by elimination: the coefficients of each, with a row that the others do not have. Every entry is
+/// compared with the terms that it is made of, and columns by their largest entries: no unit decides.
+fn dependencies(rows: Vec<Vec<f64>>) -> Vec<(usize, Vector)> {
+    let count = rows.len();
+    let largest = |column: usize| rows.iter().map(|row| row[column].abs()).fold(0.0, f64::max);
+    let columns: Vec<f64> = (0..rows.first().map_or(0, Vec::len)).map(largest).collect();
+    let mut found: Vec<(usize, Vector)> = Vec::new();
+    let mut kept: Vec<(usize, Vec<f64>, Vector)> = Vec::new();
+    for (index, mut row) in rows.into_iter().enumerate() {
+        let mut terms: Vec<f64> = row.iter().map(|x| x.abs()).collect();
+        let mut sum = Vector::zeros(count);
+        sum[index] = 1.0;
+        for (pivot, other, of) in &kept {
+            let factor = row[*pivot] / other[*pivot];
+            if factor == 0.0 {
+                continue;
+            }
+            for ((own, terms), other) in row.iter_mut().zip(&mut terms).zip(other) {
+                *terms += (factor * other).abs();
+                *own -= factor * other;
+                if own.abs() <= NOTHING * *terms {
+                    *own = 0.0;
+                }
+            }
+            sum.axpy(-factor, of, 1.0);
+        }
+        let part = |place: &usize| row[*place].abs() / columns[*place];
+        let told = (0..row.len()).filter(|place| row[*place] != 0.0);
+        match told.max_by(|one, other| part(one).total_cmp(&part(other))) {
+            Some(pivot) => kept.push((pivot, row, sum)),
+            // the row itself stands in no other sum
+            None => found.push((index, sum)),
+        }
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of three rows the third is the first less twice the second: one sum; in rows of their own there is none.
+    #[test]
+    fn sums_that_are_zero_are_found() {
+        let rows = vec![
+            vec![1.0, 2.0, 0.1],
+            vec![0.5, 0.25, 3.0],
+            vec![0.0, 1.5, -5.9],
+        ];
+        let found = dependencies(rows.clone());
+        assert_eq!(found.len(), 1);
+        let (pivot, sum) = &found[0];
+        assert_eq!(*pivot, 2);
+        let [first, second] = [0, 1].map(|row| sum[row]);
+        assert!(
+            (first + 1.0).abs() < 1e-15 && (second - 2.0).abs() < 1e-15,
+            "{sum}"
+        );
+        assert!(dependencies(rows[..2].to_vec()).is_empty());
+        assert_eq!(dependencies(vec![vec![0.0, 0.0]]).len(), 1);
+    }
+}
