@@ -16,6 +16,7 @@ mod progress;
 mod report;
 mod rows;
 mod run;
+mod sequences;
 #[cfg(feature = "completions")]
 mod shell;
 mod simulate;

@@ -4,6 +4,7 @@ use std::fmt::Write;
 use std::io::{self, IsTerminal};
 use std::path::Path;
 
+use super::sequences;
 use crate::affine::mode::AffineSystem;
 use crate::affine::system::System;
 use crate::curve::{Curve, Plane, Point};
@@ -80,7 +81,7 @@ fn listed(points: &Table, events: &Table, shown: &Shown) -> String {
                 } else {
                     String::new()
                 },
-                points.text(row, "regimes")
+                sequences::shown(points.text(row, "regimes"))
             );
         }
     }
@@ -107,7 +108,7 @@ fn listed(points: &Table, events: &Table, shown: &Shown) -> String {
         let [before, after] =
             ["regimes_before", "regimes_after"].map(|column| events.text(row, column));
         if before != after {
-            let _ = write!(report, ": {before} → {after}");
+            let _ = write!(report, ": {}", sequences::changed(before, after));
         }
         if let Some(hertz) = events.field::<f64>(row, "hertz") {
             let _ = write!(report, ", {hertz:.2} Hz");

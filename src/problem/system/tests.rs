@@ -155,6 +155,24 @@ fn the_template_is_right() {
         (usual.ds, usual.ds_max, usual.tolerance)
     );
     assert_eq!(all.stop_after.len(), 1);
+    // the modes that are written there as a comment, in the place of the contacts
+    let lines = SYSTEM_TEMPLATE.lines();
+    let lines = lines.filter(|line| {
+        !["contacts: {", "rates: {"]
+            .iter()
+            .any(|own| line.trim().starts_with(own))
+    });
+    let of_modes = ["// modes: {", "//     \"open\"", "// },"];
+    let lines = lines.map(|line| {
+        let own = of_modes.iter().any(|own| line.trim().starts_with(own));
+        if own {
+            line.replacen("//", "", 1)
+        } else {
+            line.to_owned()
+        }
+    });
+    let modes = system(&lines.collect::<Vec<_>>().join("\n"));
+    assert_eq!(modes.system.source.modes.names().count(), 1);
 }
 
 #[test]
