@@ -1,7 +1,8 @@
 //! The rates of a mode with their derivatives in states and parameter at once.
 //!
-//! The parameter of the branch is taken as one more state, which rests: rates, guards and surfaces are then functions of
-//! u = (x, p), and what [`HyperDual`] numbers give are their derivatives, up to the third, in any directions of u.
+//! The parameter of the branch, or the two of a plane, are taken as further states, which rest: rates, guards and surfaces
+//! are then functions of u = (x, p), and what [`HyperDual`] numbers give are their derivatives, up to the third, in any
+//! directions of u.
 
 use crate::affine::expression::Expression;
 use crate::affine::hyperdual::{DIRECTIONS, HyperDual};
@@ -9,23 +10,36 @@ use crate::affine::mode::{AffineSystem, Row};
 use crate::affine::system::{System, SystemError};
 use crate::linalg::{Matrix, Vector};
 
-/// A system whose parameter with this index is its last state.
+/// A system whose parameters with these indices are its last states.
 ///
 /// # Errors
 /// It makes no sense at these values of the others.
 pub(super) fn lifted(
     system: &System,
     values: &[f64],
-    parameter: usize,
+    parameters: &[usize],
 ) -> Result<AffineSystem, SystemError> {
     let mut system = system.clone();
-    let mut values = values.to_vec();
-    values.remove(parameter);
-    let (name, _) = system.source.parameters.0.remove(parameter);
-    system.source.states.push(name);
+    let all = std::mem::take(&mut system.source.parameters.0);
+    let moved = parameters.iter().filter_map(|index| all.get(*index));
+    system
+        .source
+        .states
+        .extend(moved.map(|(name, _)| name.clone()));
+    let values = values.iter().enumerate();
+    let values: Vec<f64> = values
+        .filter(|(index, _)| !parameters.contains(index))
+        .map(|(_, value)| *value)
+        .collect();
+    let all = all.into_iter().enumerate();
+    system.source.parameters.0 = all
+        .filter(|(index, _)| !parameters.contains(index))
+        .map(|(_, named)| named)
+        .collect();
     if let Ok(rest) = Expression::read("0") {
+        let rests = vec![rest; parameters.len()];
         let modes = system.modes.iter_mut();
-        modes.for_each(|mode| mode.rates.push(rest.clone()));
+        modes.for_each(|mode| mode.rates.extend_from_slice(&rests));
     }
     system.at(&values, &[])
 }
@@ -95,7 +109,11 @@ pub(super) enum Of {
 pub(super) struct LocalField<'a> {
     pub lifted: &'a AffineSystem,
     pub mode: usize,
-    /// States and parameter.
+    /// Number of states.
+    pub states: usize,
+    /// How many of the components of u vary: the first ones, among them all states.
+    pub variables: usize,
+    /// States and parameters.
     pub place: &'a [f64],
 }
 
@@ -106,7 +124,7 @@ impl LocalField<'_> {
         for (index, value) in self.place.iter().enumerate() {
             let mut by = [0.0; DIRECTIONS];
             for (by, direction) in by.iter_mut().zip(directions) {
-                *by = direction[index];
+                *by = direction.get(index).copied().unwrap_or_default();
             }
             z.push(HyperDual::along(*value, by));
         }
@@ -137,7 +155,7 @@ impl LocalField<'_> {
     /// All functions of the mode with their first derivatives; `None` where one has no finite value.
     pub fn linearised(&self) -> Option<Linearised> {
         let mode = &self.lifted.modes[self.mode];
-        let (all, states) = (self.place.len(), self.place.len() - 1);
+        let (all, states) = (self.variables, self.states);
         let units: Vec<Vector> = (0..all)
             .map(|index| Vector::from_fn(all, |other, _| f64::from(u8::from(other == index))))
             .collect();
@@ -189,8 +207,7 @@ impl LocalField<'_> {
     /// D³f(v, v, w) of all rates is D³f with all three directions.
     pub fn third(&self, directions: [&Vector; DIRECTIONS]) -> Vector {
         let z = self.components(&directions);
-        let states = self.place.len() - 1;
-        Vector::from_fn(states, |state, _| {
+        Vector::from_fn(self.states, |state, _| {
             self.function(Of::Rate(state), &z).derivative(&[0, 1, 2])
         })
     }

@@ -647,6 +647,9 @@ impl Checks<'_, SystemProblem> {
             return self.refuse("curve.sector", message, "leave it out");
         }
         self.label_without_index(section.event.kind().is_none())?;
+        if let Some(kind) = section.event.kind() {
+            self.curve_event(kind)?;
+        }
         if let SystemCurveEvent::Constant(name) = &section.event {
             let monitors: Vec<&str> = self.problem.monitor.names().collect();
             if !monitors.contains(&name.as_str()) {

@@ -10,6 +10,7 @@ use super::super::outline::Outline;
 use super::super::rules::{Check, Checks};
 use super::{Beginning, SystemPlot, SystemProblem};
 use crate::affine::system::{Ordered, Source};
+use crate::orbit::EventType;
 
 /// The equilibrium that a branch begins with.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -123,7 +124,6 @@ impl Checks<'_, SystemProblem> {
         }
         for (path, given) in [
             ("map", self.problem.map.is_some()),
-            ("curve", self.problem.curve.is_some()),
             ("certify", self.problem.certify),
         ] {
             if given {
@@ -141,6 +141,31 @@ impl Checks<'_, SystemProblem> {
                 self.one_of("equilibrium.start.mode", "mode", mode, &names)
             }
             EquilibriumStart::Restart { .. } | EquilibriumStart::Switch { .. } => Ok(()),
+        }
+    }
+
+    /// Refuses the curve of an event that equilibria do not have, or only they.
+    pub(super) fn curve_event(&self, event: EventType) -> Check {
+        use EventType::{BE, BP, HB, LP};
+        let (has, what, help) = match self.problem.equilibrium {
+            Some(_) => (
+                matches!(event, LP | HB | BE | BP),
+                "equilibria",
+                "take LP, HB, BE or BP",
+            ),
+            None => (
+                !matches!(event, HB | BE),
+                "orbits",
+                "take LP, PD, NS, BP, GR, CO, SL or `Constant(\"name\")`; curves of HB and BE are those of `equilibrium`",
+            ),
+        };
+        let message = match event {
+            EventType::UZ => format!("{what} have no curve along which a monitor is constant"),
+            _ => format!("{what} have no curve of {event}"),
+        };
+        match has {
+            true => Ok(()),
+            false => self.refuse("curve.event", message, help),
         }
     }
 
