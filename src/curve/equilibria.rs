@@ -4,9 +4,8 @@ use std::sync::{Arc, OnceLock};
 
 use serde::{Deserialize, Serialize};
 
-use super::follow::Gone;
 use super::plane::{Condition, NotEvaluated, Plane, Test, TestValues};
-use super::point::{Name, PointType, What};
+use super::point::{Gone, Name, PointType, What};
 use crate::affine::equilibrium::codimension::KeptEigenvalues;
 use crate::affine::equilibrium::plane::{
     CriticalUnknowns, EquilibriumPlane, PairVectors, SpecialEquilibrium,
@@ -60,7 +59,7 @@ pub enum CriticalEquilibrium {
 const PERFECT: f64 = 1e-9;
 
 impl Equilibria {
-    /// Those beside an equilibrium; `widths` are the units of the parameters.
+    /// Those beside an equilibrium, of a branch with `known` units; `widths` are the units of the parameters.
     ///
     /// # Errors
     /// Rates or guards have no finite value there.
@@ -69,13 +68,14 @@ impl Equilibria {
         point: &Vector,
         parameters: [usize; 2],
         widths: [f64; 2],
+        known: Option<&EquilibriumScales>,
     ) -> Result<Equilibria, EquilibriumFailure> {
         Ok(Equilibria {
             system: curve.setting.system.clone(),
             values: curve.values_at(point),
             parameters,
             widths,
-            scales: curve.wide_scales(point)?,
+            scales: curve.wide_scales(point, known)?,
             posed: PosedPlane::default(),
         })
     }

@@ -5,8 +5,8 @@ use super::plane::Plane;
 use super::point::Limits;
 use super::run::Singular;
 use super::start::{NoCurve, Start, event, pose};
-use crate::affine::equilibrium::EquilibriumCurve;
 use crate::affine::equilibrium::start::EquilibriumRequest;
+use crate::affine::equilibrium::{EquilibriumCurve, EquilibriumScales};
 use crate::hybrid::equilibrium::{
     EquilibriumRunner, LabelledEquilibrium, NamedEquilibrium, NoEquilibriumStart,
 };
@@ -29,10 +29,11 @@ pub fn find_of_equilibria(
     let kind = curve.event.kind();
     let wanted = kind.map_or_else(String::new, |kind| kind.to_string());
     let asked = (kind, curve.index);
+    let scales = branch.state().scales;
     let item = event::<Equilibria, _>(branch, asked, wanted, |item| item.point.kind, watch)?;
     let unknown = NoCurve::Run(NoEquilibriumStart::Unknown);
     let (saved, kind) = item.saved.zip(item.point.kind).ok_or(unknown)?;
-    pose_equilibrium(problem, &saved, kind, curve)
+    pose_equilibrium(problem, (&saved, Some(&scales)), kind, curve)
 }
 
 /// The special equilibrium that an earlier run labelled.
@@ -50,13 +51,13 @@ pub fn labelled_of_equilibria(
         let label = saved.label;
         return Err(NoCurve::Kind { label, kind });
     }
-    pose_equilibrium(problem, saved, kind, curve)
+    pose_equilibrium(problem, (saved, None), kind, curve)
 }
 
 /// The equations of a special equilibrium.
 fn pose_equilibrium(
     problem: &SystemProblem,
-    saved: &LabelledEquilibrium,
+    (saved, known): (&LabelledEquilibrium, Option<&EquilibriumScales>),
     kind: EventType,
     section: &SystemCurve,
 ) -> Result<Start<Equilibria>, NoCurve<Equilibria>> {
@@ -74,7 +75,8 @@ fn pose_equilibrium(
         mode: problem.system.mode(&saved.mode).ok_or_else(unknown)?,
     };
     let at = EquilibriumCurve::at(&request, &saved.state).map_err(Singular::flow)?;
-    let plane = Equilibria::new(&at.0, &at.1, [one, other], limits.widths());
+    let pair = [one, other];
+    let plane = Equilibria::new(&at.0, &at.1, pair, limits.widths(), known);
     let plane = plane.map_err(Singular::flow)?;
     let posed = |index: usize| -> Result<(EquilibriumCurve, Vector), NoCurve<Equilibria>> {
         let curve = plane.orbit(at.0.signature(), plane.values(), index);

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::plane::{
     Condition, ExaminationOf, FailureOf, MarginOf, Plane, SignatureOf, Test, TestValues,
 };
-use super::point::{Limits, Point, PointType, What};
+use super::point::{Gone, Limits, Point, PointType, What};
 use super::system::EventSystem;
 use super::tube::Tube;
 use crate::continuation::Node;
@@ -86,21 +86,6 @@ pub enum Event<P: Plane> {
     Other(Test),
     /// The number of multipliers outside the unit circle changes, from the first to the second.
     Passing([usize; 2]),
-}
-
-/// Why an event is no event any more.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Gone {
-    /// Another minimum inside the zone of this name is lower.
-    Lower(String),
-    /// The minimum leaves the zone through an end.
-    Left(String),
-    /// Another inequality of the zone, which vanishes along with the event, fails.
-    Along(String),
-    /// The system has no symmetry there.
-    Asymmetric,
-    /// The branches that cross have come apart.
-    Opened,
 }
 
 /// Why an event refuses a step.

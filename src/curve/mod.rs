@@ -40,10 +40,10 @@ mod whole;
 
 pub use equilibria::{CriticalEquilibrium, Equilibria};
 pub use equilibrium_start::{find_of_equilibria, labelled_of_equilibria};
-pub use follow::{Gone, Refusal};
+pub use follow::Refusal;
 pub use orbits::Orbits;
 pub use plane::{Condition, NotEvaluated, ParameterOf, Plane, Test, TestValues};
-pub use point::{Limits, Name, Point, PointType, Region, What};
+pub use point::{Gone, Limits, Name, Point, PointType, Region, What};
 pub use run::{Run, Singular, follow};
 pub use saved::{End, Found, Head, Next, Reason, State, Step};
 pub use tube::{Hopf, Tube};

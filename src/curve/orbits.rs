@@ -5,9 +5,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
 
-use super::follow::Gone;
 use super::plane::{Condition, NotEvaluated, Plane, Test, TestValues};
-use super::point::{Name, PointType, What};
+use super::point::{Gone, Name, PointType, What};
 use crate::affine::closure::Prescribed;
 use crate::affine::monitor::{Monitor, MonitorSource};
 use crate::affine::monitored;

@@ -3,8 +3,7 @@
 use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
 
-use super::follow::Gone;
-use super::point::{Name, PointType, What};
+use super::point::{Gone, Name, PointType, What};
 use crate::continuation::newton::System;
 use crate::linalg::{Matrix, Vector};
 use crate::orbit::monitor::MonitorStop;

@@ -162,6 +162,21 @@ pub enum Name {
     },
 }
 
+/// Why an event is no event any more.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Gone {
+    /// Another minimum inside the zone of this name is lower.
+    Lower(String),
+    /// The minimum leaves the zone through an end.
+    Left(String),
+    /// Another inequality of the zone, which vanishes along with the event, fails.
+    Along(String),
+    /// The system has no symmetry there.
+    Asymmetric,
+    /// The branches that cross have come apart.
+    Opened,
+}
+
 /// What happens at a point.
 #[derive(Clone, Debug, PartialEq)]
 pub enum What<O: Orbit> {

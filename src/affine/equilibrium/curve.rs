@@ -8,8 +8,9 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::field::{Linear, Linearised, LocalField, Of, lifted};
+use super::field::{Linear, Linearised, LocalField, Of, lifted, observed};
 use crate::affine::mode::AffineSystem;
+use crate::affine::monitored::MonitoredSystem;
 use crate::affine::system::System;
 use crate::continuation::newton::System as Equations;
 use crate::linalg::{Matrix, Vector, balance, known_eigenvalues, solve};
@@ -73,6 +74,8 @@ pub struct EquilibriumCurve {
     pub(super) lifted: Arc<AffineSystem>,
     /// Index and value of the other parameter of a plane, which is lifted too and stays as it is.
     pub(super) beside: Option<(usize, f64)>,
+    /// The same with the monitors in this mode, where there are any.
+    pub(super) observed: Option<Arc<MonitoredSystem>>,
     /// Factors that make rates, the form of the surface and guards of order one at the first equilibrium.
     pub(super) rates: Vec<f64>,
     pub(super) surface: f64,
@@ -143,6 +146,10 @@ impl EquilibriumCurve {
             None => vec![1.0; count],
         };
         let surface = at.as_ref().and_then(|at| at.surface.as_ref());
+        let followed = std::iter::once(setting.parameter).chain(beside.map(|(index, _)| index));
+        let followed: Vec<usize> = followed.collect();
+        let has_monitors = !setting.system.monitors().is_empty();
+        let of_monitors = || observed(&setting.system, &setting.values, &followed, mode).ok();
         Some(EquilibriumCurve {
             signature: RestMode { mode, name },
             rates: all(at.as_ref().map(|at| &at.rates), states),
@@ -150,6 +157,7 @@ impl EquilibriumCurve {
             guards: all(at.as_ref().map(|at| &at.guards), own.guards.len()),
             lifted,
             beside,
+            observed: has_monitors.then(of_monitors).flatten().map(Arc::new),
             setting,
         })
     }

@@ -7,6 +7,8 @@
 use crate::affine::expression::Expression;
 use crate::affine::hyperdual::{DIRECTIONS, HyperDual};
 use crate::affine::mode::{AffineSystem, Row};
+use crate::affine::monitored::MonitoredSystem;
+use crate::affine::series::Field;
 use crate::affine::system::{System, SystemError};
 use crate::linalg::{Matrix, Vector};
 
@@ -19,6 +21,26 @@ pub(super) fn lifted(
     values: &[f64],
     parameters: &[usize],
 ) -> Result<AffineSystem, SystemError> {
+    let (system, values) = raised(system, values, parameters);
+    system.at(&values, &[])
+}
+
+/// The same with the forms of its monitors in a mode.
+///
+/// # Errors
+/// As [`lifted`]; an expression of a monitor that has no finite value.
+pub(super) fn observed(
+    system: &System,
+    values: &[f64],
+    parameters: &[usize],
+    mode: usize,
+) -> Result<MonitoredSystem, SystemError> {
+    let (system, values) = raised(system, values, parameters);
+    system.monitored(&values, &[], &[mode])
+}
+
+/// The system and the values of its other parameters.
+fn raised(system: &System, values: &[f64], parameters: &[usize]) -> (System, Vec<f64>) {
     let mut system = system.clone();
     let all = std::mem::take(&mut system.source.parameters.0);
     let moved = parameters.iter().filter_map(|index| all.get(*index));
@@ -41,7 +63,7 @@ pub(super) fn lifted(
         let modes = system.modes.iter_mut();
         modes.for_each(|mode| mode.rates.extend_from_slice(&rests));
     }
-    system.at(&values, &[])
+    (system, values)
 }
 
 /// A function of u at a place: its value, and its derivatives in u.
@@ -120,6 +142,11 @@ pub(super) struct LocalField<'a> {
 impl LocalField<'_> {
     /// The components of z, with their derivatives along directions of u.
     fn components(&self, directions: &[&Vector]) -> Vec<HyperDual> {
+        self.components_of(&self.lifted.modes[self.mode].field, directions)
+    }
+
+    /// Those that a field has to do with.
+    fn components_of(&self, field: &Field, directions: &[&Vector]) -> Vec<HyperDual> {
         let mut z: Vec<HyperDual> = Vec::with_capacity(self.lifted.size());
         for (index, value) in self.place.iter().enumerate() {
             let mut by = [0.0; DIRECTIONS];
@@ -129,7 +156,7 @@ impl LocalField<'_> {
             z.push(HyperDual::along(*value, by));
         }
         z.push(HyperDual::constant(1.0));
-        self.lifted.modes[self.mode].field.differentiate(&mut z);
+        field.differentiate(&mut z);
         z
     }
 
@@ -152,29 +179,45 @@ impl LocalField<'_> {
         }
     }
 
-    /// All functions of the mode with their first derivatives; `None` where one has no finite value.
-    pub fn linearised(&self) -> Option<Linearised> {
-        let mode = &self.lifted.modes[self.mode];
-        let (all, states) = (self.variables, self.states);
+    /// The components of z with their derivatives in all variables, so many of these at a time.
+    fn passes(&self, field: &Field) -> Vec<Vec<HyperDual>> {
+        let all = self.variables;
         let units: Vec<Vector> = (0..all)
             .map(|index| Vector::from_fn(all, |other, _| f64::from(u8::from(other == index))))
             .collect();
-        let passes: Vec<Vec<HyperDual>> = units
-            .chunks(DIRECTIONS)
-            .map(|chunk| self.components(&chunk.iter().collect::<Vec<_>>()))
-            .collect();
-        let linear = |row: &mut dyn Iterator<Item = &f64>| {
-            let row: Vec<f64> = row.copied().collect();
-            let sums = passes.iter().map(|z| LocalField::of(row.iter(), z));
-            let sums: Vec<HyperDual> = sums.collect();
-            let by = |index: usize| sums[index / DIRECTIONS].derivative(&[index % DIRECTIONS]);
-            let terms = row.iter().zip(&passes[0]).filter(|(c, _)| **c != 0.0);
-            Linear {
-                value: sums[0].value(),
-                by: Vector::from_fn(all, |index, _| by(index)),
-                size: terms.map(|(c, z)| (c * z.value()).abs()).sum(),
-            }
-        };
+        let chunks = units.chunks(DIRECTIONS);
+        chunks
+            .map(|chunk| self.components_of(field, &chunk.iter().collect::<Vec<_>>()))
+            .collect()
+    }
+
+    /// A row of numbers times the components of z.
+    fn linear(&self, passes: &[Vec<HyperDual>], row: &mut dyn Iterator<Item = &f64>) -> Linear {
+        let row: Vec<f64> = row.copied().collect();
+        let sums = passes.iter().map(|z| LocalField::of(row.iter(), z));
+        let sums: Vec<HyperDual> = sums.collect();
+        let by = |index: usize| sums[index / DIRECTIONS].derivative(&[index % DIRECTIONS]);
+        let terms = row.iter().zip(&passes[0]).filter(|(c, _)| **c != 0.0);
+        Linear {
+            value: sums[0].value(),
+            by: Vector::from_fn(self.variables, |index, _| by(index)),
+            size: terms.map(|(c, z)| (c * z.value()).abs()).sum(),
+        }
+    }
+
+    /// A form of the system with its first derivatives, also of what the motion has nothing to do with.
+    pub fn form(&self, form: &Row) -> Linear {
+        let mut field = self.lifted.modes[self.mode].field.clone();
+        field.watch(&form.at);
+        self.linear(&self.passes(&field), &mut form.at.iter())
+    }
+
+    /// All functions of the mode with their first derivatives; `None` where one has no finite value.
+    pub fn linearised(&self) -> Option<Linearised> {
+        let mode = &self.lifted.modes[self.mode];
+        let states = self.states;
+        let passes = self.passes(&mode.field);
+        let linear = |row: &mut dyn Iterator<Item = &f64>| self.linear(&passes, row);
         let of_row = |row: &Row| linear(&mut row.at.iter());
         let rates = (0..states).map(|state| linear(&mut mode.matrix.at.row(state).iter()));
         let found = Linearised {

@@ -178,12 +178,19 @@ pub struct CriticalUnknowns {
 
 impl EquilibriumCurve {
     /// Units along a curve in two parameters: of states, of which one that is small here may grow, at least a part of the largest
-    /// in the units that balance the matrix; of rates the geometric mean of all eigenvalues but those next to zero.
+    /// in the units that balance the matrix; of rates the geometric mean of all eigenvalues but those next to zero. `known` are
+    /// the units of a branch, beside which a state may be nothing but rounding.
     ///
     /// # Errors
     /// Rates or guards have no finite value there.
-    pub fn wide_scales(&self, point: &Vector) -> Result<EquilibriumScales, EquilibriumFailure> {
+    pub fn wide_scales(
+        &self,
+        point: &Vector,
+        known: Option<&EquilibriumScales>,
+    ) -> Result<EquilibriumScales, EquilibriumFailure> {
         const PART: f64 = 0.3;
+        /// A state smaller than this part of its unit on the branch is zero.
+        const NOTHING: f64 = 1e-9;
         /// An eigenvalue smaller than this part of the largest may be one that the curve keeps at zero.
         const ZERO: f64 = 1e-6;
         let at = self.linearised(point)?;
@@ -200,11 +207,21 @@ impl EquilibriumCurve {
         if rate.is_normal() {
             scales.rate = rate;
         }
+        if let Some(known) = known.filter(|known| known.units.len() == scales.units.len()) {
+            scales.units.clone_from(&known.units);
+        }
+        let least = |index: usize| known.map_or(0.0, |known| NOTHING * known.units[index]);
         let states = self.state(point);
-        let sizes = states.iter().zip(balanced.iter());
-        let largest = sizes.fold(0.0, |most: f64, (x, unit)| most.max(x.abs() / unit));
-        for (unit, balanced) in scales.units.iter_mut().zip(balanced.iter()) {
-            *unit = unit.max(PART * largest * balanced);
+        let sizes = states.iter().map(|x| x.abs()).enumerate();
+        let sizes: Vec<f64> = sizes
+            .map(|(index, x)| if x > least(index) { x } else { 0.0 })
+            .collect();
+        let shares = sizes.iter().zip(balanced.iter());
+        let largest = shares.fold(0.0, |most: f64, (x, unit)| most.max(x / unit));
+        if largest > 0.0 {
+            for (index, size) in sizes.into_iter().enumerate() {
+                scales.units[index] = size.max(PART * largest * balanced[index]);
+            }
         }
         Ok(scales)
     }

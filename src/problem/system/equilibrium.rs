@@ -9,6 +9,7 @@ use super::super::expectation::Expectation;
 use super::super::outline::Outline;
 use super::super::rules::{Check, Checks};
 use super::{Beginning, SystemPlot, SystemProblem};
+use crate::affine::monitor::{MONITOR, MonitorSource};
 use crate::affine::system::{Ordered, Source};
 use crate::orbit::EventType;
 
@@ -131,6 +132,16 @@ impl Checks<'_, SystemProblem> {
                 return self.refuse(path, message, "leave it out");
             }
         }
+        for (name, monitor) in &self.problem.monitor.0 {
+            let what = match monitor {
+                MonitorSource::Integral(_) => "an integral over a period",
+                MonitorSource::Before(..) | MonitorSource::After(..) => "a value at a switch",
+                _ => continue,
+            };
+            let message = format!("`{name}` is {what}, and an equilibrium has none");
+            let help = "take `Max`, `Min` or `Mean`: of an equilibrium they are the value";
+            return self.refuse(&format!("{MONITOR}.{name}"), message, help);
+        }
         match &section.start {
             EquilibriumStart::Given { .. } => match section.start.beginning() {
                 Some(start) => self.start("equilibrium.start", &start),
@@ -187,11 +198,11 @@ impl Checks<'_, SystemProblem> {
             states, parameters, ..
         } = &self.problem.system.source;
         let parameters: Vec<&str> = parameters.names().collect();
+        let monitors: Vec<&str> = self.problem.monitor.names().collect();
         if self.problem.equilibrium.is_none() {
-            let monitors: Vec<&str> = self.problem.monitor.names().collect();
             return [&parameters[..], &Expectation::OF_ORBITS, &monitors].concat();
         }
         let states: Vec<&str> = states.iter().map(String::as_str).collect();
-        [&parameters[..], &states, &COLUMNS].concat()
+        [&parameters[..], &states, &monitors, &COLUMNS].concat()
     }
 }
