@@ -354,7 +354,8 @@ impl Plane for Equilibria {
     ) -> Option<Gone> {
         let beta = further.last().copied().unwrap_or(f64::NAN);
         let crossing = matches!(spectral, CriticalEquilibrium::Crossing { .. });
-        (crossing && beta.is_nan() || crossing && beta.abs() > PERFECT).then_some(Gone::Opened)
+        let opened = beta.is_nan() || beta.abs() > PERFECT;
+        (crossing && opened).then_some(Gone::Opened)
     }
 
     fn angular(
