@@ -655,6 +655,16 @@ impl<O: Told> Display for What<O> {
                     "resonance 1:{order}: the pair is at the angle 2π/{order}"
                 ),
             },
+            What::Other(PointType::GH) => {
+                f.write_str("the first Lyapunov coefficient is zero: a degenerate Hopf point")
+            }
+            What::Other(PointType::ZH) => f.write_str("a pair is on the imaginary axis, too"),
+            What::Other(PointType::HH) => {
+                f.write_str("another pair is on the imaginary axis: two Hopf points")
+            }
+            What::Other(PointType::Two(EventType::HB, _)) => {
+                f.write_str("a pair is on the imaginary axis, too")
+            }
             What::Other(PointType::Two(_, EventType::PD)) => {
                 f.write_str("a multiplier is -1 here too")
             }
@@ -685,6 +695,9 @@ impl Display for Gone {
             Gone::Along(zone) => write!(
                 f,
                 "an inequality of the {zone} zone that vanishes along with the event fails"
+            ),
+            Gone::Opened => f.write_str(
+                "beyond it the branches of equilibria come apart: none crosses another one any more",
             ),
             Gone::Asymmetric => f.write_str(
                 "beyond it the system is not symmetric: no orbit is its own image half a period later",
@@ -718,14 +731,15 @@ impl Display for curve::Name {
         match self {
             curve::Name::Pair { grows: true } => f.write_str("the pair grows"),
             curve::Name::Pair { grows: false } => f.write_str("the pair decays"),
-            curve::Name::Outside(0) => f.write_str("stable"),
+            curve::Name::Outside(0) | curve::Name::Growing(0) => f.write_str("stable"),
+            curve::Name::Growing(1) => f.write_str("1 eigenvalue grows"),
+            curve::Name::Growing(count) => write!(f, "{count} eigenvalues grow"),
             curve::Name::Outside(1) => f.write_str("1 multiplier outside"),
             curve::Name::Outside(count) => write!(f, "{count} multipliers outside"),
             curve::Name::Orbits { count, regimes } => {
                 match count {
                     None => {}
-                    Some((1, orbit)) => write!(f, "1 {orbit} ")?,
-                    Some((count, orbit)) => write!(f, "{count} {orbit}s ")?,
+                    Some((count, orbits)) => write!(f, "{count} {orbits} ")?,
                 }
                 f.write_str(&list(regimes, ", "))
             }

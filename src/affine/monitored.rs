@@ -39,7 +39,7 @@ pub fn read(
 
 /// A system in which the expressions of its monitors are laid out, too. The flows of its modes have nothing to do with what
 /// these expressions are made of.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct MonitoredSystem {
     /// The system.
     pub system: AffineSystem,

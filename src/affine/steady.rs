@@ -577,16 +577,20 @@ fn single_out(found: &mut Vec<Rest>) {
 
 /// Eigenvalues of slopes; in a surface of this normal those of the motion within it.
 pub(super) fn eigenvalues_within(slopes: &Matrix, normal: Option<&Vector>) -> Vec<Eigenvalue> {
+    known_eigenvalues(&slopes_within(slopes, normal)).unwrap_or_default()
+}
+
+/// The matrix of the motion, in a surface that of all states but the one that it gives by the others.
+pub(super) fn slopes_within(slopes: &Matrix, normal: Option<&Vector>) -> Matrix {
     let Some(normal) = normal else {
-        return known_eigenvalues(slopes).unwrap_or_default();
+        return slopes.clone();
     };
-    // the state that the surface gives by the others; the largest entry of the normal in the units of the slopes
+    // the largest entry of the normal in the units of the slopes
     let (units, _) = crate::linalg::balance(slopes, 0.0);
     let axis = normal.component_mul(&units).iamax();
     let others: Vec<usize> = (0..normal.len()).filter(|index| *index != axis).collect();
-    let within = Matrix::from_fn(others.len(), others.len(), |i, j| {
+    Matrix::from_fn(others.len(), others.len(), |i, j| {
         let (i, j) = (others[i], others[j]);
         slopes[(i, j)] - slopes[(i, axis)] * normal[j] / normal[axis]
-    });
-    known_eigenvalues(&within).unwrap_or_default()
+    })
 }

@@ -5,13 +5,16 @@ use serde::Serialize;
 
 use super::failure::{Exit, Failure};
 use super::options::{Task, format, read_any};
-use super::prepare::{Source, named, ready, ready_system};
+use super::prepare::{Source, named, named_equilibrium, ready, ready_system};
 use super::progress::{Progress, drive};
 use super::{summary, titled, warn};
 use crate::branch::run::Runner;
 use crate::curve::start::{self, NoCurve, Start};
-use crate::curve::{Curve, Orbits, Plane, Run};
+use crate::curve::{
+    Curve, Equilibria, Orbits, Plane, Run, find_of_equilibria, labelled_of_equilibria,
+};
 use crate::hybrid;
+use crate::hybrid::equilibrium::{EquilibriumRunner, NoEquilibriumStart};
 use crate::orbit::EventType;
 use crate::orbit::legs;
 use crate::output::curve::CurveFolder;
@@ -37,6 +40,9 @@ pub(crate) fn curve(arguments: &CurveArguments) -> Result<Exit, Failure> {
     let (problem, text) = read_any(&task.problem)?;
     match problem {
         Any::Tube(problem) => of_tube(task, &problem, text, format),
+        Any::System(problem) if problem.equilibrium.is_some() => {
+            of_equilibria(task, &problem, text, format)
+        }
         Any::System(problem) => of_system(task, &problem, text, format),
     }
 }
@@ -74,25 +80,7 @@ fn of_system(
     let section = problem.curve(&text, &name)?;
     let source = Source::new(name, text.clone());
     let store = task.open_system(&task.folder("_curve"), Kind::Curve, problem)?;
-    let refuse = |error: NoCurve<Orbits>| {
-        let (path, help) = match &error {
-            NoCurve::Run(reason) => reason.about(),
-            NoCurve::Outside { .. } => ("curve.range", "widen it"),
-            NoCurve::Kind { .. } => ("curve.event", "name a label of one of these types"),
-            NoCurve::NotFound { .. } => {
-                ("curve.event", "follow the branch further, or another way")
-            }
-            NoCurve::Unfolds { .. } => ("curve.parameters", "take another parameter"),
-            NoCurve::NotSymmetric | NoCurve::Singular(_) => {
-                ("curve.event", "begin with another event of the branch")
-            }
-        };
-        let exit = match error {
-            NoCurve::Outside { .. } | NoCurve::Kind { .. } => Exit::BadInput,
-            _ => Exit::Numerical,
-        };
-        source.placed(path, error.to_string(), help, exit)
-    };
+    let refuse = |error: NoCurve<Orbits>| refusal(&source, &error, hybrid::NoStart::about);
     let begin = || {
         if let SystemCurveEvent::Label { dir, label } = &section.event {
             let named = named(problem, dir, *label, true, &source)?;
@@ -112,6 +100,62 @@ fn of_system(
     };
     let title = problem.title.as_deref();
     follow(task, store, (problem, title, format), begin, &refuse, draw)
+}
+
+fn of_equilibria(
+    task: &Task,
+    problem: &SystemProblem,
+    text: String,
+    format: Format,
+) -> Result<Exit, Failure> {
+    let name = task.problem.display().to_string();
+    let section = problem.curve(&text, &name)?;
+    let source = Source::new(name, text.clone());
+    let store = task.open_system(&task.folder("_curve"), Kind::Curve, problem)?;
+    let refuse = |error: NoCurve<Equilibria>| refusal(&source, &error, NoEquilibriumStart::about);
+    let begin = || {
+        if let SystemCurveEvent::Label { dir, label } = &section.event {
+            let at = ("curve.event", true);
+            let named = named_equilibrium(problem, (dir, *label), at, &source)?;
+            let begun = labelled_of_equilibria(problem, &named, section);
+            return begun.map_err(&refuse);
+        }
+        let prepared = super::equilibria::ready(problem.clone(), text, &task.problem)?;
+        let progress = Progress::new(task.quiet);
+        let mut watch = |branch: &EquilibriumRunner| looking(&progress, branch);
+        let begun = || prepared.start();
+        find_of_equilibria(problem, section, begun, &mut watch).map_err(&refuse)
+    };
+    let draw = |store: &Store, found: &Curve<Equilibria>, ranges| {
+        let drawn = pictures::orbits::draw_curve(store, problem, found, ranges, format);
+        drawn.map(|_| ())
+    };
+    let title = problem.title.as_deref();
+    follow(task, store, (problem, title, format), begin, &refuse, draw)
+}
+
+/// Why there is no curve of a system, at the line of the problem file that it is about; of a branch that does not begin that
+/// is known to the reason.
+fn refusal<P: Plane>(
+    source: &Source,
+    error: &NoCurve<P>,
+    about: impl Fn(&P::NoBranch) -> (&'static str, &'static str),
+) -> Failure {
+    let (path, help) = match error {
+        NoCurve::Run(reason) => about(reason),
+        NoCurve::Outside { .. } => ("curve.range", "widen it"),
+        NoCurve::Kind { .. } => ("curve.event", "name a label of one of these types"),
+        NoCurve::NotFound { .. } => ("curve.event", "follow the branch further, or another way"),
+        NoCurve::Unfolds { .. } => ("curve.parameters", "take another parameter"),
+        NoCurve::NotSymmetric | NoCurve::Singular(_) => {
+            ("curve.event", "begin with another event of the branch")
+        }
+    };
+    let exit = match error {
+        NoCurve::Outside { .. } | NoCurve::Kind { .. } => Exit::BadInput,
+        _ => Exit::Numerical,
+    };
+    source.placed(path, error.to_string(), help, exit)
 }
 
 /// Says how far the branch is on which the event is looked for.

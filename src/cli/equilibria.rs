@@ -18,13 +18,16 @@ pub(crate) struct PreparedEquilibrium {
 impl PreparedEquilibrium {
     /// The beginning of the branch, or the line of the problem file that keeps it from beginning.
     pub(crate) fn begin(&self) -> Result<EquilibriumRunner, Failure> {
-        let begun =
-            EquilibriumRunner::begin(&self.problem, &self.continuation, self.named.as_ref());
-        begun.map_err(|error: NoEquilibriumStart| {
+        self.start().map_err(|error| {
             let (path, help) = error.about();
             let message = error.to_string();
             self.source.placed(path, message, help, Exit::Numerical)
         })
+    }
+
+    /// The beginning of the branch.
+    pub(crate) fn start(&self) -> Result<EquilibriumRunner, NoEquilibriumStart> {
+        EquilibriumRunner::begin(&self.problem, &self.continuation, self.named.as_ref())
     }
 }
 
@@ -41,12 +44,11 @@ pub(crate) fn ready(
     let named = match start {
         Some(
             EquilibriumStart::Restart { dir, label } | EquilibriumStart::Switch { dir, label },
-        ) => Some(named_equilibrium(
-            &problem,
-            (dir, *label),
-            "equilibrium.start",
-            &source,
-        )?),
+        ) => {
+            let is_event = matches!(start, Some(EquilibriumStart::Switch { .. }));
+            let at = ("equilibrium.start", is_event);
+            Some(named_equilibrium(&problem, (dir, *label), at, &source)?)
+        }
         _ => None,
     };
     let values = match &named {

@@ -16,8 +16,7 @@ use crate::output::orbits::{Orbits, kind_of};
 use crate::output::origin;
 use crate::output::waves::{self, Waves};
 use crate::problem::{
-    self, Any, Continuation, EquilibriumStart, OrbitStart, Problem, ProblemError, Start,
-    SystemProblem, Toward,
+    self, Any, Continuation, OrbitStart, Problem, ProblemError, Start, SystemProblem, Toward,
 };
 
 /// A problem read and ready to run.
@@ -251,7 +250,8 @@ pub(crate) fn ready_system(
             Some(match holds_equilibria(dir) && is_event {
                 true => {
                     let place = (dir.as_path(), *label);
-                    let earlier = named_equilibrium(&problem, place, "orbit.start", &source)?;
+                    let at = ("orbit.start", true);
+                    let earlier = named_equilibrium(&problem, place, at, &source)?;
                     EarlierPoint::Equilibrium(earlier)
                 }
                 false => EarlierPoint::Orbit(named(&problem, dir, *label, is_event, &source)?),
@@ -326,12 +326,12 @@ pub(crate) fn named(
     })
 }
 
-/// The equilibrium of a run of the same system, and what it is there, named at a path of the problem; that of an event is one
-/// of its own equations only.
+/// The equilibrium of a run of the same system, and what it is there, named at a path of the problem; where that counts its
+/// equations must be the same, too.
 pub(super) fn named_equilibrium(
     problem: &SystemProblem,
     (dir, label): (&Path, usize),
-    at: &str,
+    (at, is_event): (&str, bool),
     source: &Source,
 ) -> Result<NamedEquilibrium, Failure> {
     let refuse = |what: &str| {
@@ -353,9 +353,7 @@ pub(super) fn named_equilibrium(
     if !others.parameters.names().eq(own.parameters.names()) {
         return Err(refuse("equilibria of a system with other parameters"));
     }
-    let switch = problem.equilibrium.as_ref();
-    let is_event =
-        switch.is_none_or(|section| matches!(section.start, EquilibriumStart::Switch { .. }));
+    // an event is one of its own equations only
     if is_event && !others.is_same(own) {
         return Err(refuse("equilibria of another system"));
     }

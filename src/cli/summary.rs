@@ -344,11 +344,11 @@ fn aligned(table: &Table, chosen: &[&str]) -> String {
 pub(crate) fn curve<P: Plane>(curve: &Curve<P>) -> String {
     let mut text = String::new();
     let [first, second] = curve.parameters.each_ref().map(P::Orbit::column);
+    let measure = P::MEASURE.map_or_else(String::new, |measure| format!(", {measure}"));
     let _ = writeln!(
         text,
-        "{} points; event, {first}, {second}, {}",
+        "{} points; event, {first}, {second}{measure}",
         curve.points.len(),
-        P::MEASURE
     );
     let last = curve.points.len().saturating_sub(1);
     for (index, point) in curve.points.iter().enumerate() {
@@ -363,11 +363,10 @@ pub(crate) fn curve<P: Plane>(curve: &Curve<P>) -> String {
             continue;
         };
         let [one, other] = point.parameters;
-        let _ = write!(
-            text,
-            "  {kind:<6} {one:.12}  {other:.12}  {:.12}",
-            point.measure
-        );
+        let _ = write!(text, "  {kind:<6} {one:.12}  {other:.12}");
+        if P::MEASURE.is_some() {
+            let _ = write!(text, "  {:.12}", point.measure);
+        }
         if let Some(angular) = point.angular {
             let _ = write!(text, "  {} {angular:.12}", P::SYMBOL);
         }

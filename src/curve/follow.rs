@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::plane::{
     Condition, ExaminationOf, FailureOf, MarginOf, Plane, SignatureOf, Test, TestValues,
 };
-use super::point::{Limits, Point, PointType, What};
+use super::point::{Gone, Limits, Point, PointType, What};
 use super::system::EventSystem;
 use super::tube::Tube;
 use crate::continuation::Node;
@@ -88,19 +88,6 @@ pub enum Event<P: Plane> {
     Passing([usize; 2]),
 }
 
-/// Why an event is no event any more.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Gone {
-    /// Another minimum inside the zone of this name is lower.
-    Lower(String),
-    /// The minimum leaves the zone through an end.
-    Left(String),
-    /// Another inequality of the zone, which vanishes along with the event, fails.
-    Along(String),
-    /// The system has no symmetry there.
-    Asymmetric,
-}
-
 /// Why an event refuses a step.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(bound = "")]
@@ -177,10 +164,10 @@ impl<P: Plane> EventCurve<P> {
                 _ => Gone::Along(zone),
             }));
         }
-        if let Condition::Spectral(spectral) = &self.system.condition
-            && !self.system.plane.is_met(spectral, orbit, unknowns)
-        {
-            return Err(Refusal::Gone(Gone::Asymmetric));
+        if let Condition::Spectral(spectral) = &self.system.condition {
+            let further = self.system.further(&node.point);
+            let lost = self.system.plane.lost(spectral, orbit, unknowns, further);
+            lost.map_or(Ok(()), |gone| Err(Refusal::Gone(gone)))?;
         }
         let slopes = self.slopes(node, examination.margins());
         let mut tests = Tests {
@@ -668,7 +655,7 @@ impl<P: Plane> Curve for EventCurve<P> {
                 let second = second.map_err(Refusal::Flow)?;
                 let mut entries = margins.iter();
                 let entry = entries.find_map(|margin| self.enter(step, &place.node, margin));
-                let kind = PointType::Two(self.event, second.kind);
+                let kind = P::with_event(self.event, second.kind);
                 let what = What::Meeting {
                     second: Box::new(second),
                     may_go_on: matches!(self.system.condition, Condition::Margin(_)),
@@ -681,7 +668,7 @@ impl<P: Plane> Curve for EventCurve<P> {
                 }
             }
             Event::Fold => {
-                say(PointType::Two(self.event, EventType::LP), &What::Fold);
+                say(P::with_fold(self.event), &What::Fold);
                 Outcome::Passed(solved)
             }
             Event::Cusp => {
@@ -694,7 +681,7 @@ impl<P: Plane> Curve for EventCurve<P> {
             }
             Event::Other(test) => {
                 let kind = match test.kind {
-                    Some(PointType::One(other)) => Some(PointType::Two(self.event, other)),
+                    Some(PointType::One(other)) => Some(P::with_event(self.event, other)),
                     kind => kind,
                 };
                 if let Some(kind) = kind {
@@ -708,8 +695,42 @@ impl<P: Plane> Curve for EventCurve<P> {
         })
     }
 
-    fn arrive(&mut self, node: &Node) {
+    fn stretch(&self, node: &Node) -> f64 {
+        P::stretch(&node.point.as_slice()[..self.system.orbit_unknowns()])
+    }
+
+    fn arrive(&mut self, node: &mut Node) {
         self.system.settle(&node.point);
+        let further = self.system.further(&node.point);
+        let renewed = match &self.system.condition {
+            Condition::Spectral(spectral) => P::renewed(spectral, further),
+            _ => None,
+        };
+        if let Some((spectral, further)) = renewed {
+            let signature = self.system.signature().clone();
+            let system = self.system.of(signature, Condition::Spectral(spectral));
+            if let Some(renewed) = system.with_further(node, &further) {
+                self.system = system;
+                *node = renewed;
+            }
+        }
+    }
+
+    fn aliases(&self, first: &Node, near: &Node) -> Vec<Node> {
+        /// Points whose states or parameters are further apart, in their units, are not the same: far beyond a step.
+        const FAR: f64 = 1.0;
+        let (count, last) = (self.system.orbit_unknowns(), first.point.len() - 2);
+        let apart = |from: usize, length: usize| {
+            let difference = first.point.rows(from, length) - near.point.rows(from, length);
+            difference.norm()
+        };
+        let further = |node: &Node| node.point.as_slice()[count..last].to_vec();
+        let is_near = apart(0, count).max(apart(last, 2)) <= FAR;
+        let alias = is_near
+            .then(|| P::alias(&self.system.condition, &further(first), &further(near)))
+            .flatten();
+        let alias = alias.map(|further| self.system.with_further(first, &further));
+        alias.map_or_else(|| vec![first.clone()], |node| node.into_iter().collect())
     }
 
     fn point(&self, _: f64, node: &Node, _: &Tests<P>) -> Solved<P> {
@@ -717,6 +738,7 @@ impl<P: Plane> Curve for EventCurve<P> {
             parameters: self.system.values(&node.point),
             measure: f64::NAN,
             excess: None,
+            numbers: Vec::new(),
             before: String::new(),
             after: String::new(),
             angular: self.system.angular(&node.point),
@@ -730,6 +752,12 @@ impl<P: Plane> Curve for EventCurve<P> {
         if let Ok((orbit, unknowns)) = self.system.orbit(&node.point, 0) {
             (point.measure, point.excess) = P::measure(&orbit, &unknowns);
             point.before = P::name(&orbit, &unknowns);
+            let further = self.system.further(&node.point);
+            let condition = &self.system.condition;
+            point.numbers = self
+                .system
+                .plane
+                .numbers(condition, &orbit, &unknowns, further);
             point.after = match &self.system.condition {
                 Condition::Margin(margin) => {
                     let here = orbit.margin_at(margin, &unknowns);

@@ -1,8 +1,8 @@
 //! Curves of events in two parameters.
 //!
 //! An event of a branch — a fold, a change of regime, a Hopf point — moves along a curve when a second
-//! parameter is let go. What orbits it belongs to, [`Plane`] says: waves of a [`Tube`], or [`Orbits`] of a user's
-//! system. [`system`] poses it, the walker of [`crate::continuation`] follows it,
+//! parameter is let go. What orbits it belongs to, [`Plane`] says: waves of a [`Tube`], [`Orbits`] of a user's
+//! system, or its [`Equilibria`]. [`system`] poses it, the walker of [`crate::continuation`] follows it,
 //! and at every point all other inequalities of the orbit are verified, as on a branch. On the way,
 //! points of codimension two are located:
 //!
@@ -12,6 +12,8 @@
 //! | `GR+LP`, `HB+LP`, … | the wave has a fold too | det F_x |
 //! | `CP` | cusp: the curve of folds turns round | (p₁′, p₂′) · (−wᵀF_{p₂}, wᵀF_{p₁}) |
 //! | `BT` | ω → 0 in sector 0 or k/2 | ω |
+//! | `GH` | of equilibria: the first Lyapunov coefficient of a Hopf point is zero | it, without its poles |
+//! | `ZH`, `HH` | of equilibria: a pair ± iω beside an eigenvalue zero, or beside another pair | det, sums of pairs |
 //! | `R1`, `R2`, `R3`, `R4` | a pair of multipliers is e^(±2πi/n) | cosine of its angle |
 //!
 //! where wᵀF_x = 0 along the folds: from F_x x′ + F_p p′ = 0 it follows that wᵀF_p p′ = 0, so that p′ is
@@ -22,6 +24,8 @@
 //! inequalities hold: the same margin vanishes there. Folds and Hopf points end: the parameter is
 //! stationary at the opening of a zone, and its spectrum is not the continuation of the one before.
 
+mod equilibria;
+mod equilibrium_start;
 mod follow;
 mod orbits;
 mod plane;
@@ -34,10 +38,12 @@ pub mod system;
 mod tube;
 mod whole;
 
-pub use follow::{Gone, Refusal};
+pub use equilibria::{CriticalEquilibrium, Equilibria};
+pub use equilibrium_start::{find_of_equilibria, labelled_of_equilibria};
+pub use follow::Refusal;
 pub use orbits::Orbits;
 pub use plane::{Condition, NotEvaluated, ParameterOf, Plane, Test, TestValues};
-pub use point::{Limits, Name, Point, PointType, Region, What};
+pub use point::{Gone, Limits, Name, Point, PointType, Region, What};
 pub use run::{Run, Singular, follow};
 pub use saved::{End, Found, Head, Next, Reason, State, Step};
 pub use tube::{Hopf, Tube};

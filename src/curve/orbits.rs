@@ -6,7 +6,7 @@ use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
 
 use super::plane::{Condition, NotEvaluated, Plane, Test, TestValues};
-use super::point::{Name, PointType, What};
+use super::point::{Gone, Name, PointType, What};
 use crate::affine::closure::Prescribed;
 use crate::affine::monitor::{Monitor, MonitorSource};
 use crate::affine::monitored;
@@ -158,9 +158,10 @@ impl Plane for Orbits {
     type Beside = ();
 
     const ORBIT: &'static str = "orbit";
+    const ORBITS: &'static str = "orbits";
     const ALL_STEPS: usize = 1800;
     const LONGEST_BESIDE: f64 = f64::INFINITY;
-    const MEASURE: &'static str = "period";
+    const MEASURE: Option<&'static str> = Some("period");
     const ANGULAR: &'static str = "angle";
     const SYMBOL: &'static str = "angle";
     const HAS_SECTORS: bool = false;
@@ -356,8 +357,15 @@ impl Plane for Orbits {
         }
     }
 
-    fn is_met(&self, spectral: &Critical, orbit: &AffineOrbit, point: &Vector) -> bool {
-        !matches!(spectral, Critical::Branching { .. }) || orbit.loses_symmetry(point)
+    fn lost(
+        &self,
+        spectral: &Critical,
+        orbit: &AffineOrbit,
+        point: &Vector,
+        _: &[f64],
+    ) -> Option<Gone> {
+        let is_branching = matches!(spectral, Critical::Branching { .. });
+        (is_branching && !orbit.loses_symmetry(point)).then_some(Gone::Asymmetric)
     }
 
     fn angular(

@@ -3,7 +3,7 @@
 use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
 
-use super::point::{Name, PointType, What};
+use super::point::{Gone, Name, PointType, What};
 use crate::continuation::newton::System;
 use crate::linalg::{Matrix, Vector};
 use crate::orbit::monitor::MonitorStop;
@@ -86,6 +86,8 @@ pub trait Plane: Data {
 
     /// What one of them is called.
     const ORBIT: &'static str;
+    /// What several of them are called.
+    const ORBITS: &'static str;
     /// Most steps of all branches that are followed to name places beside a curve: about as long as the curve itself
     /// took, or a second.
     const ALL_STEPS: usize;
@@ -93,8 +95,8 @@ pub trait Plane: Data {
     const LONGEST_BESIDE: f64;
     /// Events that have a curve.
     const FOLLOWED: &'static [EventType];
-    /// Name of the column of [`super::Point::measure`].
-    const MEASURE: &'static str;
+    /// Name of the column of [`super::Point::measure`], where they have one.
+    const MEASURE: Option<&'static str>;
     /// Name of the column of [`super::Point::angular`].
     const ANGULAR: &'static str;
 
@@ -146,11 +148,33 @@ pub trait Plane: Data {
     /// Length of a zone.
     fn length(orbit: &Self::Orbit, point: &Vector, zone: usize) -> f64;
 
+    /// How many times longer than elsewhere steps from such unknowns of an orbit may be: more than 1 where they are much larger
+    /// than their units.
+    fn stretch(_unknowns: &[f64]) -> f64 {
+        1.0
+    }
+
     /// Name of an orbit.
     fn name(orbit: &Self::Orbit, point: &Vector) -> String;
 
     /// What every point tells of its orbit: the speed of a wave, the period of an orbit; and the excess speed.
     fn measure(orbit: &Self::Orbit, point: &Vector) -> (f64, Option<f64>);
+
+    /// Names of the columns of [`super::Point::numbers`].
+    fn columns(&self) -> Vec<String> {
+        Vec::new()
+    }
+
+    /// What every point tells in these columns.
+    fn numbers(
+        &self,
+        _: &Condition<Self>,
+        _: &Self::Orbit,
+        _point: &Vector,
+        _further: &[f64],
+    ) -> Vec<Option<f64>> {
+        Vec::new()
+    }
 
     /// The name of an orbit that passes beside a change of regime.
     fn passing(orbit: &Self::Orbit, point: &Vector) -> String {
@@ -221,9 +245,51 @@ pub trait Plane: Data {
     ) {
     }
 
-    /// Whether a solution of them has the event.
-    fn is_met(&self, _: &Self::Spectral, _: &Self::Orbit, _: &Vector) -> bool {
-        true
+    /// All equations of an event of one signature, and their derivatives, in its unknowns, where the plane has them itself: with
+    /// exact derivatives in both parameters. `None` where they are those of an orbit and of the condition.
+    fn extended(
+        &self,
+        _: &SignatureOf<Self>,
+        _: &Condition<Self>,
+        _point: &Vector,
+        _equations: (&mut [f64], &mut Matrix),
+    ) -> Option<Result<(), FailureOf<Self>>> {
+        None
+    }
+
+    /// Takes what normalises further unknowns to where they are now.
+    fn settle(_: &mut Self::Spectral, _further: &[f64]) {}
+
+    /// The same event with other further unknowns, and what normalises these, where they are better than those it has.
+    fn renewed(_: &Self::Spectral, _further: &[f64]) -> Option<(Self::Spectral, Vec<f64>)> {
+        None
+    }
+
+    /// Further unknowns, or the null vector, of a known point of the curve as they would be beside another point, with what
+    /// normalises them now: a curve that comes back may have turned them. `None` where they are the same.
+    fn alias(_: &Condition<Self>, _further: &[f64], _near: &[f64]) -> Option<Vec<f64>> {
+        None
+    }
+
+    /// Why a solution of the equations of an event of the spectrum has the event no more.
+    fn lost(
+        &self,
+        _: &Self::Spectral,
+        _: &Self::Orbit,
+        _point: &Vector,
+        _further: &[f64],
+    ) -> Option<Gone> {
+        None
+    }
+
+    /// Type of a point at which an orbit of an event has a fold, too.
+    fn with_fold(event: EventType) -> PointType {
+        Self::with_event(event, EventType::LP)
+    }
+
+    /// Type of a point of two events, of which the first one is followed.
+    fn with_event(event: EventType, other: EventType) -> PointType {
+        PointType::Two(event, other)
     }
 
     /// Its frequency or angle.

@@ -48,6 +48,12 @@ pub enum PointType {
     CP,
     /// ω → 0.
     BT,
+    /// The first Lyapunov coefficient of a Hopf point is zero.
+    GH,
+    /// An eigenvalue zero beside a pair on the imaginary axis.
+    ZH,
+    /// Two pairs on the imaginary axis.
+    HH,
     /// Resonance 1:n of a pair of multipliers at e^(2πi/n), n = 1, 2, 3 or 4.
     Resonance(u8),
 }
@@ -59,6 +65,9 @@ impl fmt::Display for PointType {
             PointType::Two(one, other) => write!(formatter, "{one}+{other}"),
             PointType::CP => formatter.write_str("CP"),
             PointType::BT => formatter.write_str("BT"),
+            PointType::GH => formatter.pad("GH"),
+            PointType::ZH => formatter.pad("ZH"),
+            PointType::HH => formatter.pad("HH"),
             PointType::Resonance(order) => write!(formatter, "R{order}"),
         }
     }
@@ -77,6 +86,9 @@ impl TryFrom<String> for PointType {
         Ok(match (text.as_str(), text.split_once('+')) {
             ("CP", _) => PointType::CP,
             ("BT", _) => PointType::BT,
+            ("GH", _) => PointType::GH,
+            ("ZH", _) => PointType::ZH,
+            ("HH", _) => PointType::HH,
             ("R1", _) => PointType::Resonance(1),
             ("R2", _) => PointType::Resonance(2),
             ("R3", _) => PointType::Resonance(3),
@@ -110,6 +122,9 @@ pub struct Point {
     pub residual: f64,
     /// Excess speed e = |c|/√a − 1 of a wave.
     pub excess: Option<f64>,
+    /// Further numbers; of an equilibrium its states, and the first Lyapunov coefficient of a Hopf point.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub numbers: Vec<Option<f64>>,
 }
 
 /// The name of a place beside the curve.
@@ -136,6 +151,8 @@ pub enum Name {
     },
     /// How many multipliers of the orbit are outside the unit circle.
     Outside(usize),
+    /// How many eigenvalues of the equilibrium grow.
+    Growing(usize),
     /// Orbits.
     Orbits {
         /// How many, where that is known, and what one of them is called.
@@ -143,6 +160,21 @@ pub enum Name {
         /// Their regimes, each once.
         regimes: Vec<String>,
     },
+}
+
+/// Why an event is no event any more.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Gone {
+    /// Another minimum inside the zone of this name is lower.
+    Lower(String),
+    /// The minimum leaves the zone through an end.
+    Left(String),
+    /// Another inequality of the zone, which vanishes along with the event, fails.
+    Along(String),
+    /// The system has no symmetry there.
+    Asymmetric,
+    /// The branches that cross have come apart.
+    Opened,
 }
 
 /// What happens at a point.

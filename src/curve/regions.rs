@@ -9,7 +9,7 @@
 //! |---|---|
 //! | GR, RV, CO, ST, SL | the regimes of the orbits that pass, of a system with their stability |
 //! | LP | how many orbits pass, and their regimes |
-//! | HB | whether the pair of the event grows or decays there; no other event lies between |
+//! | HB | whether the pair of the event grows or decays there; no other event lies between. Of equilibria how many eigenvalues grow |
 //! | PD, NS | how many multipliers of the orbit are outside the unit circle |
 //!
 //! A number of orbits is known where both arms come to an edge of the range, to an end of their own as the Hopf
@@ -317,7 +317,10 @@ impl<P: Plane> Section<P> {
         regimes.dedup();
         let count = match &self.condition {
             Condition::Fold if !self.complete => return None,
-            Condition::Fold => Some((orbits.len(), P::ORBIT)),
+            Condition::Fold => Some(match orbits.len() {
+                1 => (1, P::ORBIT),
+                count => (count, P::ORBITS),
+            }),
             _ => None,
         };
         (!orbits.is_empty()).then_some(Name::Orbits { count, regimes })

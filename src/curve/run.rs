@@ -315,6 +315,7 @@ impl<P: Plane> Run<P> {
             event: head.event,
             sector,
             parameters: head.system.parameters(),
+            columns: head.system.plane.columns(),
             points: points.into_iter().map(|solved| solved.point).collect(),
             start,
             ends: [0, 1].map(|index| reason(index).unwrap_or_default()),

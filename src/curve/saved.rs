@@ -2,9 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::follow::{Gone, Refusal};
+use super::follow::Refusal;
 use super::plane::{Condition, NotEvaluated, Plane, SignatureOf};
-use super::point::{Limits, Point};
+use super::point::{Gone, Limits, Point};
 use super::system::EventSystem;
 use super::tube::Tube;
 use crate::continuation::walk::Refused;

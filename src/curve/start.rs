@@ -121,7 +121,7 @@ const VANISHED: f64 = 1e-9;
 
 /// Follows a branch to the event of this type and number, which `wanted` names. `watch` sees the branch after every
 /// step.
-fn event<P: Plane, R: Run<Orbit = P::Orbit>>(
+pub(super) fn event<P: Plane, R: Run<Orbit = P::Orbit>>(
     mut branch: R,
     (kind, index): (Option<EventType>, usize),
     wanted: String,
@@ -425,7 +425,7 @@ fn pose_wave(
 }
 
 /// What of the spectrum makes an event, and its further unknowns.
-type OfSpectrum<P> = Option<(<P as Plane>::Spectral, Vec<f64>)>;
+pub(super) type OfSpectrum<P> = Option<(<P as Plane>::Spectral, Vec<f64>)>;
 
 /// Refuses an event outside the ranges.
 fn within<P: Plane>(plane: &P, limits: &Limits) -> Result<(), NoCurve<P>> {
@@ -444,7 +444,7 @@ fn within<P: Plane>(plane: &P, limits: &Limits) -> Result<(), NoCurve<P>> {
 }
 
 /// The equations of an event.
-fn pose<P: Plane>(
+pub(super) fn pose<P: Plane>(
     plane: P,
     orbit: &P::Orbit,
     point: &Vector,

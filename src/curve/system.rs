@@ -18,6 +18,8 @@
 //! over a period with the multipliers μ, H that over half of it with the image at its end.) An orbit is posed in one parameter: posed in p₁ it gives all columns but
 //! the last, posed in p₂ the last.
 //!
+//! Equilibria have extended systems of their own ([`Plane::extended`]), with exact derivatives in all unknowns.
+//!
 //! Derivatives of F, m and n are exact. Those of F_x v are one-sided differences, those of F_j and of H in x, p₁, p₂ central
 //! ones, and so are those of a pair μ of M, without switches along its null vectors only: they bend the way of Newton's
 //! iterates and not the equations, which are exact.
@@ -29,6 +31,8 @@ use super::plane::{
     Condition, FailureOf, NotEvaluated, ParameterOf, Plane, SignatureOf, TestValues,
 };
 use super::tube::Tube;
+use crate::continuation::Node;
+use crate::continuation::locate::retangent;
 use crate::continuation::newton::{Constraint, System};
 use crate::linalg::{self, Matrix, Vector};
 use crate::orbit::{AtZero, Orbit};
@@ -110,7 +114,7 @@ impl<P: Plane> EventSystem<P> {
     }
 
     /// Further unknowns of an event of the spectrum.
-    fn further<'a>(&self, point: &'a Vector) -> &'a [f64] {
+    pub(super) fn further<'a>(&self, point: &'a Vector) -> &'a [f64] {
         let count = self.orbit_unknowns();
         match &self.condition {
             Condition::Spectral(spectral) if !P::is_doubling(spectral) => {
@@ -298,8 +302,26 @@ impl<P: Plane> EventSystem<P> {
         self.plane.watched(&self.condition, orbit, own, further)
     }
 
-    /// Follows the place of an interior margin to a new point of the curve.
+    /// A node of the same point with other further unknowns, its tangent the same way; `None` where it has no tangent.
+    pub(super) fn with_further(&self, node: &Node, further: &[f64]) -> Option<Node> {
+        let (mut point, mut along) = (node.point.clone(), node.tangent.clone());
+        let count = self.orbit_unknowns();
+        for (index, value) in further.iter().enumerate() {
+            point[count + index] = *value;
+        }
+        // states and parameters go on as they did
+        along.rows_mut(count, further.len()).fill(0.0);
+        retangent(self, &point, &along, node.newton)
+    }
+
+    /// Follows the place of an interior margin, or what normalises further unknowns, to a new point of the curve.
     pub fn settle(&mut self, point: &Vector) {
+        let further = self.further(point);
+        if let Condition::Spectral(spectral) = &mut self.condition
+            && !further.is_empty()
+        {
+            P::settle(spectral, further);
+        }
         if let Condition::Margin(margin) = &self.condition
             && let Ok((orbit, own)) = self.orbit(point, 0)
         {
@@ -410,6 +432,13 @@ impl<P: Plane> System for EventSystem<P> {
         residual: &mut [f64],
         jacobian: &mut Matrix,
     ) -> Result<(), NotEvaluated<P>> {
+        let equations = (&mut *residual, &mut *jacobian);
+        let whole = self
+            .plane
+            .extended(&self.signature, &self.condition, point, equations);
+        if let Some(evaluated) = whole {
+            return evaluated.map_err(NotEvaluated::Flow);
+        }
         let count = self.orbit_unknowns();
         let last = self.unknowns() - 2;
         let (value, by) = self.orbit_equations(point).map_err(NotEvaluated::Flow)?;

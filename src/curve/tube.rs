@@ -85,6 +85,7 @@ impl Plane for Tube {
     type Beside = Pair;
 
     const ORBIT: &'static str = "wave";
+    const ORBITS: &'static str = "waves";
     const ALL_STEPS: usize = 20_000;
     const LONGEST_BESIDE: f64 = SHORT;
 
@@ -96,7 +97,7 @@ impl Plane for Tube {
         EventType::ST,
         EventType::HB,
     ];
-    const MEASURE: &'static str = "speed";
+    const MEASURE: Option<&'static str> = Some("speed");
     const ANGULAR: &'static str = "omega";
     const SYMBOL: &'static str = "ω";
     const HAS_SECTORS: bool = true;

@@ -15,6 +15,8 @@ pub struct Curve<P: Plane = Tube> {
     pub sector: Option<usize>,
     /// The two parameters.
     pub parameters: [ParameterOf<P>; 2],
+    /// Names of their further numbers.
+    pub columns: Vec<String>,
     /// Points from one end to the other.
     pub points: Vec<Point>,
     /// Index of the event on the branch.

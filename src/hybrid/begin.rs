@@ -62,8 +62,8 @@ pub enum NoStart {
         /// Its type.
         kind: String,
     },
-    /// Only at HB cycles are born from an equilibrium.
-    #[error("label {label} is an equilibrium of type {kind}: cycles are born at HB only")]
+    /// Only at HB and BE cycles are born from an equilibrium.
+    #[error("label {label} is an equilibrium of type {kind}: cycles are born at HB and BE only")]
     NotHopf {
         /// The label.
         label: usize,
@@ -118,7 +118,7 @@ impl NoStart {
             ),
             NoStart::NotHopf { .. } | NoStart::NoCycle(_) => (
                 "orbit.start",
-                "name the label of another HB, or find a cycle with `Simulate` or `Given`",
+                "name the label of another HB or BE, or find a cycle with `Simulate` or `Given`",
             ),
             NoStart::NotBranching { .. } => (
                 "orbit.start",

@@ -26,6 +26,10 @@ impl Named {
         Named(names.map(|name| (name.to_owned(), None)).collect())
     }
 
+    pub fn of(named: &[(String, Option<f64>)]) -> Named {
+        Named(named.to_vec())
+    }
+
     pub fn parameters(source: &Source, values: Option<&[f64]>) -> Named {
         let names = source.parameters.names().enumerate();
         let value = |index: usize| values.and_then(|values| values.get(index).copied());

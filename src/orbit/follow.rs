@@ -456,7 +456,7 @@ impl<O: Orbit> Curve for Track<O> {
         self.orbit.aliases(first, near)
     }
 
-    fn arrive(&mut self, node: &Node) {
+    fn arrive(&mut self, node: &mut Node) {
         if node.tangent[node.tangent.len() - 1] * self.heading < 0.0 {
             self.heading = -self.heading;
         }

@@ -6,8 +6,8 @@
 //! begins with and one for every step: a checksum, and a value as RON. A resumed curve goes on after the
 //! last whole line, through the same steps as an uninterrupted one.
 
-use serde::Serialize;
 use serde::de::DeserializeOwned;
+use serde::{Serialize, Serializer};
 
 use super::layout::{self, CURVE as TABLE};
 use super::origin::Origin;
@@ -27,6 +27,8 @@ pub(crate) struct CurveFolder {
     table: Growing,
     steps: Growing,
     rows: usize,
+    /// Of further numbers.
+    columns: Vec<String>,
     sector: Option<Option<usize>>,
 }
 
@@ -145,24 +147,26 @@ impl CurveFolder {
         run: &Run<P>,
         steps: Growing,
     ) -> Result<CurveFolder, StoreError> {
+        let system = &run.head().system;
+        let columns = system.plane.columns();
+        let header = header::<P>(&system.parameters(), &columns);
         let mut folder = CurveFolder {
-            table: store.create(
-                TABLE,
-                header::<P>(&run.head().system.parameters()).as_bytes(),
-            )?,
+            table: store.create(TABLE, header.as_bytes())?,
             steps,
             rows: 0,
+            columns,
             sector: P::HAS_SECTORS.then(|| run.head().sector()),
             store,
         };
         for point in run.so_far() {
-            folder.append(point)?;
+            folder.append::<P>(point)?;
         }
         Ok(folder)
     }
 
-    fn append(&mut self, point: &Point) -> Result<(), StoreError> {
-        let row = Row::new(self.rows, point, self.sector, &point.what);
+    fn append<P: Plane>(&mut self, point: &Point) -> Result<(), StoreError> {
+        let told = (point.what.as_str(), &self.columns[..]);
+        let row = Row::new::<P>(self.rows, point, self.sector, told);
         self.table.row(&row)?;
         self.rows += 1;
         Ok(())
@@ -171,7 +175,7 @@ impl CurveFolder {
     /// Appends what a step found.
     pub(crate) fn write<P: Plane>(&mut self, step: &Step<P>) -> Result<(), StoreError> {
         for found in &step.found {
-            self.append(&found.point)?;
+            self.append::<P>(&found.point)?;
         }
         self.keep(step)
     }
@@ -204,54 +208,84 @@ struct Row<'a> {
     kind: Option<PointType>,
     first: f64,
     second: f64,
-    measure: f64,
+    /// Of what has one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    measure: Option<f64>,
     regimes_before: &'a str,
     regimes_after: &'a str,
     /// Of waves.
     #[serde(skip_serializing_if = "Option::is_none")]
     sector: Option<Option<usize>>,
     angular: Option<f64>,
+    numbers: Numbers<'a>,
     newton: usize,
     residual: f64,
     what: &'a str,
 }
 
-fn header<P: Plane>([first, second]: &[ParameterOf<P>; 2]) -> String {
+/// Further numbers, each in its column.
+#[derive(Clone, Copy, Default)]
+struct Numbers<'a> {
+    columns: &'a [String],
+    values: &'a [Option<f64>],
+}
+
+impl Serialize for Numbers<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let columns = self.columns.iter().enumerate();
+        let value = |index: usize| self.values.get(index).copied().flatten();
+        serializer.collect_map(columns.map(|(index, name)| (name, value(index))))
+    }
+}
+
+fn header<P: Plane>([first, second]: &[ParameterOf<P>; 2], further: &[String]) -> String {
     let row = Row {
         sector: P::HAS_SECTORS.then_some(None),
+        measure: P::MEASURE.map(|_| 0.0),
+        numbers: Numbers {
+            columns: further,
+            values: &[],
+        },
         ..Row::default()
     };
     let mut columns = table::columns(&row);
-    for column in &mut columns {
-        let name = match column.as_str() {
-            "first" => P::Orbit::column(first),
-            "second" => P::Orbit::column(second),
-            "measure" => P::MEASURE,
-            "angular" => P::ANGULAR,
-            _ => continue,
-        };
-        *column = name.to_owned();
+    let named = [
+        ("first", Some(P::Orbit::column(first))),
+        ("second", Some(P::Orbit::column(second))),
+        ("measure", P::MEASURE),
+        ("angular", Some(P::ANGULAR)),
+    ];
+    // further numbers, which come after these, have names of their own
+    let places = named.map(|(own, name)| (columns.iter().position(|column| column == own), name));
+    for (place, name) in places {
+        if let (Some(place), Some(name)) = (place, name) {
+            columns[place] = name.to_owned();
+        }
     }
     table::line_of(&columns)
 }
 
 impl<'a> Row<'a> {
-    fn new(
+    fn new<P: Plane>(
         index: usize,
         point: &'a Point,
         sector: Option<Option<usize>>,
-        what: &'a str,
+        (what, columns): (&'a str, &'a [String]),
     ) -> Row<'a> {
         Row {
             point: index + 1,
             kind: point.kind,
             first: point.parameters[0],
             second: point.parameters[1],
-            measure: point.measure,
+            measure: P::MEASURE.map(|_| point.measure),
             regimes_before: &point.before,
             regimes_after: &point.after,
             sector,
             angular: point.angular,
+            numbers: Numbers {
+                columns,
+                values: &point.numbers,
+            },
             newton: point.newton,
             residual: point.residual,
             what,
@@ -261,11 +295,12 @@ impl<'a> Row<'a> {
 
 /// The curve as CSV, from one end to the other.
 pub(crate) fn table<P: Plane>(curve: &Curve<P>) -> String {
-    let mut text = header::<P>(&curve.parameters);
+    let mut text = header::<P>(&curve.parameters, &curve.columns);
     let sector = P::HAS_SECTORS.then_some(curve.sector);
     for (index, point) in curve.points.iter().enumerate() {
         let what = words(curve, index);
-        text.push_str(&table::line(&Row::new(index, point, sector, &what)));
+        let told = (what.as_str(), &curve.columns[..]);
+        text.push_str(&table::line(&Row::new::<P>(index, point, sector, told)));
     }
     text
 }

@@ -33,8 +33,9 @@ impl Recorded for EquilibriumRunner {
 
     fn headers(problem: &SystemProblem) -> Headers {
         let source = &problem.system.source;
-        let branch = table::columns(&EquilibriumRow::columns(source));
-        let events = table::columns(&EquilibriumEventRow::columns(source));
+        let monitors = || problem.monitor.names();
+        let branch = table::columns(&EquilibriumRow::columns(source, monitors()));
+        let events = table::columns(&EquilibriumEventRow::columns(source, monitors()));
         Headers {
             branch: table::line_of(&branch),
             events: table::line_of(&events),

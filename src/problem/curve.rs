@@ -37,7 +37,7 @@ pub enum CurveEvent {
     },
 }
 
-/// The same for orbits of a system.
+/// The same for orbits or equilibria of a system.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum SystemCurveEvent {
@@ -47,7 +47,7 @@ pub enum SystemCurveEvent {
     PD,
     /// A pair of multipliers is on the unit circle.
     NS,
-    /// A symmetric orbit loses its symmetry.
+    /// A symmetric orbit loses its symmetry; of equilibria: another branch passes.
     BP,
     /// A guard is touched from inside.
     GR,
@@ -55,6 +55,10 @@ pub enum SystemCurveEvent {
     CO,
     /// A condition reaches zero.
     SL,
+    /// Of equilibria: a pair of eigenvalues is imaginary.
+    HB,
+    /// Of equilibria: a guard of the mode is zero.
+    BE,
     /// The monitor of this name keeps a value: one that `stop_at` asks for, or else that of the first point.
     Constant(String),
     /// An event of an earlier run, whatever its type.
@@ -77,6 +81,8 @@ impl SystemCurveEvent {
             SystemCurveEvent::GR => Some(EventType::GR),
             SystemCurveEvent::CO => Some(EventType::CO),
             SystemCurveEvent::SL => Some(EventType::SL),
+            SystemCurveEvent::HB => Some(EventType::HB),
+            SystemCurveEvent::BE => Some(EventType::BE),
             SystemCurveEvent::Constant(_) => Some(EventType::UZ),
             SystemCurveEvent::Label { .. } => None,
         }
@@ -103,7 +109,7 @@ impl CurveEvent {
 #[serde(deny_unknown_fields)]
 pub struct Curve<P = Parameter, E = CurveEvent> {
     /// LP, GR, RV, CO, ST or HB, or a label of a result folder; of a system LP, PD, NS, BP, GR, CO, SL or
-    /// a monitor that is constant.
+    /// a monitor that is constant, of its equilibria LP, HB, BE or BP.
     pub event: E,
     /// Which of its type along the branch, from 1.
     #[serde(default = "one")]
@@ -132,7 +138,7 @@ pub struct Curve<P = Parameter, E = CurveEvent> {
     pub tolerance: f64,
 }
 
-/// The same for orbits of a system, with the names of two of its parameters.
+/// The same for orbits or equilibria of a system, with the names of two of its parameters.
 pub type SystemCurve = Curve<String, SystemCurveEvent>;
 
 impl<P, E> Curve<P, E> {

@@ -99,6 +99,75 @@ fn beyond_boundaries_the_run_goes_on_and_its_expectations_are_met() {
 }
 
 #[test]
+fn a_curve_of_hopf_points_has_states_in_its_table() {
+    let bench = Bench::new();
+    let text = problem("fitzhugh_curve.ron");
+    bench.put("problem.ron", &text);
+    let run = ["curve", "problem.ron", "--out", "out", "--quiet"];
+    bench.run(&run).expect(0);
+    let table = Table::read(&bench.path("out/curve.csv"));
+    let end = table.only("type", "BT");
+    assert!((table.number(end, "b") - 0.08_f64.powf(-0.5)).abs() <= 1e-12);
+    assert!(table.number(end, "omega").abs() <= 1e-6 && table.text(end, "lyapunov").is_empty());
+    let degenerate = table.only("type", "GH");
+    let v = -f64::sqrt(1.0 - 0.08 * table.number(degenerate, "b"));
+    assert!((table.number(degenerate, "v") - v).abs() <= 1e-12);
+    assert!(table.number(degenerate, "lyapunov").abs() <= 1e-12);
+    bench.run(&["plot", "out"]).expect(0);
+    bench.run(&["report", "out"]).expect(0);
+    let full = snapshot(&bench.path("out"));
+    let again = [
+        "curve",
+        "problem.ron",
+        "--out",
+        "out",
+        "--quiet",
+        "--resume",
+    ];
+    bench.run(&again).expect(0);
+    assert_same(&snapshot(&bench.path("out")), &full, "resumed");
+    // the same from a label of a run
+    bench.run(&["run", "problem.ron", "--out", "run"]).expect(0);
+    let events = Table::read(&bench.path("run/events.csv"));
+    let label = events.text(events.all("type", "HB")[0], "label").to_owned();
+    let event = format!("event: Label(dir: \"run\", label: {label})");
+    bench.put(
+        "label.ron",
+        changed(
+            &text,
+            "event: HB, parameters",
+            &format!("{event}, parameters"),
+        ),
+    );
+    bench
+        .run(&["curve", "label.ron", "--out", "label"])
+        .expect(0);
+    let table = Table::read(&bench.path("label/curve.csv"));
+    assert!(table.all("type", "BT").len() == 1 && table.all("type", "GH").len() == 1);
+    // what is no event of equilibria, and what is none of orbits
+    bench.put(
+        "no.ron",
+        changed(&text, "event: HB, parameters", "event: PD, parameters"),
+    );
+    let outcome = bench.run(&["curve", "no.ron"]).expect(2);
+    assert!(
+        outcome.stderr.contains("no curve of PD"),
+        "{}",
+        outcome.stderr
+    );
+    bench.put(
+        "no.ron",
+        changed(&problem("impact_curve.ron"), "event: LP, p", "event: BE, p"),
+    );
+    let outcome = bench.run(&["curve", "no.ron"]).expect(2);
+    assert!(
+        outcome.stderr.contains("no curve of BE"),
+        "{}",
+        outcome.stderr
+    );
+}
+
+#[test]
 fn what_has_no_equilibria_is_refused() {
     let bench = Bench::new();
     let text = problem("brusselator.ron");

@@ -5,6 +5,7 @@ mod closed_form;
 mod command;
 mod cusp;
 mod equations;
+mod equilibria;
 mod hopf;
 mod meeting;
 mod monitors;

@@ -11,6 +11,7 @@ use crate::continuation::Node;
 use crate::continuation::locate::{Place, zero_along};
 use crate::continuation::newton;
 use crate::linalg::{Matrix, Vector};
+use crate::orbit::monitor::Measured;
 use crate::orbit::{Candidate, EventType, Examined, Orbit};
 
 /// A state is the one that a reset leaves alone where they differ by no more than this part of their size: an equilibrium
@@ -255,6 +256,19 @@ impl Orbit for EquilibriumCurve {
                 complex: pair.is_some(),
             }),
         }
+    }
+
+    fn measured(
+        &self,
+        monitor: usize,
+        point: &Vector,
+    ) -> Result<Option<Measured>, EquilibriumFailure> {
+        Ok(self.observed_at(monitor, point))
+    }
+
+    fn monitor_name(&self, monitor: usize) -> &str {
+        let mut monitors = self.setting.system.monitors().iter().skip(monitor);
+        monitors.next().map_or("", |monitor| &monitor.name)
     }
 
     fn kind(special: &EquilibriumBifurcation) -> EventType {

@@ -1,6 +1,6 @@
-//! The equilibria of one mode as a curve in a parameter: unknowns, units and equations.
+//! The equilibria of one mode as a curve in a parameter, or as a family in two: unknowns, units and equations.
 //!
-//! The unknowns are the states and the parameter, each in its unit. The equations are f(x, p) = 0. In a sliding mode the
+//! The unknowns are the states and the parameters, each in its unit. The equations are f(x, p) = 0. In a sliding mode the
 //! rates satisfy ∇h·f = 0 wherever they are taken, so that one of them follows from the others: that of the state by
 //! which the surface changes most gives way to h(x, p) = 0.
 
@@ -8,8 +8,9 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::field::{Linear, Linearised, LocalField, Of, lifted};
+use super::field::{Linear, Linearised, LocalField, Of, lifted, observed};
 use crate::affine::mode::AffineSystem;
+use crate::affine::monitored::MonitoredSystem;
 use crate::affine::system::System;
 use crate::continuation::newton::System as Equations;
 use crate::linalg::{Matrix, Vector, balance, known_eigenvalues, solve};
@@ -32,9 +33,9 @@ impl std::fmt::Display for RestMode {
 /// Units of the unknowns, and the place from which those of equations and guards come.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct EquilibriumScales {
-    /// Of the states, then of the parameter.
+    /// Of the states, then of the parameters.
     pub units: Vec<f64>,
-    /// States and parameter of the first equilibrium.
+    /// States and parameters of the first equilibrium.
     pub first: Vec<f64>,
     /// Of the eigenvalues.
     pub rate: f64,
@@ -71,6 +72,10 @@ pub struct EquilibriumCurve {
     pub setting: Arc<EquilibriumSetting>,
     pub(super) signature: RestMode,
     pub(super) lifted: Arc<AffineSystem>,
+    /// Index and value of the other parameter of a plane, which is lifted too and stays as it is.
+    pub(super) beside: Option<(usize, f64)>,
+    /// The same with the monitors in this mode, where there are any.
+    pub(super) observed: Option<Arc<MonitoredSystem>>,
     /// Factors that make rates, the form of the surface and guards of order one at the first equilibrium.
     pub(super) rates: Vec<f64>,
     pub(super) surface: f64,
@@ -102,27 +107,36 @@ impl EquilibriumCurve {
         if !sensible {
             return None;
         }
-        let lifted = lifted(&setting.system, &setting.values, setting.parameter).ok()?;
-        EquilibriumCurve::of(Arc::new(setting), Arc::new(lifted), mode)
+        let lifted = lifted(&setting.system, &setting.values, &[setting.parameter]).ok()?;
+        EquilibriumCurve::of(Arc::new(setting), Arc::new(lifted), (mode, None))
     }
 
     /// The equilibria of another mode.
     pub(super) fn in_mode(&self, mode: usize) -> Option<EquilibriumCurve> {
-        EquilibriumCurve::of(self.setting.clone(), self.lifted.clone(), mode)
+        EquilibriumCurve::of(
+            self.setting.clone(),
+            self.lifted.clone(),
+            (mode, self.beside),
+        )
     }
 
-    fn of(
+    pub(super) fn of(
         setting: Arc<EquilibriumSetting>,
         lifted: Arc<AffineSystem>,
-        mode: usize,
+        (mode, beside): (usize, Option<(usize, f64)>),
     ) -> Option<EquilibriumCurve> {
         let own = lifted.modes.get(mode)?;
         let name = setting.system.mode_name(mode).into_owned();
         let EquilibriumScales { units, first, .. } = &setting.scales;
+        let states = setting.system.source.states.len();
+        let beyond = beside.iter().map(|(_, value)| value);
+        let place: Vec<f64> = first.iter().chain(beyond).copied().collect();
         let at = LocalField {
             lifted: &lifted,
             mode,
-            place: first,
+            states,
+            variables: units.len(),
+            place: &place,
         };
         let at = at.linearised();
         let of = |linear: &Linear| factor(linear, units);
@@ -132,25 +146,37 @@ impl EquilibriumCurve {
             None => vec![1.0; count],
         };
         let surface = at.as_ref().and_then(|at| at.surface.as_ref());
+        let followed = std::iter::once(setting.parameter).chain(beside.map(|(index, _)| index));
+        let followed: Vec<usize> = followed.collect();
+        let has_monitors = !setting.system.monitors().is_empty();
+        let of_monitors = || observed(&setting.system, &setting.values, &followed, mode).ok();
         Some(EquilibriumCurve {
             signature: RestMode { mode, name },
-            rates: all(at.as_ref().map(|at| &at.rates), units.len() - 1),
+            rates: all(at.as_ref().map(|at| &at.rates), states),
             surface: surface.map_or(1.0, of),
             guards: all(at.as_ref().map(|at| &at.guards), own.guards.len()),
             lifted,
+            beside,
+            observed: has_monitors.then(of_monitors).flatten().map(Arc::new),
             setting,
         })
     }
 
     /// Number of states.
     pub(super) fn states(&self) -> usize {
-        self.setting.scales.units.len() - 1
+        self.setting.system.source.states.len()
     }
 
-    /// States and parameter at scaled unknowns.
+    /// Number of parameters among the unknowns.
+    pub(super) fn parameters(&self) -> usize {
+        self.setting.scales.units.len() - self.states()
+    }
+
+    /// States and parameters at scaled unknowns, those last that stay as they are.
     pub fn place(&self, point: &Vector) -> Vec<f64> {
         let units = self.setting.scales.units.iter();
-        point.iter().zip(units).map(|(x, unit)| x * unit).collect()
+        let scaled = point.iter().zip(units).map(|(x, unit)| x * unit);
+        scaled.chain(self.beside.map(|(_, value)| value)).collect()
     }
 
     /// The states at scaled unknowns.
@@ -172,11 +198,11 @@ impl EquilibriumCurve {
     /// Values of all parameters at scaled unknowns.
     pub fn values_at(&self, point: &Vector) -> Vec<f64> {
         let mut values = self.setting.values.clone();
-        if let (Some(value), Some(place)) = (
-            values.get_mut(self.setting.parameter),
-            self.place(point).last(),
-        ) {
-            *value = *place;
+        let own = (self.setting.parameter, self.place(point)[self.states()]);
+        for (index, known) in std::iter::once(own).chain(self.beside) {
+            if let Some(value) = values.get_mut(index) {
+                *value = known;
+            }
         }
         values
     }
@@ -185,6 +211,8 @@ impl EquilibriumCurve {
         LocalField {
             lifted: &self.lifted,
             mode: self.signature.mode,
+            states: self.states(),
+            variables: self.setting.scales.units.len(),
             place,
         }
     }
@@ -264,11 +292,13 @@ pub(super) fn scales(
 ) -> Option<EquilibriumScales> {
     /// A state that is smaller than this part of its change, or of the others in balanced units, is zero.
     const NOTHING: f64 = 1e-9;
-    let lifted = lifted(system, values, parameter).ok()?;
+    let lifted = lifted(system, values, &[parameter]).ok()?;
     let first: Vec<f64> = state.iter().copied().chain([values[parameter]]).collect();
     let field = LocalField {
         lifted: &lifted,
         mode,
+        states: state.len(),
+        variables: first.len(),
         place: &first,
     };
     let at = field.linearised()?;

@@ -1,4 +1,4 @@
-//! Guesses of the cycles that are born at a Hopf point.
+//! Guesses of the cycles that are born at a Hopf point, and why there are none.
 //!
 //! On the plane of the pair the motion is ż = (α + iω)z + ωl₁z|z|², α = α′(p − p₀): cycles of amplitude |z|² = −α/(ωl₁) lie
 //! on the side of p₀ where αl₁ < 0.
@@ -28,15 +28,28 @@ pub enum NoCycle {
          does not cross"
     )]
     Undecided,
+    /// There is no boundary equilibrium.
+    #[error("no guard of the mode is zero at this equilibrium")]
+    NoBoundary,
+    /// There are more states, or one.
+    #[error("cycles that grow from a BE are looked for in systems of two states only")]
+    NotPlanar,
+    /// None is in proportion to the distance of the parameter.
+    #[error(
+        "on neither side of this BE motions turn into a cycle whose size is in proportion to the parameter's distance from it"
+    )]
+    NoneGrows,
     /// None is found at any amplitude that is tried.
-    #[error("Newton's method finds no cycle next to this Hopf point")]
+    #[error("Newton's method finds no cycle next to this event")]
     NotFound,
 }
 
 /// A guess of a cycle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CycleGuess {
-    /// A state of it.
+    /// A mode of it.
+    pub mode: usize,
+    /// A state in that mode.
     pub state: Vec<f64>,
     /// The parameter.
     pub value: f64,
@@ -86,6 +99,7 @@ impl EquilibriumCurve {
             let shift = -omega * lyapunov * amplitude * amplitude / speed;
             let moved = form.displacement(amplitude);
             CycleGuess {
+                mode: self.signature.mode,
                 state: (0..n)
                     .map(|i| place[i] + along[i] * shift + moved[i])
                     .collect(),

@@ -1,5 +1,7 @@
 //! Guards and stability of an equilibrium.
 
+use serde::{Deserialize, Serialize};
+
 use super::curve::{EquilibriumCurve, EquilibriumFailure};
 use super::spectrum::{bordered, eigenvalues, growths, is_told, sums};
 use super::{EquilibriumGuard, VirtualEquilibrium};
@@ -9,7 +11,7 @@ use crate::orbit::sign::Verdict;
 use crate::orbit::{Examined, Growth};
 
 /// A guard of the mode at an equilibrium, scaled to order one.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct EquilibriumMargin {
     /// Which of the mode.
     pub guard: usize,

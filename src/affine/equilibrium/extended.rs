@@ -6,11 +6,15 @@
 //! |---|---|---|
 //! | fold | x, v, p | E = 0, E_x v = 0, c·v = 1 |
 //! | Hopf point | x, a, b, ω, p | E = 0, Aa + ωb = 0, Ab − ωa = 0, c·b = 0, c·a = 1 |
+//! | neutral pair | x, a, r, κ, p | E = 0, Aa + κr = 0, Ar − a = 0, c·r = 0, c·a = 1 |
 //! | branch point | x, ψ, β, p | E + βd = 0, ψᵀE_x = 0, ψᵀE_p = 0, d·ψ = 1 |
 //!
 //! c and d are what v, a and ψ are near the point; at a branch point that branches do pass β is zero (G. Moore, A. Spence,
 //! SIAM J. Numer. Anal. 17, 1980; A. Griewank, G. Reddien, IMA J. Numer. Anal. 3, 1983; G. Moore, Numer. Funct. Anal. Optim.
-//! 2, 1980).
+//! 2, 1980). The second form of a Hopf point, κ = ω², is regular where ω is zero, too, and goes on to pairs of real
+//! eigenvalues with the sum zero (D. Roose, V. Hlavaček, SIAM J. Appl. Math. 45, 1985).
+//!
+//! With one parameter the systems have a solution, with two a curve of them, where p in E_p is the first.
 
 use nalgebra::Complex;
 
@@ -26,18 +30,23 @@ use crate::linalg::{self, Matrix, Vector};
 pub(super) enum Condition {
     Fold,
     Hopf,
+    Neutral,
     Branching,
 }
 
-/// An extended system: its last unknown is the parameter, its last equation the constraint.
+/// An extended system: its last unknowns are the parameters, its last equation is left to a constraint.
 pub(super) struct Extended<'a> {
-    curve: &'a EquilibriumCurve,
-    condition: Condition,
+    pub curve: &'a EquilibriumCurve,
+    pub condition: Condition,
     /// What v, a or ψ is near the point.
-    near: Vector,
+    pub near: Vector,
     /// The unit of ω.
-    omega: f64,
+    pub omega: f64,
 }
+
+/// A row of a matrix.
+type RowView<'a> =
+    nalgebra::MatrixView<'a, f64, nalgebra::U1, nalgebra::Dyn, nalgebra::U1, nalgebra::Dyn>;
 
 /// A special equilibrium.
 pub(super) struct Located {
@@ -103,7 +112,7 @@ pub(super) fn locate(
 
 impl<'a> Extended<'a> {
     /// The system, and a guess from an equilibrium nearby.
-    fn near(
+    pub fn near(
         curve: &'a EquilibriumCurve,
         node: &Node,
         condition: Condition,
@@ -118,7 +127,7 @@ impl<'a> Extended<'a> {
                 let whole = Matrix::from_fn(n, n + 1, |row, column| rows[row].by[column]);
                 (linalg::least_vector(&whole.transpose())?, vec![0.0], 1.0)
             }
-            Condition::Hopf => {
+            Condition::Hopf | Condition::Neutral => {
                 let Eigenvector { value, right } = Eigenvector::critical(&at)?;
                 let units = &curve.setting.scales.units;
                 let scaled = right
@@ -127,6 +136,7 @@ impl<'a> Extended<'a> {
                     .map(|(q, unit)| q / Complex::from(*unit));
                 let (a, b) = turned(&scaled.collect::<Vec<_>>());
                 let size = a.norm_squared();
+                // in the unit of ω both forms are the same here
                 let mut more: Vec<f64> = b.iter().copied().collect();
                 more.push(1.0);
                 let near = &a / size;
@@ -181,21 +191,29 @@ impl<'a> Extended<'a> {
     /// The parts of the equations that are those of an equilibrium.
     fn equilibrium(&self, at: &Linearised, residual: &mut [f64], jacobian: &mut Matrix) -> Matrix {
         let n = self.curve.states();
-        let last = jacobian.ncols() - 1;
         let rows = self.curve.rows(at);
         for (row, linear) in rows.iter().enumerate() {
             residual[row] = linear.value;
-            for state in 0..n {
-                jacobian[(row, state)] = linear.by[state];
+            for (variable, by) in linear.by.iter().enumerate() {
+                let column = self.column(variable, jacobian);
+                jacobian[(row, column)] = *by;
             }
-            jacobian[(row, last)] = linear.by[n];
         }
         Matrix::from_fn(n, n + 1, |row, column| rows[row].by[column])
     }
 
+    /// The column of a state or parameter.
+    fn column(&self, variable: usize, jacobian: &Matrix) -> usize {
+        let n = self.curve.states();
+        if variable < n {
+            variable
+        } else {
+            jacobian.ncols() - self.curve.parameters() + variable - n
+        }
+    }
+
     fn fold(&self, at: &Linearised, point: &Vector, residual: &mut [f64], jacobian: &mut Matrix) {
         let n = self.curve.states();
-        let last = jacobian.ncols() - 1;
         let by = self.equilibrium(at, residual, jacobian);
         let v = &point.as_slice()[n..2 * n];
         let place = self.curve.place(&self.unknown(point));
@@ -203,16 +221,22 @@ impl<'a> Extended<'a> {
         for row in 0..n {
             residual[n + row] = (0..n).map(|column| by[(row, column)] * v[column]).sum();
             for column in 0..n {
-                jacobian[(n + row, column)] = second[(row, column)];
                 jacobian[(n + row, n + column)] = by[(row, column)];
             }
-            jacobian[(n + row, last)] = second[(row, n)];
+            self.put(n + row, &second.row(row), jacobian);
+        }
+    }
+
+    /// Derivatives of an equation in states and parameters.
+    fn put(&self, line: usize, by: &RowView, jacobian: &mut Matrix) {
+        for (variable, by) in by.iter().enumerate() {
+            let column = self.column(variable, jacobian);
+            jacobian[(line, column)] = *by;
         }
     }
 
     fn hopf(&self, at: &Linearised, point: &Vector, residual: &mut [f64], jacobian: &mut Matrix) {
         let n = self.curve.states();
-        let last = jacobian.ncols() - 1;
         self.equilibrium(at, residual, jacobian);
         let units = &self.curve.setting.scales.units;
         let rates: Vec<(Of, f64)> = (0..n)
@@ -221,9 +245,15 @@ impl<'a> Extended<'a> {
         let place = self.curve.place(&self.unknown(point));
         let (a, b) = (&point.as_slice()[n..2 * n], &point.as_slice()[2 * n..3 * n]);
         let omega = point[3 * n] * self.omega;
-        for (first, (own, own_at), (other, other_at), sign) in [
-            (n, (a, n), (b, 2 * n), 1.0),
-            (2 * n, (b, 2 * n), (a, n), -1.0),
+        // what a and b are multiplied by, with its derivative in the unknown: ω both, or κ and 1 in the unit of ω
+        let turn = (omega, self.omega);
+        let back = match self.condition {
+            Condition::Neutral => (self.omega, 0.0),
+            _ => turn,
+        };
+        for (first, (own, own_at), (other, other_at), sign, (omega, by_omega)) in [
+            (n, (a, n), (b, 2 * n), 1.0, turn),
+            (2 * n, (b, 2 * n), (a, n), -1.0, back),
         ] {
             let second = self.second(&place, &rates, own);
             for row in 0..n {
@@ -233,12 +263,11 @@ impl<'a> Extended<'a> {
                 let sum: f64 = (0..n).map(|column| slope(column) * own[column]).sum();
                 residual[line] = sum + turn * omega * other[row];
                 for column in 0..n {
-                    jacobian[(line, column)] = second[(row, column)];
                     jacobian[(line, own_at + column)] = slope(column);
                 }
+                self.put(line, &second.row(row), jacobian);
                 jacobian[(line, other_at + row)] += turn * omega;
-                jacobian[(line, 3 * n)] = turn * self.omega * other[row];
-                jacobian[(line, last)] = second[(row, n)];
+                jacobian[(line, 3 * n)] = turn * by_omega * other[row];
             }
         }
         residual[3 * n] = (0..n).map(|index| self.near[index] * b[index]).sum();
@@ -255,16 +284,16 @@ impl<'a> Extended<'a> {
         jacobian: &mut Matrix,
     ) {
         let n = self.curve.states();
-        let last = jacobian.ncols() - 1;
         let by = self.equilibrium(at, residual, jacobian);
         let (psi, beta) = (&point.as_slice()[n..2 * n], point[2 * n]);
         let place = self.curve.place(&self.unknown(point));
         let (of, factors): (Vec<Of>, Vec<f64>) = self.curve.equations(at).into_iter().unzip();
         let units = &self.curve.setting.scales.units;
-        let axes: Vec<Vector> = (0..=n)
+        let all = units.len();
+        let axes: Vec<Vector> = (0..all)
             .map(|column| {
                 Vector::from_fn(
-                    n + 1,
+                    all,
                     |index, _| if index == column { units[index] } else { 0.0 },
                 )
             })
@@ -282,19 +311,27 @@ impl<'a> Extended<'a> {
                     .sum()
             };
             for column in 0..n {
-                jacobian[(n + line, column)] = curved(column);
                 jacobian[(n + line, n + column)] = by[(column, line)];
             }
-            jacobian[(n + line, last)] = curved(n);
+            for variable in 0..all {
+                let column = self.column(variable, jacobian);
+                jacobian[(n + line, column)] = curved(variable);
+            }
         }
     }
 
-    /// Scaled states and parameter of scaled unknowns.
+    /// Scaled states and parameters of scaled unknowns.
     fn unknown(&self, point: &Vector) -> Vector {
-        let n = self.curve.states();
-        let mut own = point.rows(0, n + 1).clone_owned();
-        own[n] = point[point.len() - 1];
-        own
+        let (n, own) = (self.curve.states(), self.curve.parameters());
+        let first = point.len() - own;
+        let of = |variable: usize| {
+            if variable < n {
+                variable
+            } else {
+                first + variable - n
+            }
+        };
+        Vector::from_fn(n + own, |variable, _| point[of(variable)])
     }
 }
 
@@ -308,7 +345,7 @@ fn guess(node: &Node, vector: &Vector, more: &[f64]) -> Vector {
 }
 
 /// Real and imaginary part of an eigenvector, turned so that they are orthogonal and the first is the longer one.
-fn turned(vector: &[Complex<f64>]) -> (Vector, Vector) {
+pub(super) fn turned(vector: &[Complex<f64>]) -> (Vector, Vector) {
     let part = |turn: Complex<f64>, of: fn(Complex<f64>) -> f64| {
         Vector::from_iterator(vector.len(), vector.iter().map(|q| of(q * turn)))
     };
@@ -323,11 +360,12 @@ impl System for Extended<'_> {
 
     fn unknowns(&self) -> usize {
         let n = self.curve.states();
-        match self.condition {
-            Condition::Fold => 2 * n + 1,
-            Condition::Hopf => 3 * n + 2,
-            Condition::Branching => 2 * n + 2,
-        }
+        let own = match self.condition {
+            Condition::Fold => 2 * n,
+            Condition::Hopf | Condition::Neutral => 3 * n + 1,
+            Condition::Branching => 2 * n + 1,
+        };
+        own + self.curve.parameters()
     }
 
     fn evaluate(
@@ -339,7 +377,7 @@ impl System for Extended<'_> {
         let at = self.curve.linearised(&self.unknown(point))?;
         match self.condition {
             Condition::Fold => self.fold(&at, point, residual, jacobian),
-            Condition::Hopf => self.hopf(&at, point, residual, jacobian),
+            Condition::Hopf | Condition::Neutral => self.hopf(&at, point, residual, jacobian),
             Condition::Branching => self.branching(&at, point, residual, jacobian),
         }
         Ok(())

@@ -1,33 +1,69 @@
 //! The rates of a mode with their derivatives in states and parameter at once.
 //!
-//! The parameter of the branch is taken as one more state, which rests: rates, guards and surfaces are then functions of
-//! u = (x, p), and what [`HyperDual`] numbers give are their derivatives, up to the third, in any directions of u.
+//! The parameter of the branch, or the two of a plane, are taken as further states, which rest: rates, guards and surfaces
+//! are then functions of u = (x, p), and what [`HyperDual`] numbers give are their derivatives, up to the third, in any
+//! directions of u.
 
 use crate::affine::expression::Expression;
 use crate::affine::hyperdual::{DIRECTIONS, HyperDual};
 use crate::affine::mode::{AffineSystem, Row};
+use crate::affine::monitored::MonitoredSystem;
+use crate::affine::series::Field;
 use crate::affine::system::{System, SystemError};
 use crate::linalg::{Matrix, Vector};
 
-/// A system whose parameter with this index is its last state.
+/// A system whose parameters with these indices are its last states.
 ///
 /// # Errors
 /// It makes no sense at these values of the others.
 pub(super) fn lifted(
     system: &System,
     values: &[f64],
-    parameter: usize,
+    parameters: &[usize],
 ) -> Result<AffineSystem, SystemError> {
-    let mut system = system.clone();
-    let mut values = values.to_vec();
-    values.remove(parameter);
-    let (name, _) = system.source.parameters.0.remove(parameter);
-    system.source.states.push(name);
-    if let Ok(rest) = Expression::read("0") {
-        let modes = system.modes.iter_mut();
-        modes.for_each(|mode| mode.rates.push(rest.clone()));
-    }
+    let (system, values) = raised(system, values, parameters);
     system.at(&values, &[])
+}
+
+/// The same with the forms of its monitors in a mode.
+///
+/// # Errors
+/// As [`lifted`]; an expression of a monitor that has no finite value.
+pub(super) fn observed(
+    system: &System,
+    values: &[f64],
+    parameters: &[usize],
+    mode: usize,
+) -> Result<MonitoredSystem, SystemError> {
+    let (system, values) = raised(system, values, parameters);
+    system.monitored(&values, &[], &[mode])
+}
+
+/// The system and the values of its other parameters.
+fn raised(system: &System, values: &[f64], parameters: &[usize]) -> (System, Vec<f64>) {
+    let mut system = system.clone();
+    let all = std::mem::take(&mut system.source.parameters.0);
+    let moved = parameters.iter().filter_map(|index| all.get(*index));
+    system
+        .source
+        .states
+        .extend(moved.map(|(name, _)| name.clone()));
+    let values = values.iter().enumerate();
+    let values: Vec<f64> = values
+        .filter(|(index, _)| !parameters.contains(index))
+        .map(|(_, value)| *value)
+        .collect();
+    let all = all.into_iter().enumerate();
+    system.source.parameters.0 = all
+        .filter(|(index, _)| !parameters.contains(index))
+        .map(|(_, named)| named)
+        .collect();
+    if let Ok(rest) = Expression::read("0") {
+        let rests = vec![rest; parameters.len()];
+        let modes = system.modes.iter_mut();
+        modes.for_each(|mode| mode.rates.extend_from_slice(&rests));
+    }
+    (system, values)
 }
 
 /// A function of u at a place: its value, and its derivatives in u.
@@ -95,23 +131,32 @@ pub(super) enum Of {
 pub(super) struct LocalField<'a> {
     pub lifted: &'a AffineSystem,
     pub mode: usize,
-    /// States and parameter.
+    /// Number of states.
+    pub states: usize,
+    /// How many of the components of u vary: the first ones, among them all states.
+    pub variables: usize,
+    /// States and parameters.
     pub place: &'a [f64],
 }
 
 impl LocalField<'_> {
     /// The components of z, with their derivatives along directions of u.
     fn components(&self, directions: &[&Vector]) -> Vec<HyperDual> {
+        self.components_of(&self.lifted.modes[self.mode].field, directions)
+    }
+
+    /// Those that a field has to do with.
+    fn components_of(&self, field: &Field, directions: &[&Vector]) -> Vec<HyperDual> {
         let mut z: Vec<HyperDual> = Vec::with_capacity(self.lifted.size());
         for (index, value) in self.place.iter().enumerate() {
             let mut by = [0.0; DIRECTIONS];
             for (by, direction) in by.iter_mut().zip(directions) {
-                *by = direction[index];
+                *by = direction.get(index).copied().unwrap_or_default();
             }
             z.push(HyperDual::along(*value, by));
         }
         z.push(HyperDual::constant(1.0));
-        self.lifted.modes[self.mode].field.differentiate(&mut z);
+        field.differentiate(&mut z);
         z
     }
 
@@ -134,29 +179,45 @@ impl LocalField<'_> {
         }
     }
 
-    /// All functions of the mode with their first derivatives; `None` where one has no finite value.
-    pub fn linearised(&self) -> Option<Linearised> {
-        let mode = &self.lifted.modes[self.mode];
-        let (all, states) = (self.place.len(), self.place.len() - 1);
+    /// The components of z with their derivatives in all variables, so many of these at a time.
+    fn passes(&self, field: &Field) -> Vec<Vec<HyperDual>> {
+        let all = self.variables;
         let units: Vec<Vector> = (0..all)
             .map(|index| Vector::from_fn(all, |other, _| f64::from(u8::from(other == index))))
             .collect();
-        let passes: Vec<Vec<HyperDual>> = units
-            .chunks(DIRECTIONS)
-            .map(|chunk| self.components(&chunk.iter().collect::<Vec<_>>()))
-            .collect();
-        let linear = |row: &mut dyn Iterator<Item = &f64>| {
-            let row: Vec<f64> = row.copied().collect();
-            let sums = passes.iter().map(|z| LocalField::of(row.iter(), z));
-            let sums: Vec<HyperDual> = sums.collect();
-            let by = |index: usize| sums[index / DIRECTIONS].derivative(&[index % DIRECTIONS]);
-            let terms = row.iter().zip(&passes[0]).filter(|(c, _)| **c != 0.0);
-            Linear {
-                value: sums[0].value(),
-                by: Vector::from_fn(all, |index, _| by(index)),
-                size: terms.map(|(c, z)| (c * z.value()).abs()).sum(),
-            }
-        };
+        let chunks = units.chunks(DIRECTIONS);
+        chunks
+            .map(|chunk| self.components_of(field, &chunk.iter().collect::<Vec<_>>()))
+            .collect()
+    }
+
+    /// A row of numbers times the components of z.
+    fn linear(&self, passes: &[Vec<HyperDual>], row: &mut dyn Iterator<Item = &f64>) -> Linear {
+        let row: Vec<f64> = row.copied().collect();
+        let sums = passes.iter().map(|z| LocalField::of(row.iter(), z));
+        let sums: Vec<HyperDual> = sums.collect();
+        let by = |index: usize| sums[index / DIRECTIONS].derivative(&[index % DIRECTIONS]);
+        let terms = row.iter().zip(&passes[0]).filter(|(c, _)| **c != 0.0);
+        Linear {
+            value: sums[0].value(),
+            by: Vector::from_fn(self.variables, |index, _| by(index)),
+            size: terms.map(|(c, z)| (c * z.value()).abs()).sum(),
+        }
+    }
+
+    /// A form of the system with its first derivatives, also of what the motion has nothing to do with.
+    pub fn form(&self, form: &Row) -> Linear {
+        let mut field = self.lifted.modes[self.mode].field.clone();
+        field.watch(&form.at);
+        self.linear(&self.passes(&field), &mut form.at.iter())
+    }
+
+    /// All functions of the mode with their first derivatives; `None` where one has no finite value.
+    pub fn linearised(&self) -> Option<Linearised> {
+        let mode = &self.lifted.modes[self.mode];
+        let states = self.states;
+        let passes = self.passes(&mode.field);
+        let linear = |row: &mut dyn Iterator<Item = &f64>| self.linear(&passes, row);
         let of_row = |row: &Row| linear(&mut row.at.iter());
         let rates = (0..states).map(|state| linear(&mut mode.matrix.at.row(state).iter()));
         let found = Linearised {
@@ -189,8 +250,7 @@ impl LocalField<'_> {
     /// D³f(v, v, w) of all rates is D³f with all three directions.
     pub fn third(&self, directions: [&Vector; DIRECTIONS]) -> Vector {
         let z = self.components(&directions);
-        let states = self.place.len() - 1;
-        Vector::from_fn(states, |state, _| {
+        Vector::from_fn(self.states, |state, _| {
             self.function(Of::Rate(state), &z).derivative(&[0, 1, 2])
         })
     }

@@ -3,15 +3,22 @@
 //! [`curve`] has the unknowns and equations of one mode, with derivatives from [`field`]; [`examine`] its guards and, by
 //! [`spectrum`], the stability; `branch` makes it something that the engine follows: where a guard is zero at the
 //! equilibrium that of a neighbouring mode goes on. [`extended`] locates folds, Hopf and branch points, [`normal_form`] has
-//! the cycles that are born, of which [`cycle`] guesses one, and [`start`] the first equilibrium.
+//! the cycles that are born, of which [`cycle`] guesses one, as `boundary` those that grow from a boundary equilibrium, and
+//! [`start`] the first equilibrium. [`plane`] has curves of
+//! special equilibria in two parameters, [`codimension`] what vanishes where two of them meet; `monitor` has the values of
+//! expressions that a problem asks for.
 
+mod boundary;
 mod branch;
+pub mod codimension;
 pub mod curve;
 pub mod cycle;
 mod examine;
 mod extended;
 mod field;
+mod monitor;
 pub mod normal_form;
+pub mod plane;
 mod spectrum;
 pub mod start;
 

@@ -19,7 +19,7 @@ pub(super) const HOPF: usize = 1;
 
 /// A relative sum of two eigenvalues below this makes the function of [`HOPF`] small: were larger ones to do so, the product
 /// over the 1225 pairs of 50 states would leave the range of numbers.
-const SMALL: f64 = 0.1;
+pub(super) const SMALL: f64 = 0.1;
 
 /// The fastest growing first; of a pair that with Im λ > 0.
 pub(super) fn ordered(mut values: Vec<Eigenvalue>) -> Vec<Eigenvalue> {

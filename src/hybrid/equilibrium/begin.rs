@@ -103,7 +103,7 @@ pub(super) fn begin(
         Some(EquilibriumRequest {
             parameter: source.parameters.index(&continuation.parameter)?,
             mode: problem.system.mode(mode)?,
-            system: problem.system.clone(),
+            system: problem.system.clone().with_monitors(problem.monitors()),
             width: high - low,
             values,
         })

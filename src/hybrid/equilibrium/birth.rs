@@ -1,4 +1,4 @@
-//! The cycle that is born at a Hopf point of a branch of equilibria.
+//! The cycle that is born at a Hopf point of a branch of equilibria, or grows from a boundary equilibrium.
 
 use super::super::begin::{First, NoStart, wanted};
 use super::begin::NamedEquilibrium;
@@ -10,7 +10,7 @@ use crate::affine::orbit::start::{Beginning, Search, Wanted, first};
 use crate::orbit::EventType;
 use crate::problem::{Continuation, SystemProblem};
 
-/// The first cycle on the side of a Hopf point on which cycles lie; the branch leads away from it.
+/// The first cycle on the side of an event on which cycles lie; the branch leads away from it.
 pub(in crate::hybrid) fn born(
     problem: &SystemProblem,
     continuation: &Continuation<String>,
@@ -23,7 +23,7 @@ pub(in crate::hybrid) fn born(
         state,
         values,
     } = saved;
-    if *kind != Some(EventType::HB) {
+    if !matches!(kind, Some(EventType::HB | EventType::BE)) {
         return Err(NoStart::NotHopf {
             label: *label,
             kind: kind.map_or_else(|| "none".to_owned(), |kind| kind.to_string()),
@@ -39,7 +39,11 @@ pub(in crate::hybrid) fn born(
     };
     let at = EquilibriumCurve::at(&request, state).map_err(|_| NoStart::Unknown)?;
     let (curve, point) = at;
-    let guesses = curve.cycles(&point).map_err(NoStart::NoCycle)?;
+    let guesses = match kind {
+        Some(EventType::BE) => curve.boundary_cycles(&point),
+        _ => curve.cycles(&point),
+    };
+    let guesses = guesses.map_err(NoStart::NoCycle)?;
     let (low, high) = continuation.range;
     let within = guesses
         .iter()
@@ -50,7 +54,7 @@ pub(in crate::hybrid) fn born(
         let mut values = values.clone();
         values[wanted.parameter] = guess.value;
         let beginning = Beginning {
-            mode: request.mode,
+            mode: guess.mode,
             state: guess.state.clone(),
             phase: 0.0,
         };

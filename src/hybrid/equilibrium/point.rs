@@ -27,6 +27,8 @@ pub struct EquilibriumPoint {
     pub parameters: Vec<f64>,
     /// The states.
     pub state: Vec<f64>,
+    /// Names and values of the monitors, of those that have one.
+    pub monitors: Vec<(String, Option<f64>)>,
     /// Stability.
     pub stable: Stability,
     /// Eigenvalues with a positive real part.
@@ -57,6 +59,8 @@ pub struct EquilibriumEvent {
     pub parameters: Vec<(String, f64)>,
     /// See [`EquilibriumEvent::parameters`].
     pub state: Vec<(String, f64)>,
+    /// Names and values of the monitors, of those that have one.
+    pub monitors: Vec<(String, Option<f64>)>,
     /// The leading eigenvalue.
     pub leading: Option<Complex<f64>>,
     /// Imaginary part of the pair of a Hopf point.
@@ -89,10 +93,12 @@ impl Occurrence for EquilibriumEvent {
             "omega" => self.omega,
             "lyapunov" => self.lyapunov,
             _ => {
-                let mut named = self.parameters.iter().chain(&self.state);
-                named
-                    .find(|(known, _)| known == name)
-                    .map(|(_, value)| *value)
+                let named = self.parameters.iter().chain(&self.state);
+                let named = named.map(|(known, value)| (known, Some(*value)));
+                let monitors = self.monitors.iter();
+                let monitors = monitors.map(|(known, value)| (known, *value));
+                let mut all = named.chain(monitors);
+                all.find(|(known, _)| *known == name)?.1
             }
         }
     }

@@ -18,6 +18,7 @@ pub struct EquilibriumRow<'a> {
     regimes: &'a str,
     parameters: Named,
     states: Named,
+    monitors: Named,
     stable: Option<&'static str>,
     unstable: usize,
     re: Option<f64>,
@@ -28,8 +29,11 @@ pub struct EquilibriumRow<'a> {
 }
 
 impl<'a> EquilibriumRow<'a> {
-    /// A row for the names of its columns.
-    pub fn columns(source: &Source) -> EquilibriumRow<'a> {
+    /// A row for the names of its columns, with those of monitors.
+    pub fn columns<'b>(
+        source: &Source,
+        monitors: impl Iterator<Item = &'b str>,
+    ) -> EquilibriumRow<'a> {
         EquilibriumRow {
             point: 0,
             label: None,
@@ -37,6 +41,7 @@ impl<'a> EquilibriumRow<'a> {
             regimes: "",
             parameters: Named::parameters(source, None),
             states: Named::states(source, None),
+            monitors: Named::without_values(monitors),
             stable: None,
             unstable: 0,
             re: None,
@@ -57,6 +62,7 @@ impl<'a> EquilibriumRow<'a> {
             regimes: &point.mode,
             parameters: Named::parameters(source, Some(&point.parameters)),
             states: Named::states(source, Some(&point.state)),
+            monitors: Named::of(&point.monitors),
             stable: Some(Stability::word(point.stable)),
             unstable: point.unstable,
             re: leading.map(|value| value.re),
@@ -76,6 +82,7 @@ pub struct EquilibriumEventRow<'a> {
     kind: Option<EventType>,
     parameters: Named,
     states: Named,
+    monitors: Named,
     re: Option<f64>,
     im: Option<f64>,
     omega: Option<f64>,
@@ -87,13 +94,17 @@ pub struct EquilibriumEventRow<'a> {
 }
 
 impl<'a> EquilibriumEventRow<'a> {
-    /// A row for the names of its columns.
-    pub fn columns(source: &Source) -> EquilibriumEventRow<'a> {
+    /// A row for the names of its columns, with those of monitors.
+    pub fn columns<'b>(
+        source: &Source,
+        monitors: impl Iterator<Item = &'b str>,
+    ) -> EquilibriumEventRow<'a> {
         EquilibriumEventRow {
             label: 0,
             kind: None,
             parameters: Named::parameters(source, None),
             states: Named::states(source, None),
+            monitors: Named::without_values(monitors),
             re: None,
             im: None,
             omega: None,
@@ -115,6 +126,7 @@ impl<'a> EquilibriumEventRow<'a> {
             kind: Some(event.kind),
             parameters: Named::parameters(source, Some(&numbers(&event.parameters))),
             states: Named::states(source, Some(&numbers(&event.state))),
+            monitors: Named::of(&event.monitors),
             re: event.leading.map(|value| value.re),
             im: event.leading.map(|value| value.im),
             omega: event.omega,

@@ -93,8 +93,9 @@ impl EquilibriumRunner {
         progress: EquilibriumProgress,
     ) -> Result<EquilibriumRunner, ResumeMismatch<EquilibriumCurve>> {
         let scales = progress.scales.clone();
+        let system = problem.system.clone().with_monitors(problem.monitors());
         let curve = EquilibriumCurve::posed_in(
-            &problem.system,
+            &system,
             &first.values,
             &continuation.parameter,
             (&first.mode, scales.clone()),
@@ -157,6 +158,7 @@ impl EquilibriumRunner {
             kind: special.kind(),
             parameters: named(&mut source.parameters.names(), &point.parameters),
             state: named(&mut source.states.iter().map(String::as_str), &point.state),
+            monitors: point.monitors.clone(),
             leading: point.leading(),
             omega: hopf.map(|(omega, _)| omega),
             lyapunov: hopf.and_then(|(_, lyapunov)| lyapunov),
@@ -271,6 +273,7 @@ fn point(found: &Found<EquilibriumCurve>, parameters: Vec<f64>) -> EquilibriumPo
         mode: orbit.signature().name.clone(),
         parameters,
         state: orbit.state(&node.point),
+        monitors: orbit.monitors(&node.point),
         stable,
         unstable: growing,
         eigenvalues: examination.eigenvalues.clone(),

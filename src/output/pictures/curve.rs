@@ -66,7 +66,7 @@ pub(crate) fn picture<P: Plane>(curve: &Curve<P>, ranges: [(f64, f64); 2]) -> Pi
         what.push_str(&format!(", sector {sector}"));
     }
     if let Some(signature) = same {
-        what.push_str(&format!(" of {} {}s", short_signature(signature), P::ORBIT));
+        what.push_str(&format!(" of {} {}", short_signature(signature), P::ORBITS));
     }
     let entries = [
         (Key::Line(pen), what),

@@ -7,7 +7,7 @@ use super::profile::evenly;
 use super::tables::{self, Tables, column, read, read_if_there};
 use super::{Named, PlotError, multipliers, put};
 use crate::affine::system::Source;
-use crate::curve::{self, Curve};
+use crate::curve::{self, Curve, Plane};
 use crate::output::curve::CurveFolder;
 use crate::output::layout::{self, MULTIPLIERS, profile_file};
 use crate::output::render::{
@@ -47,9 +47,10 @@ pub(crate) fn draw(
     format: Format,
 ) -> Result<Vec<PathBuf>, PlotError> {
     if store.kind() == Some(Kind::Curve) {
-        let run = CurveFolder::saved::<curve::Orbits>(store)?;
-        let ranges = run.head().limits.ranges;
-        return draw_curve(store, problem, &run.curve(), ranges, format);
+        return match problem.equilibrium {
+            Some(_) => draw_saved_curve::<curve::Equilibria>(store, problem, format),
+            None => draw_saved_curve::<curve::Orbits>(store, problem, format),
+        };
     }
     let Some(section) = &problem.continuation else {
         return Ok(Vec::new());
@@ -95,14 +96,25 @@ pub(crate) fn draw_view(
     put(store, None, format, [(layout::VIEW.to_owned(), Ok(drawn))])
 }
 
+/// Draws the curve of a folder.
+fn draw_saved_curve<P: Plane>(
+    store: &Store,
+    problem: &SystemProblem,
+    format: Format,
+) -> Result<Vec<PathBuf>, PlotError> {
+    let run = CurveFolder::saved::<P>(store)?;
+    let ranges = run.head().limits.ranges;
+    draw_curve(store, problem, &run.curve(), ranges, format)
+}
+
 /// Draws the curve of an event.
 ///
 /// # Errors
 /// As [`draw`].
-pub(crate) fn draw_curve(
+pub(crate) fn draw_curve<P: Plane>(
     store: &Store,
     problem: &SystemProblem,
-    curve: &Curve<curve::Orbits>,
+    curve: &Curve<P>,
     ranges: [(f64, f64); 2],
     format: Format,
 ) -> Result<Vec<PathBuf>, PlotError> {

@@ -231,7 +231,10 @@ impl Checks<'_, SystemProblem> {
                 let message = format!("`{shown}` is a state or a parameter already");
                 return refused(message, "choose another name");
             }
-            let is_column = NO_PARAMETER.contains(&name) || NO_STATE.contains(&name);
+            let rests = self.problem.equilibrium.is_some();
+            let of_equilibria = rests && COLUMNS.contains(&name);
+            let is_column =
+                NO_PARAMETER.contains(&name) || NO_STATE.contains(&name) || of_equilibria;
             if is_column || is_extremum(name, states) {
                 let message = format!("`{shown}` is a column of the results already");
                 return refused(message, "choose another name");
@@ -647,6 +650,9 @@ impl Checks<'_, SystemProblem> {
             return self.refuse("curve.sector", message, "leave it out");
         }
         self.label_without_index(section.event.kind().is_none())?;
+        if let Some(kind) = section.event.kind() {
+            self.curve_event(kind)?;
+        }
         if let SystemCurveEvent::Constant(name) = &section.event {
             let monitors: Vec<&str> = self.problem.monitor.names().collect();
             if !monitors.contains(&name.as_str()) {

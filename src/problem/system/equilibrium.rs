@@ -9,7 +9,9 @@ use super::super::expectation::Expectation;
 use super::super::outline::Outline;
 use super::super::rules::{Check, Checks};
 use super::{Beginning, SystemPlot, SystemProblem};
+use crate::affine::monitor::{MONITOR, MonitorSource};
 use crate::affine::system::{Ordered, Source};
+use crate::orbit::EventType;
 
 /// The equilibrium that a branch begins with.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -123,13 +125,22 @@ impl Checks<'_, SystemProblem> {
         }
         for (path, given) in [
             ("map", self.problem.map.is_some()),
-            ("curve", self.problem.curve.is_some()),
             ("certify", self.problem.certify),
         ] {
             if given {
                 let message = format!("`{path}` is for orbits, and this is a branch of equilibria");
                 return self.refuse(path, message, "leave it out");
             }
+        }
+        for (name, monitor) in &self.problem.monitor.0 {
+            let what = match monitor {
+                MonitorSource::Integral(_) => "an integral over a period",
+                MonitorSource::Before(..) | MonitorSource::After(..) => "a value at a switch",
+                _ => continue,
+            };
+            let message = format!("`{name}` is {what}, and an equilibrium has none");
+            let help = "take `Max`, `Min` or `Mean`: of an equilibrium they are the value";
+            return self.refuse(&format!("{MONITOR}.{name}"), message, help);
         }
         match &section.start {
             EquilibriumStart::Given { .. } => match section.start.beginning() {
@@ -141,6 +152,31 @@ impl Checks<'_, SystemProblem> {
                 self.one_of("equilibrium.start.mode", "mode", mode, &names)
             }
             EquilibriumStart::Restart { .. } | EquilibriumStart::Switch { .. } => Ok(()),
+        }
+    }
+
+    /// Refuses the curve of an event that equilibria do not have, or only they.
+    pub(super) fn curve_event(&self, event: EventType) -> Check {
+        use EventType::{BE, BP, HB, LP};
+        let (has, what, help) = match self.problem.equilibrium {
+            Some(_) => (
+                matches!(event, LP | HB | BE | BP),
+                "equilibria",
+                "take LP, HB, BE or BP",
+            ),
+            None => (
+                !matches!(event, HB | BE),
+                "orbits",
+                "take LP, PD, NS, BP, GR, CO, SL or `Constant(\"name\")`; curves of HB and BE are those of `equilibrium`",
+            ),
+        };
+        let message = match event {
+            EventType::UZ => format!("{what} have no curve along which a monitor is constant"),
+            _ => format!("{what} have no curve of {event}"),
+        };
+        match has {
+            true => Ok(()),
+            false => self.refuse("curve.event", message, help),
         }
     }
 
@@ -162,11 +198,11 @@ impl Checks<'_, SystemProblem> {
             states, parameters, ..
         } = &self.problem.system.source;
         let parameters: Vec<&str> = parameters.names().collect();
+        let monitors: Vec<&str> = self.problem.monitor.names().collect();
         if self.problem.equilibrium.is_none() {
-            let monitors: Vec<&str> = self.problem.monitor.names().collect();
             return [&parameters[..], &Expectation::OF_ORBITS, &monitors].concat();
         }
         let states: Vec<&str> = states.iter().map(String::as_str).collect();
-        [&parameters[..], &states, &COLUMNS].concat()
+        [&parameters[..], &states, &monitors, &COLUMNS].concat()
     }
 }

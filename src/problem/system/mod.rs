@@ -410,6 +410,7 @@ impl SystemProblem {
                 own("point label"),
                 parameters.names().map(str::to_owned).collect(),
                 states.clone(),
+                self.monitor.names().map(str::to_owned).collect(),
                 own("unstable re im newton residual leg"),
             ]
             .concat();

@@ -1,0 +1,451 @@
+//! Equilibria of a user's system over a plane of two parameters.
+
+use std::sync::{Arc, OnceLock};
+
+use serde::{Deserialize, Serialize};
+
+use super::plane::{Condition, NotEvaluated, Plane, Test, TestValues};
+use super::point::{Gone, Name, PointType, What};
+use crate::affine::equilibrium::codimension::KeptEigenvalues;
+use crate::affine::equilibrium::plane::{
+    CriticalUnknowns, EquilibriumPlane, PairVectors, SpecialEquilibrium,
+};
+use crate::affine::equilibrium::{
+    EquilibriumCurve, EquilibriumFailure, EquilibriumMargin, EquilibriumScales, RestMode,
+};
+use crate::affine::system::System;
+use crate::hybrid::equilibrium::NoEquilibriumStart;
+use crate::linalg::{Matrix, Vector};
+use crate::orbit::{EventType, Orbit};
+
+/// All that an equilibrium needs beside its mode.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Equilibria {
+    system: System,
+    values: Vec<f64>,
+    parameters: [usize; 2],
+    widths: [f64; 2],
+    scales: EquilibriumScales,
+    #[serde(skip)]
+    posed: PosedPlane,
+}
+
+/// The plane, posed where it is first asked for: it follows from the rest.
+#[derive(Clone, Debug, Default)]
+struct PosedPlane(Arc<OnceLock<Option<EquilibriumPlane>>>);
+
+impl PartialEq for PosedPlane {
+    fn eq(&self, _: &PosedPlane) -> bool {
+        true
+    }
+}
+
+/// An event of the eigenvalues, with the vector that normalises the critical one.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum CriticalEquilibrium {
+    /// A pair ± iω.
+    Pair {
+        /// c of c·a = 1, c·r = 0.
+        near: Vec<f64>,
+    },
+    /// Another branch passes.
+    Crossing {
+        /// d of d·ψ = 1.
+        near: Vec<f64>,
+    },
+}
+
+/// β is zero to rounding where branches cross; more than this, in equations of order one, is an imperfect crossing.
+const PERFECT: f64 = 1e-9;
+
+impl Equilibria {
+    /// Those beside an equilibrium, of a branch with `known` units; `widths` are the units of the parameters.
+    ///
+    /// # Errors
+    /// Rates or guards have no finite value there.
+    pub fn new(
+        curve: &EquilibriumCurve,
+        point: &Vector,
+        parameters: [usize; 2],
+        widths: [f64; 2],
+        known: Option<&EquilibriumScales>,
+    ) -> Result<Equilibria, EquilibriumFailure> {
+        Ok(Equilibria {
+            system: curve.setting.system.clone(),
+            values: curve.values_at(point),
+            parameters,
+            widths,
+            scales: curve.wide_scales(point, known)?,
+            posed: PosedPlane::default(),
+        })
+    }
+
+    fn plane(&self, signature: &RestMode) -> Result<&EquilibriumPlane, EquilibriumFailure> {
+        let posed = self.posed.0.get_or_init(|| {
+            EquilibriumPlane::new(
+                (&self.system, &self.values),
+                self.parameters,
+                &self.scales,
+                self.widths,
+            )
+        });
+        posed.as_ref().ok_or_else(|| no_value(signature))
+    }
+
+    /// ω² in the unit of the unknown κ.
+    fn omega(&self, further: &[f64]) -> f64 {
+        let kappa = further.last().copied().unwrap_or(f64::NAN);
+        kappa.max(0.0).sqrt() * self.scales.rate
+    }
+}
+
+fn no_value(signature: &RestMode) -> EquilibriumFailure {
+    EquilibriumFailure::NoValue {
+        mode: signature.name.clone(),
+    }
+}
+
+/// How many eigenvalues grow, where rounding does not decide.
+fn growing(curve: &EquilibriumCurve, point: &Vector) -> Option<usize> {
+    let examination = curve.examination(point).ok()?;
+    (!examination.is_undecided()).then(|| examination.growing())
+}
+
+impl Plane for Equilibria {
+    type Orbit = EquilibriumCurve;
+    type Watch = usize;
+    type Spectral = CriticalEquilibrium;
+    type NotLinearised = EquilibriumFailure;
+    type NoBranch = NoEquilibriumStart;
+    type Beside = ();
+
+    const ORBIT: &'static str = "equilibrium";
+    const ORBITS: &'static str = "equilibria";
+    const ALL_STEPS: usize = 1800;
+    const LONGEST_BESIDE: f64 = f64::INFINITY;
+    const MEASURE: Option<&'static str> = None;
+    const ANGULAR: &'static str = "omega";
+    const SYMBOL: &'static str = "ω";
+    const HAS_SECTORS: bool = false;
+    const FOLLOWED: &'static [EventType] =
+        &[EventType::LP, EventType::HB, EventType::BE, EventType::BP];
+
+    fn parameters(&self) -> [String; 2] {
+        let name = |index| self.system.source.parameters.names().nth(index);
+        self.parameters
+            .map(|index| name(index).unwrap_or_default().to_owned())
+    }
+
+    fn widths(&self) -> [f64; 2] {
+        self.widths
+    }
+
+    fn values(&self) -> [f64; 2] {
+        self.parameters.map(|index| self.values[index])
+    }
+
+    /// Where a parameter is positive the system may make sense for positive ones only.
+    fn admits(&self, index: usize, value: f64) -> bool {
+        self.values()[index] * value > 0.0
+    }
+
+    fn unknowns(&self, _: &RestMode) -> usize {
+        self.system.source.states.len()
+    }
+
+    /// The mode itself.
+    fn zones(_: &RestMode) -> usize {
+        1
+    }
+
+    fn orbit(
+        &self,
+        signature: &RestMode,
+        values: [f64; 2],
+        index: usize,
+    ) -> Result<EquilibriumCurve, EquilibriumFailure> {
+        let plane = self.plane(signature)?;
+        let curve = plane.curve(signature.mode, values, index);
+        curve.ok_or_else(|| no_value(signature))
+    }
+
+    fn key(margin: &EquilibriumMargin) -> (usize, usize) {
+        (margin.guard, 0)
+    }
+
+    fn zone(signature: &RestMode, _: usize) -> String {
+        format!("`{}`", signature.name)
+    }
+
+    /// Equilibria have no zones.
+    fn length(_: &EquilibriumCurve, _: &Vector, _: usize) -> f64 {
+        f64::NAN
+    }
+
+    /// The units are those of the first equilibrium, beside which another may be many times as large.
+    fn stretch(states: &[f64]) -> f64 {
+        states.iter().fold(1.0, |most: f64, x| most.max(x.abs()))
+    }
+
+    fn name(curve: &EquilibriumCurve, _: &Vector) -> String {
+        curve.signature().name.clone()
+    }
+
+    fn measure(_: &EquilibriumCurve, _: &Vector) -> (f64, Option<f64>) {
+        (f64::NAN, None)
+    }
+
+    fn columns(&self) -> Vec<String> {
+        let states = self.system.source.states.iter().cloned();
+        states.chain(["lyapunov".to_owned()]).collect()
+    }
+
+    /// The states, and the first Lyapunov coefficient of a Hopf point.
+    fn numbers(
+        &self,
+        condition: &Condition<Equilibria>,
+        curve: &EquilibriumCurve,
+        point: &Vector,
+        further: &[f64],
+    ) -> Vec<Option<f64>> {
+        let lyapunov = match condition {
+            Condition::Spectral(CriticalEquilibrium::Pair { .. }) => {
+                let omega = self.omega(further);
+                (omega > 0.0)
+                    .then(|| curve.lyapunov(point, omega))
+                    .flatten()
+            }
+            _ => None,
+        };
+        let states = curve.state(point).into_iter().map(Some);
+        states.chain([lyapunov]).collect()
+    }
+
+    fn passing(curve: &EquilibriumCurve, point: &Vector) -> String {
+        let name = Equilibria::name(curve, point);
+        match growing(curve, point) {
+            None => name,
+            Some(0) => format!("stable {name}"),
+            Some(_) => format!("unstable {name}"),
+        }
+    }
+
+    /// At a BP two branches pass, and equations do not tell which is followed.
+    fn beside(&self, spectral: &CriticalEquilibrium, _: Option<f64>) -> Option<()> {
+        matches!(spectral, CriticalEquilibrium::Pair { .. }).then_some(())
+    }
+
+    fn name_beside(
+        (): &mut (),
+        curve: &EquilibriumCurve,
+        point: &Vector,
+        _: Option<EventType>,
+    ) -> Option<Option<Name>> {
+        Some(growing(curve, point).map(Name::Growing))
+    }
+
+    fn further(spectral: &CriticalEquilibrium) -> usize {
+        match spectral {
+            CriticalEquilibrium::Pair { near } => 2 * near.len() + 1,
+            CriticalEquilibrium::Crossing { near } => near.len() + 1,
+        }
+    }
+
+    fn extended(
+        &self,
+        signature: &RestMode,
+        condition: &Condition<Equilibria>,
+        point: &Vector,
+        equations: (&mut [f64], &mut Matrix),
+    ) -> Option<Result<(), EquilibriumFailure>> {
+        let special = match condition {
+            Condition::Fold => SpecialEquilibrium::Fold,
+            Condition::Spectral(CriticalEquilibrium::Pair { near }) => {
+                SpecialEquilibrium::Pair(near)
+            }
+            Condition::Spectral(CriticalEquilibrium::Crossing { near }) => {
+                SpecialEquilibrium::Crossing(near)
+            }
+            Condition::Margin(_) | Condition::Constant(_) => return None,
+        };
+        let mode = (signature.mode, signature.name.as_str());
+        let plane = self.plane(signature);
+        Some(plane.and_then(|plane| plane.evaluate(mode, special, point, equations)))
+    }
+
+    fn spectral(
+        &self,
+        spectral: &CriticalEquilibrium,
+        curve: &EquilibriumCurve,
+        point: &Vector,
+        further: &[f64],
+    ) -> Result<Vec<f64>, NotEvaluated<Equilibria>> {
+        let values = curve.values_at(point);
+        let scaled = self.parameters.iter().zip(self.widths);
+        let scaled = scaled.map(|(index, width)| values[*index] / width);
+        let states = point.iter().take(point.len() - 1).copied();
+        let all = states.chain(further.iter().copied()).chain(scaled);
+        let all = Vector::from_vec(all.collect());
+        let count = all.len();
+        let mut residual = vec![0.0; count - 1];
+        let mut jacobian = Matrix::zeros(count, count);
+        let condition = Condition::Spectral(spectral.clone());
+        let equations = (&mut residual[..], &mut jacobian);
+        if let Some(done) = self.extended(curve.signature(), &condition, &all, equations) {
+            done.map_err(NotEvaluated::Flow)?;
+        }
+        Ok(residual.split_off(point.len() - 1))
+    }
+
+    fn settle(spectral: &mut CriticalEquilibrium, further: &[f64]) {
+        match spectral {
+            CriticalEquilibrium::Pair { near } => {
+                let next = PairVectors::of(further).and_then(|pair| pair.across());
+                *near = next.unwrap_or_else(|| near.clone());
+            }
+            CriticalEquilibrium::Crossing { near } => {
+                let psi = Vector::from_column_slice(&further[..near.len()]);
+                let size = psi.norm_squared();
+                *near = (psi / size).as_slice().to_vec();
+            }
+        }
+    }
+
+    fn renewed(
+        spectral: &CriticalEquilibrium,
+        further: &[f64],
+    ) -> Option<(CriticalEquilibrium, Vec<f64>)> {
+        match spectral {
+            CriticalEquilibrium::Pair { .. } => {
+                let CriticalUnknowns { near, further } = PairVectors::of(further)?.renewed()?;
+                Some((CriticalEquilibrium::Pair { near }, further))
+            }
+            CriticalEquilibrium::Crossing { .. } => None,
+        }
+    }
+
+    /// A null vector with the sign of the other one; vectors of a pair that the current vector normalises.
+    fn alias(condition: &Condition<Equilibria>, further: &[f64], near: &[f64]) -> Option<Vec<f64>> {
+        let turned = || {
+            let product: f64 = further.iter().zip(near).map(|(x, y)| x * y).sum();
+            further.iter().map(|x| x * product.signum()).collect()
+        };
+        match condition {
+            Condition::Fold => Some(turned()),
+            Condition::Spectral(CriticalEquilibrium::Pair { near }) => {
+                PairVectors::of(further)?.normalised(near)
+            }
+            Condition::Spectral(CriticalEquilibrium::Crossing { near }) => {
+                let psi = &further[..near.len()];
+                let product: f64 = psi.iter().zip(near).map(|(x, y)| x * y).sum();
+                let beta = further.get(near.len()).copied();
+                Some(psi.iter().map(|x| x / product).chain(beta).collect())
+            }
+            Condition::Margin(_) | Condition::Constant(_) => None,
+        }
+    }
+
+    fn lost(
+        &self,
+        spectral: &CriticalEquilibrium,
+        _: &EquilibriumCurve,
+        _: &Vector,
+        further: &[f64],
+    ) -> Option<Gone> {
+        let beta = further.last().copied().unwrap_or(f64::NAN);
+        let crossing = matches!(spectral, CriticalEquilibrium::Crossing { .. });
+        let opened = beta.is_nan() || beta.abs() > PERFECT;
+        (crossing && opened).then_some(Gone::Opened)
+    }
+
+    fn angular(
+        &self,
+        spectral: &CriticalEquilibrium,
+        _: &EquilibriumCurve,
+        _: &Vector,
+        further: &[f64],
+    ) -> Option<f64> {
+        match spectral {
+            CriticalEquilibrium::Pair { .. } => Some(self.omega(further)),
+            CriticalEquilibrium::Crossing { .. } => None,
+        }
+    }
+
+    fn with_fold(event: EventType) -> PointType {
+        match event {
+            EventType::HB => PointType::ZH,
+            _ => Equilibria::with_event(event, EventType::LP),
+        }
+    }
+
+    /// A boundary equilibrium comes last.
+    fn with_event(event: EventType, other: EventType) -> PointType {
+        match event {
+            EventType::BE => PointType::Two(other, event),
+            _ => PointType::Two(event, other),
+        }
+    }
+
+    /// Of a pair ω² and l₁, and another pair; beside a zero eigenvalue a second one, and a pair; beside none a pair.
+    fn watched(
+        &self,
+        condition: &Condition<Equilibria>,
+        curve: &EquilibriumCurve,
+        point: &Vector,
+        further: &[f64],
+    ) -> TestValues {
+        let passed = |kind: PointType, value: Option<f64>| Test {
+            kind: Some(kind),
+            value: value.unwrap_or(f64::NAN),
+            ends: false,
+        };
+        let pair = |kind: PointType, kept: KeptEigenvalues| {
+            let sums = curve.pair_sums(point, kept);
+            Test {
+                // two real eigenvalues with the sum zero are none
+                kind: sums.filter(|sums| sums.is_complex).map(|_| kind),
+                value: sums.map_or(f64::NAN, |sums| sums.value),
+                ends: false,
+            }
+        };
+        let with_zero = || {
+            vec![
+                passed(PointType::BT, curve.double_zero(point)),
+                pair(PointType::ZH, KeptEigenvalues::Zero),
+            ]
+        };
+        let tests = match condition {
+            Condition::Fold | Condition::Spectral(CriticalEquilibrium::Crossing { .. }) => {
+                with_zero()
+            }
+            Condition::Spectral(CriticalEquilibrium::Pair { .. }) => {
+                let omega = self.omega(further);
+                let is_pair = omega > 0.0;
+                let degenerate = is_pair.then(|| curve.degenerate_hopf(point, omega));
+                let other = match is_pair {
+                    true => pair(PointType::HH, KeptEigenvalues::Pair(omega)),
+                    false => passed(PointType::HH, None),
+                };
+                vec![
+                    Test {
+                        ends: true,
+                        ..passed(PointType::BT, further.last().copied())
+                    },
+                    passed(PointType::GH, degenerate.flatten()),
+                    other,
+                ]
+            }
+            Condition::Margin(_) | Condition::Constant(_) => {
+                vec![pair(PointType::One(EventType::HB), KeptEigenvalues::None)]
+            }
+        };
+        TestValues {
+            tests,
+            outside: None,
+        }
+    }
+
+    fn say(what: &What<EquilibriumCurve>) -> String {
+        what.to_string()
+    }
+}

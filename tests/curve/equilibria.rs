@@ -1,0 +1,545 @@
+//! Special equilibria in two parameters against closed forms and figures of an independent program in 40 digits.
+
+#![allow(clippy::excessive_precision)] // figures as they are printed
+
+use brakewave::EventType;
+use brakewave::continuation::newton::System as _;
+use brakewave::curve::start::{NoCurve, Start};
+use brakewave::curve::{Curve, Equilibria, Head, Point, PointType, Run, Step, find_of_equilibria};
+use brakewave::hybrid::equilibrium::EquilibriumRunner;
+use brakewave::linalg::Matrix;
+use brakewave::problem::{Any, SystemProblem, parse_any};
+
+/// A system, where its branch begins, and the branch.
+#[derive(Clone, Copy)]
+struct Family {
+    system: &'static str,
+    start: &'static str,
+    branch: &'static str,
+}
+
+const FITZHUGH: Family = Family {
+    system: r#"states: ["v", "w"], parameters: {"I": 0.0, "b": 0.45, "eps": 0.08, "a": 0.7},
+        modes: {"flow": (rates: {"v": "v - v^3/3 - w + I", "w": "eps*(v + a - b*w)"})}"#,
+    start: r#"mode: "flow", state: {"v": -1.2, "w": -0.6}"#,
+    branch: r#"parameter: "I", range: (-1.0, 4.0)"#,
+};
+const LORENZ84: Family = Family {
+    system: r#"states: ["x", "y", "z"], parameters: {"F": 1.75, "G": 0.1, "a": 0.25, "b": 4.0},
+        modes: {"flow": (rates: {"x": "-y^2 - z^2 - a*x + a*F", "y": "x*y - b*x*z - y + G", "z": "b*x*y + x*z - z"})}"#,
+    start: r#"mode: "flow", state: {"x": 1.74, "y": 0.0, "z": 0.0}"#,
+    branch: r#"parameter: "G", range: (0.01, 4.0)"#,
+};
+const TWO: Family = Family {
+    system: r#"states: ["x", "v", "y", "w"], parameters: {"m": -1.0, "n": 0.15, "k": 2.0, "kap": 0.5},
+        modes: {"flow": (rates: {"x": "v", "v": "-x + (m - x^2)*v + kap*w", "y": "w", "w": "-k*y + (n - y^2)*w + kap*x"})}"#,
+    start: r#"mode: "flow", state: {"x": 0.0, "v": 0.0, "y": 0.0, "w": 0.0}"#,
+    branch: r#"parameter: "m", range: (-1.0, 1.0)"#,
+};
+const HARVEST: Family = Family {
+    system: r#"states: ["x", "y"], parameters: {"a": 1.0, "b": 0.3, "d": 0.42, "h": 0.15, "al": 0.45},
+        define: {"eaten": "a*x*y/(b + x)"},
+        modes: {
+            "low": (rates: {"x": "x*(1 - x) - eaten", "y": "eaten - d*y"}, until: [(zero: "al - y", to: "high")]),
+            "high": (rates: {"x": "x*(1 - x) - eaten", "y": "eaten - (d + h)*y"}, until: [(zero: "y - al", to: "low")]),
+        }, sliding: {"slide": ("low", "high")}"#,
+    start: r#"mode: "low", state: {"x": 0.21, "y": 0.4}"#,
+    branch: r#"parameter: "al", range: (0.3, 0.6)"#,
+};
+const RELAY: Family = Family {
+    system: r#"states: ["s", "x", "y"], parameters: {"mu": -0.3, "k": 0.4, "c": 0.05, "M": 0.8, "p": 0.6, "r": 0.3},
+        modes: {
+            "plus": (rates: {"s": "p*x + r*y - M", "x": "mu*x - y - x*(x^2 + y^2) + k", "y": "x + mu*y - y*(x^2 + y^2) + c"},
+                until: [(zero: "s", to: "minus")]),
+            "minus": (rates: {"s": "p*x + r*y + M", "x": "mu*x - y - x*(x^2 + y^2) - k", "y": "x + mu*y - y*(x^2 + y^2) + c"},
+                until: [(zero: "-s", to: "plus")]),
+        }, sliding: {"slide": ("plus", "minus")}"#,
+    start: r#"mode: "slide", state: {"s": 0.0, "x": -0.05, "y": -0.01}"#,
+    branch: r#"parameter: "mu", range: (-0.5, 0.3)"#,
+};
+const PITCHFORK: Family = Family {
+    system: r#"states: ["x", "y"], parameters: {"mu": -1.0, "q": 1.0, "f": 0.0},
+        modes: {"flow": (rates: {"x": "mu*x + x*y - q*x^5 + f", "y": "-y + x^2*(1 + mu*q)"})}"#,
+    start: r#"mode: "flow", state: {"x": 0.0, "y": 0.0}"#,
+    branch: r#"parameter: "mu", range: (-1.5, 1.0)"#,
+};
+const PREDATORS: Family = Family {
+    system: r#"states: ["x", "y"], parameters: {"K": 0.2, "a": 1.0, "b": 0.5, "d": 0.4},
+        modes: {"flow": (rates: {"x": "x*(1 - x/K) - a*x*y/(b + x)", "y": "a*x*y/(b + x) - d*y"})}"#,
+    start: r#"mode: "flow", state: {"x": 0.2, "y": 0.0}"#,
+    branch: r#"parameter: "K", range: (0.1, 2.0)"#,
+};
+
+impl Family {
+    /// Its problem with other values, and a curve.
+    fn problem(self, values: &[(&str, &str)], curve: &str) -> SystemProblem {
+        let Family {
+            system,
+            start,
+            branch,
+        } = self;
+        let mut text = format!(
+            "(system: ({system}), equilibrium: (start: Given({start})), continuation: ({branch}), curve: ({curve}))"
+        );
+        for (from, to) in values {
+            assert!(text.contains(from), "{from}");
+            text = text.replace(from, to);
+        }
+        match parse_any(&text, "test") {
+            Ok(Any::System(problem)) => *problem,
+            other => panic!("{other:?}"),
+        }
+    }
+
+    fn curve(self, values: &[(&str, &str)], curve: &str) -> Curve<Equilibria> {
+        followed(&self.problem(values, curve))
+    }
+}
+
+fn start(problem: &SystemProblem) -> Result<Start<Equilibria>, NoCurve<Equilibria>> {
+    let (Some(continuation), Some(curve)) = (&problem.continuation, &problem.curve) else {
+        panic!("the problem has no curve");
+    };
+    let begin = || EquilibriumRunner::begin(problem, continuation, None);
+    find_of_equilibria(problem, curve, begin, &mut |_| ())
+}
+
+fn run(problem: &SystemProblem) -> Run<Equilibria> {
+    let start = start(problem).unwrap_or_else(|error| panic!("{error}"));
+    Run::begin(&start.system, start.event, &start.point, start.limits).unwrap()
+}
+
+fn followed(problem: &SystemProblem) -> Curve<Equilibria> {
+    let mut run = run(problem);
+    while run.step().unwrap().is_some() {}
+    let curve = run.unnamed();
+    assert!(!curve.failed, "{} | {}", curve.end(0), curve.end(1));
+    curve
+}
+
+fn types(curve: &Curve<Equilibria>) -> Vec<String> {
+    let own = [EventType::EP, curve.event].map(PointType::One);
+    let kinds = curve.points.iter().filter_map(|point| point.kind);
+    kinds
+        .filter(|kind| !own.contains(kind))
+        .map(|kind| kind.to_string())
+        .collect()
+}
+
+/// A number of a point by the name of its column.
+fn number(curve: &Curve<Equilibria>, point: &Point, name: &str) -> f64 {
+    let place = curve.parameters.iter().position(|one| one == name);
+    let column = || curve.columns.iter().position(|one| one == name);
+    match place {
+        Some(place) => point.parameters[place],
+        None if name == "omega" => point.angular.unwrap(),
+        None => point.numbers[column().unwrap()].unwrap(),
+    }
+}
+
+/// Every point of the curve of this type, of which one has these numbers, known to a few roundings.
+fn has(curve: &Curve<Equilibria>, kind: &str, numbers: &[(&str, f64)]) {
+    let of_kind = |point: &&Point| point.kind.is_some_and(|own| own.to_string() == kind);
+    let distance = |point: &Point| {
+        let each = numbers
+            .iter()
+            .map(|(name, value)| (number(curve, point, name) - value).abs() / value.abs().max(1.0));
+        each.fold(0.0, f64::max)
+    };
+    let distances = curve.points.iter().filter(of_kind).map(distance);
+    let nearest = distances.fold(f64::INFINITY, f64::min);
+    assert!(
+        nearest <= 1e-12,
+        "{kind} {numbers:?}: {nearest:e}, {:?}",
+        types(curve)
+    );
+}
+
+/// HB at v² = 1 − εb, with ω² = ε(1 − εb²) and l₁ zero at εb² − 2b + 1 = 0; BT where ω is zero.
+#[test]
+fn hopf_curves_of_fitzhugh_and_nagumo_have_gh_and_end_in_bt() {
+    for (eps, a) in [(0.08_f64, 0.7), (0.05, 0.8)] {
+        let values = [
+            ("\"eps\": 0.08", &*format!("\"eps\": {eps}")),
+            ("\"a\": 0.7", &*format!("\"a\": {a}")),
+        ];
+        for (index, side) in [(1, -1.0), (2, 1.0)] {
+            let asked = format!(
+                "event: HB, index: {index}, parameters: (\"I\", \"b\"), range: ((-1.0, 4.0), (0.1, 5.0))"
+            );
+            let curve = FITZHUGH.curve(&values, &asked);
+            let mut seen = types(&curve);
+            seen.sort();
+            assert_eq!(seen, ["BT", "GH"]);
+            let at = |b: f64| {
+                let v = side * (1.0 - eps * b).sqrt();
+                let w = (v + a) / b;
+                [("b", b), ("v", v), ("w", w), ("I", w - v + v.powi(3) / 3.0)]
+            };
+            for point in &curve.points {
+                let b = number(&curve, point, "b");
+                let told = point.numbers.clone();
+                for (name, value) in at(b) {
+                    assert!(
+                        (number(&curve, point, name) - value).abs() <= 1e-12 * value.abs().max(1.0)
+                    );
+                }
+                let square = number(&curve, point, "omega").powi(2);
+                assert!((square - eps * (1.0 - eps * b * b)).abs() <= 1e-13);
+                // the sign of l₁ is that of 2b − 1 − εb²
+                if point.kind.is_none() {
+                    let coefficient = told[2].unwrap();
+                    assert!(
+                        coefficient * (2.0 * b - 1.0 - eps * b * b) > 0.0,
+                        "{b} {coefficient}"
+                    );
+                }
+            }
+            has(&curve, "GH", &at((1.0 - (1.0 - eps).sqrt()) / eps));
+            has(&curve, "BT", &at(1.0 / eps.sqrt()));
+        }
+    }
+}
+
+/// LP at v² = 1 − 1/b: round their cusp at v = 0, I = a, b = 1, through both BT.
+#[test]
+fn folds_of_fitzhugh_and_nagumo_turn_in_a_cusp() {
+    for (eps, a) in [(0.08_f64, 0.7), (0.05, 0.8)] {
+        let values = [
+            ("\"eps\": 0.08", &*format!("\"eps\": {eps}")),
+            ("\"a\": 0.7", &*format!("\"a\": {a}")),
+            ("\"b\": 0.45", "\"b\": 1.5"),
+        ];
+        let asked = "event: LP, parameters: (\"I\", \"b\"), range: ((-1.0, 4.0), (0.1, 5.0))";
+        let curve = FITZHUGH.curve(&values, asked);
+        assert_eq!(types(&curve), ["BT", "CP", "BT"]);
+        has(&curve, "CP", &[("I", a), ("b", 1.0), ("v", 0.0), ("w", a)]);
+        for side in [-1.0, 1.0] {
+            let v: f64 = side * (1.0 - eps.sqrt()).sqrt();
+            let w = (v + a) * eps.sqrt();
+            let current = w - v + v.powi(3) / 3.0;
+            has(
+                &curve,
+                "BT",
+                &[("b", 1.0 / eps.sqrt()), ("v", v), ("w", w), ("I", current)],
+            );
+        }
+        for point in &curve.points {
+            let (b, v) = (number(&curve, point, "b"), number(&curve, point, "v"));
+            assert!((b * (1.0 - v * v) - 1.0).abs() <= 1e-12);
+        }
+    }
+}
+
+#[test]
+fn a_zero_beside_a_pair_lies_on_folds_and_hopf_points() {
+    let plane = "parameters: (\"F\", \"G\"), range: ((0.1, 4.0), (0.01, 4.0))";
+    let figures = [
+        (
+            ["0.25", "4.0"],
+            [
+                1.684_051_724_137_931_034_5,
+                1.682_968_552_660_949_055_8,
+                1.125,
+            ],
+            [
+                -0.010_380_684_981_717_496_104,
+                0.373_704_659_341_829_859_73,
+                4.525_776_271_764_764,
+            ],
+            [
+                0.466_364_895_898_559_363_18,
+                0.291_954_465_600_658_697_71,
+                0.194_670_651_574_029_591_65,
+            ],
+        ),
+        (
+            ["0.2", "5.0"],
+            [
+                1.648_188_405_797_101_449_3,
+                1.821_437_957_187_688_007_5,
+                1.1,
+            ],
+            [
+                -6.019_292_654_288_460_038_1e-3,
+                0.331_061_095_985_865_302_1,
+                5.517_180_019_024_107,
+            ],
+            [
+                0.371_548_232_224_784_094_91,
+                0.238_616_630_538_999_897_16,
+                0.149_490_436_382_620_339_33,
+            ],
+        ),
+    ];
+    for ([a, b], [force, heat, x], [y, z, omega], cusp) in figures {
+        let values = [
+            ("\"a\": 0.25", &*format!("\"a\": {a}")),
+            ("\"b\": 4.0", &*format!("\"b\": {b}")),
+        ];
+        let place = [("F", force), ("G", heat), ("x", x), ("y", y), ("z", z)];
+        let hopf = LORENZ84.curve(&values, &format!("event: HB, {plane}"));
+        assert_eq!(types(&hopf), ["ZH"]);
+        has(&hopf, "ZH", &[&place[..], &[("omega", omega)]].concat());
+        let folds = LORENZ84.curve(&values, &format!("event: LP, {plane}"));
+        has(&folds, "ZH", &place);
+        has(
+            &folds,
+            "CP",
+            &[("F", cusp[0]), ("G", cusp[1]), ("x", cusp[2])],
+        );
+    }
+}
+
+/// Two Hopf curves cross at m = κ²/(1 − k), n = −m, with ω² the roots of s² − (1 + k + mn)s + k = 0.
+#[test]
+fn two_pairs_on_the_imaginary_axis_lie_on_both_of_their_curves() {
+    for (k, kap, n) in [(2.0_f64, 0.5, "0.15"), (3.0, 0.6, "0.17")] {
+        let values = [
+            ("\"k\": 2.0", &*format!("\"k\": {k:?}")),
+            ("\"kap\": 0.5", &*format!("\"kap\": {kap:?}")),
+            ("\"n\": 0.15", &*format!("\"n\": {n}")),
+        ];
+        let m = kap * kap / (1.0 - k);
+        let sum = 1.0 + k - m * m;
+        let root = (0.25 * sum * sum - k).sqrt();
+        let mut seen = Vec::new();
+        for index in [1, 2] {
+            let asked = format!(
+                "event: HB, index: {index}, parameters: (\"m\", \"n\"), range: ((-4.0, 1.0), (-0.5, 0.5))"
+            );
+            let curve = TWO.curve(&values, &asked);
+            let crossing = curve
+                .points
+                .iter()
+                .find(|point| point.kind == Some(PointType::HH));
+            let omega = number(&curve, crossing.unwrap(), "omega");
+            let square = [0.5 * sum - root, 0.5 * sum + root];
+            let own = usize::from(omega * omega > 0.5 * sum);
+            has(
+                &curve,
+                "HH",
+                &[("m", m), ("n", -m), ("omega", square[own].sqrt())],
+            );
+            seen.push(own);
+        }
+        seen.sort_unstable();
+        assert_eq!(seen, [0, 1]);
+    }
+}
+
+/// BE of `low` at x = bd/(a − d), al = (1 − x)(b + x)/a; at the top of the isocline, x = (1 − b)/2, its pair is imaginary, and
+/// the equilibrium in sliding has a fold where it meets a boundary there.
+#[test]
+fn boundary_equilibria_meet_hopf_points_and_folds() {
+    let asked = "event: BE, parameters: (\"al\", \"d\"), range: ((0.3, 0.6), (0.1, 0.7))";
+    let curve = HARVEST.curve(&[], asked);
+    assert_eq!(types(&curve), ["HB+BE"]);
+    let low = |d: f64| 0.3 * d / (1.0 - d);
+    for point in &curve.points {
+        let (x, al) = (number(&curve, point, "x"), number(&curve, point, "al"));
+        assert!((x - low(number(&curve, point, "d"))).abs() <= 1e-13);
+        assert!((al - (1.0 - x) * (0.3 + x)).abs() <= 1e-13);
+    }
+    has(
+        &curve,
+        "HB+BE",
+        &[("x", 0.35), ("al", 0.4225), ("d", 0.35 / 0.65)],
+    );
+    let asked = "event: LP, parameters: (\"al\", \"h\"), range: ((0.3, 0.6), (0.01, 0.3))";
+    let curve = HARVEST.curve(&[], asked);
+    let h = 0.35 / 0.65 - 0.42;
+    assert_eq!(types(&curve), ["LP+BE"]);
+    has(&curve, "LP+BE", &[("x", 0.35), ("al", 0.4225), ("h", h)]);
+    let asked =
+        "event: BE, index: 2, parameters: (\"al\", \"h\"), range: ((0.3, 0.6), (0.01, 0.3))";
+    let curve = HARVEST.curve(&[], asked);
+    assert_eq!(types(&curve), ["LP+BE"]);
+    has(&curve, "LP+BE", &[("x", 0.35), ("al", 0.4225), ("h", h)]);
+}
+
+/// x = p, y = q within x < 1, y < 1: the corner.
+#[test]
+fn two_boundaries_are_met_at_once() {
+    let corner = Family {
+        system: r#"states: ["x", "y"], parameters: {"p": 0.0, "q": 0.0},
+            modes: {
+                "in": (rates: {"x": "p - x + 0.1*y^2", "y": "q - y"}, until: [(zero: "1 - x", to: "out"), (zero: "1 - y", to: "out")]),
+                "out": (rates: {"x": "p - x + 0.1*y^2", "y": "q - y"}, until: [(zero: "x - 1", to: "in")]),
+            }"#,
+        start: r#"mode: "in", state: {"x": 0.0, "y": 0.0}"#,
+        branch: r#"parameter: "p", range: (-1.0, 2.0)"#,
+    };
+    let asked = "event: BE, parameters: (\"p\", \"q\"), range: ((-1.0, 2.0), (-1.0, 2.0))";
+    let curve = corner.curve(&[], asked);
+    assert_eq!(types(&curve), ["BE+BE"]);
+    has(
+        &curve,
+        "BE+BE",
+        &[("p", 0.9), ("q", 1.0), ("x", 1.0), ("y", 1.0)],
+    );
+}
+
+/// In sliding the trace 2μ − 4ρ² + kp/M is zero; the curve ends where |px + ry| = M.
+#[test]
+fn hopf_points_in_sliding_end_where_sliding_does() {
+    let asked = "event: HB, parameters: (\"mu\", \"M\"), range: ((-1.0, 1.0), (0.01, 2.0))";
+    let curve = RELAY.curve(&[], asked);
+    assert_eq!(types(&curve), ["HB+BE"]);
+    for point in &curve.points {
+        let [mu, bound, x, y] = ["mu", "M", "x", "y"].map(|name| number(&curve, point, name));
+        let trace = 2.0 * mu - 4.0 * (x * x + y * y) + 0.4 * 0.6 / bound;
+        assert!(trace.abs() <= 1e-12, "{trace:e}");
+        assert_eq!(number(&curve, point, "s"), 0.0);
+    }
+    let end = curve
+        .points
+        .iter()
+        .find(|point| point.kind.is_some_and(|kind| kind.to_string() == "HB+BE"));
+    let [bound, x, y] = ["M", "x", "y"].map(|name| number(&curve, end.unwrap(), name));
+    assert!(((0.6 * x + 0.3 * y).abs() - bound).abs() <= 1e-12);
+}
+
+#[test]
+fn branch_points_have_a_curve_where_branches_stay_crossed() {
+    let pitchfork = |second: &str| {
+        format!("event: BP, parameters: (\"mu\", \"{second}\"), range: ((-1.5, 1.0), (-2.0, 2.0))")
+    };
+    let curve = PITCHFORK.curve(&[], &pitchfork("q"));
+    assert!(
+        curve
+            .points
+            .iter()
+            .all(|point| point.parameters[0].abs() <= 1e-13)
+    );
+    // a force breaks the symmetry
+    let refused = start(&PITCHFORK.problem(&[], &pitchfork("f")));
+    let parameter = "f".to_owned();
+    assert_eq!(refused.err(), Some(NoCurve::Unfolds { parameter }));
+    // predators die out at K = x = bd/(a − d), y = 0
+    let asked = "event: BP, parameters: (\"K\", \"d\"), range: ((0.05, 2.0), (0.05, 0.9))";
+    let curve = PREDATORS.curve(&[], asked);
+    for point in &curve.points {
+        let [k, d, x, y] = ["K", "d", "x", "y"].map(|name| number(&curve, point, name));
+        assert!(
+            (k - 0.5 * d / (1.0 - d)).abs() <= 1e-12 && (x - k).abs() <= 1e-12 && y.abs() <= 1e-13
+        );
+    }
+}
+
+/// A circle of Hopf points: μ = 1 − p² − q².
+#[test]
+fn a_closed_curve_of_hopf_points_ends_where_it_began() {
+    let circle = Family {
+        system: r#"states: ["x", "y", "z"], parameters: {"p": -2.0, "q": 0.1},
+            modes: {"flow": (rates: {
+                "x": "(1 - p^2 - q^2)*x - 2*y + p*z - x^3", "y": "x + (1 - p^2 - q^2)*y + q*z - y^3", "z": "-z + x^2"})}"#,
+        start: r#"mode: "flow", state: {"x": 0.0, "y": 0.0, "z": 0.0}"#,
+        branch: r#"parameter: "p", range: (-2.0, 2.0)"#,
+    };
+    let asked = "event: HB, parameters: (\"p\", \"q\"), range: ((-2.0, 2.0), (-2.0, 2.0)), max_points: 3000";
+    let curve = circle.curve(&[], asked);
+    assert!(
+        curve.end(1).contains("closes on its start"),
+        "{}",
+        curve.end(1)
+    );
+    for point in &curve.points {
+        let [p, q] = point.parameters;
+        assert!((p * p + q * q - 1.0).abs() <= 1e-12);
+    }
+}
+
+/// Derivatives of the equations of folds, pairs and crossings are those of central differences.
+#[test]
+fn derivatives_of_extended_systems_are_exact() {
+    let plane = |event: &str| {
+        format!("event: {event}, parameters: (\"I\", \"b\"), range: ((-1.0, 4.0), (0.1, 5.0))")
+    };
+    let folds = [("\"b\": 0.45", "\"b\": 1.5")];
+    let relay = "event: HB, parameters: (\"mu\", \"M\"), range: ((-1.0, 1.0), (0.01, 2.0))";
+    let fork = "event: BP, parameters: (\"mu\", \"q\"), range: ((-1.5, 1.0), (-2.0, 2.0))";
+    let slide = "event: LP, parameters: (\"al\", \"b\"), range: ((0.3, 0.6), (0.01, 0.9))";
+    let problems = [
+        FITZHUGH.problem(&folds, &plane("LP")),
+        FITZHUGH.problem(&[], &plane("HB")),
+        RELAY.problem(&[], relay),
+        PITCHFORK.problem(&[], fork),
+        HARVEST.problem(&[], slide),
+    ];
+    for problem in problems {
+        let Start { system, point, .. } = start(&problem).unwrap();
+        // beside the curve the equations are as good
+        let point = point.map_with_location(|row, _, x| x + 0.01 * ((3 * row + 1) as f64).sin());
+        let count = system.unknowns();
+        let at = |point: &_| {
+            let (mut residual, mut jacobian) = (vec![0.0; count - 1], Matrix::zeros(count, count));
+            system
+                .evaluate(point, &mut residual, &mut jacobian)
+                .unwrap();
+            (residual, jacobian)
+        };
+        let (_, jacobian) = at(&point);
+        const STEP: f64 = 1e-5;
+        for column in 0..count {
+            let moved = |step: f64| {
+                let mut there = point.clone();
+                there[column] += step;
+                at(&there).0
+            };
+            let (above, below) = (moved(STEP), moved(-STEP));
+            for row in 0..count - 1 {
+                let difference = (above[row] - below[row]) / (2.0 * STEP);
+                let own = jacobian[(row, column)];
+                // truncation of the differences, with third derivatives of order ten
+                assert!(
+                    (own - difference).abs() <= 1e-8 * own.abs().max(1.0),
+                    "{row} {column}: {own} {difference}"
+                );
+            }
+        }
+    }
+}
+
+/// A curve resumed before its first step, after every seventeenth and after the last takes the very next two, to the last bit.
+#[test]
+fn curves_of_equilibria_resumed_after_their_steps_take_the_same_steps() {
+    let hopf =
+        "event: HB, parameters: (\"I\", \"b\"), range: ((-1.0, 4.0), (0.1, 5.0)), ds_max: 0.1";
+    let boundary =
+        "event: BE, parameters: (\"al\", \"d\"), range: ((0.3, 0.6), (0.1, 0.7)), ds_max: 0.1";
+    let fork =
+        "event: BP, parameters: (\"mu\", \"q\"), range: ((-1.5, 1.0), (-2.0, 2.0)), ds_max: 0.1";
+    let problems = [
+        FITZHUGH.problem(&[], hopf),
+        HARVEST.problem(&[], boundary),
+        PITCHFORK.problem(&[], fork),
+    ];
+    for problem in problems {
+        let mut whole = run(&problem);
+        let head: Head<Equilibria> = ron::from_str(&ron::to_string(whole.head()).unwrap()).unwrap();
+        let text = |head: &Head<Equilibria>| ron::to_string(head).unwrap();
+        assert_eq!(text(&head), text(whole.head()));
+        let mut steps: Vec<Step<Equilibria>> = Vec::new();
+        while let Some(step) = whole.step().unwrap() {
+            steps.push(step);
+        }
+        let written: Vec<String> = steps
+            .iter()
+            .map(|step| ron::to_string(step).unwrap())
+            .collect();
+        assert!(steps.len() > 10, "{}", steps.len());
+        let counts = 0..=steps.len();
+        for count in counts.filter(|count| count % 17 == 0 || *count == steps.len()) {
+            let saved = written[..count]
+                .iter()
+                .map(|text| ron::from_str(text).unwrap());
+            let mut resumed = Run::resume(head.clone(), saved.collect()).unwrap();
+            for next in 0..2 {
+                let step = resumed.step().unwrap();
+                let step = step.map(|step| ron::to_string(&step).unwrap());
+                assert_eq!(step.as_ref(), written.get(count + next), "{count} + {next}");
+            }
+        }
+    }
+}
