@@ -9,6 +9,7 @@ those of systems of one's own.
     brakewave.draw_branch(run).figure.savefig("branch.png")
 """
 
+import re
 import warnings
 from dataclasses import dataclass
 from itertools import cycle
@@ -57,6 +58,7 @@ _SYSTEMS = [
     (["value", "sweep", "sample"], ["phase", "mode", "why"]),
     (["mode", "equilibrium"], ["stable", "re", "im", "why"]),
 ]
+_EXPONENT = re.compile(r"lyapunov(_\d+)?(_error)?")
 _SYSTEM_TEXT = ["mode", "found", "equilibrium", "sweep", "re", "im"]
 """Columns that are text in tables of a system, besides those of every table."""
 
@@ -64,6 +66,12 @@ _SYSTEM_TEXT = ["mode", "found", "equilibrium", "sweep", "re", "im"]
 def _own(names):
     """The places of the columns that a system has named itself, its parameters or its states, in a header; None in
     a table of a tube. `period` is no name of a parameter."""
+    if names[-1:] == ["why"]:
+        # exponents of a scan stand between its mode and why
+        end = len(names) - 1
+        while _EXPONENT.fullmatch(names[end - 1]):
+            end -= 1
+        names = names[:end] + ["why"]
     for before, after in _SYSTEMS:
         if names[: len(before)] != before:
             continue
@@ -352,6 +360,22 @@ def draw_scan(folder, y=None, axes=None):
     axes.set(xlabel="parameter", ylabel=y)
     if len(table):
         axes.legend(markerscale=3)
+    return axes
+
+
+def draw_exponents(folder, axes=None):
+    """The Lyapunov exponents of a scan, a line for each sweep, with the line 0; those that are −∞ are left out."""
+    axes, table = _axes(axes), folder.scan
+    names = [name for name in table if _EXPONENT.fullmatch(name) and not name.endswith("_error")]
+    axes.axhline(0, color="grey", lw=0.6)
+    for sweep, samples in table.drop_duplicates(["value", "sweep"]).groupby("sweep", sort=False):
+        samples = samples.sort_values("value")
+        for place, name in enumerate(names):
+            finite = samples[numpy.isfinite(samples[name])]
+            axes.plot(finite["value"], finite[name], color="black" if place == 0 else "grey", lw=0.8, label=f"{name}, {sweep}")
+    axes.set(xlabel="parameter", ylabel="Lyapunov exponents")
+    if axes.get_legend_handles_labels()[0]:
+        axes.legend()
     return axes
 
 

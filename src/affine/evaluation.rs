@@ -30,6 +30,8 @@ pub struct FormMode<C = Dual> {
     pub rates: Vec<Form<C>>,
     /// Switches in the order of the file.
     pub switches: Vec<FormSwitch<C>>,
+    /// What contacts hold at zero all along.
+    pub held: Vec<Form<C>>,
 }
 
 impl<C> FormSwitch<C> {
@@ -43,7 +45,7 @@ impl<C> FormSwitch<C> {
 }
 
 impl<C> FormMode<C> {
-    /// All forms of it.
+    /// All forms of it but those that are held at zero.
     pub fn forms(&self) -> impl Iterator<Item = &Form<C>> {
         let switches = self.switches.iter().flat_map(FormSwitch::forms);
         self.rates.iter().chain(switches)
@@ -52,12 +54,13 @@ impl<C> FormMode<C> {
 
 impl FormMode {
     /// The mode with every expression as it is within it, where its guards are not negative: the absolute value of a
-    /// multiple of one has no kink there, nor has one of a form that is `held` at zero.
+    /// multiple of one has no kink there, nor has one of a form that is held at zero.
     ///
     /// # Errors
     /// An operation that has no result there.
-    pub fn within(mut self, held: &[Form]) -> Result<Self, Obstacle> {
-        let guards = self.switches.iter().map(|one| &one.guard).chain(held);
+    pub fn within(mut self) -> Result<Self, Obstacle> {
+        let guards = self.switches.iter().map(|one| &one.guard);
+        let guards = guards.chain(&self.held);
         let guards: Vec<Form> = guards.cloned().collect();
         let mut known = HashMap::new();
         let mut resolve = |form: &mut Form| {
@@ -157,6 +160,7 @@ impl<'a, 'p, C: Coefficient> Evaluation<'a, 'p, C> {
             Ok(FormMode {
                 rates: rates.collect::<Result<_, _>>()?,
                 switches: switches.collect::<Result<_, _>>()?,
+                held: Vec::new(),
             })
         });
         modes.collect()
@@ -181,6 +185,7 @@ impl<'a, 'p, C: Coefficient> Evaluation<'a, 'p, C> {
                 group: None,
                 name: None,
             }],
+            held: Vec::new(),
         }))
     }
 

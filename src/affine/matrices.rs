@@ -115,7 +115,7 @@ impl System {
             .into_iter()
             .zip(names)
             .map(|(mode, name)| {
-                mode.within(&[]).map_err(|obstacle| {
+                mode.within().map_err(|obstacle| {
                     let mistake = Mistake::Within(name.to_owned(), obstacle);
                     SystemError::at(format!("modes.{name}"), mistake)
                 })
@@ -361,6 +361,7 @@ fn still(states: usize) -> FormMode {
     FormMode {
         rates: vec![Form::default(); states],
         switches: Vec::new(),
+        held: Vec::new(),
     }
 }
 
@@ -425,11 +426,13 @@ impl Shape {
     }
 
     fn mode(&self, number: usize, mode: &FormMode, omega: Dual) -> AffineMode {
+        let held = mode.held.iter().filter(|form| form.beyond.is_empty());
         AffineMode {
             states: self.states,
             field: Field::default(),
             guards: self.guards(number, &mode.switches),
             surface: None,
+            held: held.map(|form| self.row(form)).collect(),
             sides: None,
             obstruction: None,
             matrix: self.matrix(&mode.rates, omega),

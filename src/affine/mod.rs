@@ -5,7 +5,7 @@
 //! into at given parameters: `matrices` lays it out, `sliding` puts modes between two others. [`series`] has the flow of a
 //! mode whose rates are not affine, by [`recurrence`], `exponential` those of matrices, `stiff` what is slow of one, [`flow`] either with the
 //! signs of its guards, [`motion`] follows it through its switches,
-//! and [`course`] sees it at equal times; [`steady`] has the equilibria, [`orbit`] the periodic orbits, whose period [`closure`]
+//! [`course`] sees it at equal times, and [`tangent`] has its perturbations; [`steady`] has the equilibria, [`orbit`] the periodic orbits, whose period [`closure`]
 //! may prescribe, and of which [`monitor`]s are numbers, laid out in a [`monitored`] system.
 
 pub mod closure;
@@ -33,3 +33,4 @@ pub mod steady;
 mod stiff;
 mod substitution;
 pub mod system;
+pub mod tangent;

@@ -61,6 +61,8 @@ pub struct AffineMode {
     pub guards: Vec<Guard>,
     /// What is zero all along in a sliding mode.
     pub surface: Option<Row>,
+    /// What contacts hold at zero all along, where that is affine.
+    pub held: Vec<Row>,
     /// The modes on the two sides of the surface of a sliding mode: the first where its form is positive.
     pub sides: Option<[usize; 2]>,
     /// How the components of z move that are not those of states and phase.

@@ -222,6 +222,7 @@ impl AffineSystem {
             matrix,
             guards,
             surface: Some(surface),
+            held: Vec::new(),
             sides: Some(sides),
             field: Field::default(),
             obstruction: None,

@@ -6,6 +6,7 @@
 use std::f64::consts::TAU;
 use std::ops::Range;
 
+use super::exponents::{Exponent, PerturbedMotion};
 use crate::affine::mode::AffineSystem;
 use crate::affine::motion::{Halt, Motion, Place, Step};
 use crate::affine::system::{System, SystemError};
@@ -28,6 +29,8 @@ pub struct Settled {
     pub samples: Vec<Place>,
     /// Why there are not as many as asked for.
     pub lacks: Option<Lack>,
+    /// Lyapunov exponents over the samples, as many as are asked for.
+    pub exponents: Vec<Exponent>,
 }
 
 /// Why a motion has fewer samples than asked for.
@@ -116,6 +119,7 @@ impl<'a> Scanner<'a> {
                 sweep,
                 samples: Vec::with_capacity(self.scan.keep),
                 lacks: None,
+                exponents: vec![Exponent::Unknown; self.scan.lyapunov.count()],
             };
             let mut values = self.values.clone();
             values[self.parameter] = value;
@@ -127,9 +131,15 @@ impl<'a> Scanner<'a> {
                         None => Ok(self.start.clone()),
                     };
                     let begun = start.map_or_else(fresh, Ok);
-                    let settled =
+                    let taken =
                         begun.and_then(|start| self.settle(&system, start, &mut settled.samples));
-                    settled.err()
+                    match taken {
+                        Ok(exponents) => {
+                            settled.exponents = exponents;
+                            None
+                        }
+                        Err(lack) => Some(lack),
+                    }
                 }
                 Err(error) => Some(Lack::System(error)),
             };
@@ -143,18 +153,19 @@ impl<'a> Scanner<'a> {
         settled.collect()
     }
 
-    /// Follows a motion and takes its samples.
+    /// Follows a motion, takes its samples, and finds its exponents.
     fn settle(
         &self,
         system: &AffineSystem,
         start: Place,
         samples: &mut Vec<Place>,
-    ) -> Result<(), Lack> {
+    ) -> Result<Vec<Exponent>, Lack> {
         let omega = system.omega.value;
         let unit = if omega > 0.0 { TAU / omega } else { 1.0 };
         let Scan { settle, keep, .. } = *self.scan;
         let begun = start.phase;
-        let mut motion = Motion::new(system, start, unit);
+        let count = self.scan.lyapunov.count();
+        let mut motion = PerturbedMotion::new(system, start, unit, count);
         let Some(mode) = self.section else {
             let phase = match self.scan.section {
                 Section::Phase(phase) => phase.rem_euclid(TAU),
@@ -164,13 +175,11 @@ impl<'a> Scanner<'a> {
             settled(&mut motion, first, settle.ceil(), unit)?;
             for sample in 0..keep {
                 pass(&mut motion, first + (settle.ceil() + sample as f64) * unit)?;
-                let there = motion.place();
-                samples.push(Place {
-                    phase,
-                    ..there.clone()
-                });
+                let there = motion.place().clone();
+                samples.push(Place { phase, ..there });
+                motion.sample();
             }
-            return Ok(());
+            return Ok(motion.exponents());
         };
         settled(&mut motion, 0.0, settle, unit)?;
         let mut motion = motion.watching(mode);
@@ -181,16 +190,14 @@ impl<'a> Scanner<'a> {
                 Step::Switched(_) => {}
                 Step::Reached => return Err(Lack::Away { time }),
                 Step::Section => {
-                    let there = motion.place();
+                    let there = motion.place().clone();
                     let phase = there.phase.rem_euclid(TAU);
-                    samples.push(Place {
-                        phase,
-                        ..there.clone()
-                    });
+                    samples.push(Place { phase, ..there });
+                    motion.sample();
                 }
             }
         }
-        Ok(())
+        Ok(motion.exponents())
     }
 
     /// The start with random states, at which no guard of its mode is negative.
@@ -221,15 +228,19 @@ impl<'a> Scanner<'a> {
 
 /// Follows a motion until it has settled, period by period: a time that is a sum of many pieces is known no better
 /// than its last digit times their number.
-fn settled(motion: &mut Motion, first: f64, settle: f64, unit: f64) -> Result<(), Lack> {
+fn settled(motion: &mut PerturbedMotion, first: f64, settle: f64, unit: f64) -> Result<(), Lack> {
+    let half = (0.5 * settle) as usize;
     for period in 0..settle as usize {
         pass(motion, first + period as f64 * unit)?;
+        if period == half {
+            motion.renew();
+        }
     }
     pass(motion, first + settle * unit)
 }
 
 /// Follows a motion through its switches to a time.
-fn pass(motion: &mut Motion, until: f64) -> Result<(), Lack> {
+fn pass(motion: &mut PerturbedMotion, until: f64) -> Result<(), Lack> {
     while motion.place().time < until {
         motion.step(until).map_err(Lack::Halted)?;
     }

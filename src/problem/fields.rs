@@ -24,7 +24,7 @@ const AROUND: Range = Range::from(MIN_SIMULATION_POINTS as f64).to(MAX_SIMULATIO
 
 /// Path, admitted values, and the rule in words, with `{}` for the values.
 #[rustfmt::skip] // one field a line
-const FIELDS: [(&str, Range, &str); 58] = [
+const FIELDS: [(&str, Range, &str); 59] = [
     ("tube.young", POSITIVE, "Young's modulus, in Pa, must be {}"),
     ("tube.density", POSITIVE, "the density, in kg/m³, must be {}"),
     ("tube.poisson", Range::above(-1.0).below(0.5), "Poisson's ratio must lie {}"),
@@ -69,6 +69,7 @@ const FIELDS: [(&str, Range, &str); 58] = [
     ("simulation.snapshots", Range::upto(MAX_SNAPSHOTS as f64), "ask for {} snapshots"),
     ("simulation.samples", COUNT.to(MAX_SAMPLES as f64), "a motion has {} samples"),
     ("scan.settle", Range::from(0.0).to(MAX_SETTLE), "the motion settles in {} periods"),
+    ("scan.lyapunov", COUNT, "a motion has {} Lyapunov exponent"),
     ("scan.keep", COUNT.to(MAX_KEPT as f64), "a value has {} samples"),
     ("simulation.growth.pairs", TWO.to(1000.0), "Arnoldi's method takes {} pairs of runs"),
     ("simulation.growth.amplitude", POSITIVE.to(0.1), "the difference of runs must be {}"),

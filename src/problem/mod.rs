@@ -38,7 +38,7 @@ pub use doubt::Doubt;
 pub use error::ProblemError;
 pub use expectation::Expectation;
 pub use map::{Map, MapAxis, MapPoints, Starts, SystemMap};
-pub use scan::{Scan, ScanValues, Section, Sweep};
+pub use scan::{LyapunovCount, Scan, ScanValues, Section, Sweep};
 pub use system::{
     Beginning, Equilibrium, EquilibriumStart, Multipliers, Orbit, OrbitStart, SystemPlot,
     SystemProblem, SystemSimulation,

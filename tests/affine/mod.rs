@@ -10,6 +10,7 @@ mod crossings;
 mod cycles;
 mod ending;
 mod equilibria;
+mod exponents;
 mod matrices;
 mod monitors;
 mod motion;

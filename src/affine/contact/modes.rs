@@ -57,7 +57,12 @@ impl ContactForms {
             });
         }
         let held = self.held(own, &digits);
-        FormMode { rates, switches }.within(&held).map_err(failed)
+        let mode = FormMode {
+            rates,
+            switches,
+            held,
+        };
+        mode.within().map_err(failed)
     }
 
     /// The rates with these forces.

@@ -543,6 +543,7 @@ impl Checks<'_, SystemProblem> {
         let rule = format!("take fewer values or samples, {MAX_SCANNED} samples in all at most");
         let holds = count.saturating_mul(section.keep) <= MAX_SCANNED;
         self.admit("scan.keep", section.keep, holds, &rule)?;
+        self.exponents(section)?;
         self.ends("scan.values", &section.parameter, [low, high])?;
         if let (Section::Phase(_), None) = (&section.section, &self.source().forcing) {
             let message = "there is no `forcing` whose phase a section could be";
@@ -593,6 +594,29 @@ impl Checks<'_, SystemProblem> {
             self.admit(&path, range, range.0 < range.1, ORDER)?;
         }
         Ok(())
+    }
+
+    /// Refuses more exponents than there are, those of a single sample, and states of their names.
+    fn exponents(&self, section: &Scan) -> Check {
+        let (count, states) = (section.lyapunov.count(), &self.source().states);
+        let rule = format!(
+            "the system has {} of them, one for each state",
+            states.len()
+        );
+        self.admit("scan.lyapunov", count, count <= states.len(), &rule)?;
+        let rule = "perturbations grow from sample to sample: take at least two, better a hundred";
+        let holds = count == 0 || section.keep > 1;
+        self.admit("scan.keep", section.keep, holds, rule)?;
+        let columns = section.exponent_columns();
+        match states.iter().find(|state| columns.contains(*state)) {
+            None => Ok(()),
+            Some(name) => {
+                let at = self.outline.text_in("system.states", name);
+                let at = at.unwrap_or_else(|| self.outline.locate("system.states"));
+                let message = format!("`{name}` is a column of the results already");
+                Err(Flaw::new(at, message, "choose another name"))
+            }
+        }
     }
 
     fn branch(&self, section: &Continuation<String>) -> Check {
