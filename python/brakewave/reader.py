@@ -38,11 +38,11 @@ RARE = ["#332288", "#882255", "#999933", "#117733", "#cc6677", "#8c564b", "#465a
 
 _TEXT = (
     "type regimes regimes_before regimes_after regime switches stable why what start name method setting failure "
-    "direction sliding full_direction lead_direction first lead_first proven parameter sweep from to"
+    "direction sliding full_direction lead_direction first lead_first proven parameter sweep from to mark"
 ).split()
 _WHOLE = (
     "point label leg unstable lead_sector sector newton row column passage mode points events_found "
-    "events_expected periods radial_order lead_family lead_hopf_family inequalities sample"
+    "events_expected periods radial_order lead_family lead_hopf_family inequalities sample attractor"
 ).split()
 
 
@@ -51,6 +51,8 @@ _SYSTEMS = [
     (["point", "label", "type", "regimes"], "period"),
     (["label", "type"], "period"),
     (["row", "column", "start", "passage", "found", "periods", "regimes"], "period"),
+    (["row", "column", "start", "passage", "found", "attractor", "periods", "regimes"], "period"),
+    (["attractor", "regimes", "period", "periods", "stable", "share"], []),
     (["point", "type"], "period"),
     (["time", "phase"], ["mode"]),
     (["sample", "time"], ["mode"]),
@@ -159,6 +161,7 @@ class Folder:
     eigenvalues = property(lambda self: self.table("eigenvalues"))
     # of a map, a curve, a comparison of methods, of proofs
     map = property(lambda self: self.table("map"))
+    attractors = property(lambda self: self.table("attractors"))
     curve = property(lambda self: self.table("curve"))
     accuracy = property(lambda self: self.table("accuracy"))
     certificates = property(lambda self: self.table("certificates"))
@@ -407,6 +410,8 @@ def draw_map(folder, start=None, axes=None):
     """What is first found from a start over the plane of a map: the regimes of waves, from "fast" unless another start is
     named; of a system the modes of the orbit from start 1, with its number of periods, or what the motion does instead."""
     axes, table = _axes(axes), folder.map
+    if "attractor" in table:
+        return _draw_basin(table[table["start"].astype(str) == str(start or 1)], axes)
     x, y = (varying(table) + parameters(table))[:2]
     if "periods" in table:
         table = table[table["start"].astype(str) == str(start or 1)]
@@ -420,6 +425,17 @@ def draw_map(folder, start=None, axes=None):
     for regimes, waves in table.groupby(what):
         axes.plot(waves[x], waves[y], "s", ms=2, label=regimes, color=SEQUENCES.get(regimes) or next(rare))
     axes.set(xlabel=x, ylabel=y)
+    axes.legend(loc="upper left", bbox_to_anchor=(1, 1))
+    return axes
+
+
+def _draw_basin(table, axes):
+    """The number of the attractor over rows, upwards, and columns."""
+    rare = cycle(RARE)
+    what = table["attractor"].astype(str).where(table["attractor"].notna(), table["found"])
+    for name, cells in table.groupby(what):
+        axes.plot(cells["column"], cells["row"], "s", ms=2, label=name, color=next(rare))
+    axes.set(xlabel="column", ylabel="row")
     axes.legend(loc="upper left", bbox_to_anchor=(1, 1))
     return axes
 

@@ -358,8 +358,10 @@ impl<'a> TangentFrame<'a> {
             }
         }
         let fall = guard.row.at.dot(&passage.rate);
-        let is_zero = guard.row.value(&passage.end) >= -ROUNDING * guard.row.size(&passage.end);
         let normal = passage.gradient(&guard.row).rows(0, n).into_owned();
+        // a guard of one state has no other terms where that is zero
+        let terms = guard.row.size(&passage.end) + normal.abs().dot(&self.sizes);
+        let is_zero = guard.row.value(&passage.end) >= -ROUNDING * terms;
         let delay = match (fall < 0.0, elapsed > 0.0) {
             (true, crossed) if crossed || is_zero => Some(-normal / fall),
             (_, true) if shift.amax() > 0.0 => return Err(NotResolved),

@@ -12,9 +12,10 @@ use super::options::{Task, Threads, cores, picture, read_any};
 use super::progress::{Progress, tallied};
 use super::{print, stopped};
 use crate::hybrid::scan::{Scanner, Settled};
-use crate::map::{self, Cell, CellRow, Motions, Outcome};
+use crate::map::{self, Attractors, Cell, CellRow, Motions, Outcome};
 use crate::messages::AWAY;
-use crate::output::layout::SCAN;
+use crate::output::attractors;
+use crate::output::layout::{self, SCAN};
 use crate::output::origin::Origin;
 use crate::output::pictures;
 use crate::output::render::{Format, Picture};
@@ -111,6 +112,11 @@ pub(crate) trait Verb: Rowed + Sync {
 
     /// What computes a row.
     fn work(&self, quiet: bool) -> Result<Work<'_>, Failure>;
+    /// Joins the rows of folders, and makes what follows from all of them.
+    fn join(&self, folder: &RowsFolder<Self>, from: &[PathBuf]) -> Result<(), Failure> {
+        Ok(folder.join(from, &mut Ok)?)
+    }
+
     /// The picture of the table in a folder.
     fn picture(&self, folder: &Path) -> Result<Picture, StoreError>;
     /// How the verb ends, after all rows were joined.
@@ -220,7 +226,7 @@ fn run<P: Verb>(arguments: &RowsArguments, task: &Task) -> Result<Exit, Failure>
         P::KIND.name()
     };
     if shard.of == 1 {
-        folder.join(std::slice::from_ref(&out))?;
+        problem.join(&folder, std::slice::from_ref(&out))?;
         draw(&problem, folder.store(), picture)?;
         exit = problem.end(&folder)?;
     }
@@ -248,7 +254,7 @@ fn merge<P: Verb>(arguments: &MergeArguments) -> Result<Exit, Failure> {
     let inputs: Vec<PathBuf> = source.into_iter().collect();
     let store = Store::open(&arguments.out, P::KIND, &problem, existing, &inputs)?;
     let folder = RowsFolder::new(store, origin)?;
-    folder.join(&arguments.shards)?;
+    problem.join(&folder, &arguments.shards)?;
     draw(&problem, folder.store(), picture)?;
     let exit = problem.end(&folder)?;
     if !arguments.quiet {
@@ -317,11 +323,30 @@ impl Verb for Mapped<SystemProblem> {
         let motions = Motions::new(&self.0).ok_or(Usage::NoBeginning)?;
         Ok(Box::new(move |row, _| {
             let cells: Vec<Outcome> = motions.row(row);
-            let rows = cells
-                .iter()
-                .map(|cell| CellRow::settled(&self.0.system, cell));
-            Ok(rows.map(|row| table::line(&row)).collect())
+            let basin = self.0.map.as_ref().is_some_and(|map| map.is_basin());
+            let line = |cell| {
+                let row = CellRow::settled(&self.0.system, cell);
+                match basin {
+                    true => table::line(&CellRow::of_basin(row, cell.mark.as_ref())),
+                    false => table::line(&row),
+                }
+            };
+            Ok(cells.iter().map(line).collect())
         }))
+    }
+
+    fn join(&self, folder: &RowsFolder<Self>, from: &[PathBuf]) -> Result<(), Failure> {
+        if !self.0.map.as_ref().is_some_and(|map| map.is_basin()) {
+            return Ok(folder.join(from, &mut Ok)?);
+        }
+        let motions = Motions::new(&self.0).ok_or(Usage::NoBeginning)?;
+        let mut attractors = Attractors::new(motions, &self.0.system);
+        let path = folder.path().join(layout::MAP);
+        let header = self.header();
+        folder.join(from, &mut |cells| {
+            attractors::number(&mut attractors, (&path, &header), &cells)
+        })?;
+        Ok(attractors::write(folder.store(), &self.0, &attractors)?)
     }
 
     fn picture(&self, folder: &Path) -> Result<Picture, StoreError> {

@@ -1,16 +1,20 @@
 //! What motions of a system settle on at the points of a plane, each by itself.
 
+use std::f64::consts::TAU;
+
 use serde::Serialize;
 
 use super::cell::CellRow;
 use super::plane::Plane;
 use crate::affine::motion::Halt;
+use crate::affine::orbit::AffineOrbit;
 use crate::affine::orbit::start::{NoStart as NoOrbit, Search};
-use crate::affine::system::{Source, System};
+use crate::affine::system::{Ordered, Source, System};
 use crate::continuation::newton;
 use crate::hybrid::row::OrbitColumns;
 use crate::hybrid::run::point;
 use crate::hybrid::{NoStart, OrbitPoint, come_to};
+use crate::linalg::Vector;
 use crate::orbit::Orbit as _;
 use crate::problem::{Beginning, Continuation, OrbitStart, SystemProblem};
 
@@ -27,6 +31,17 @@ pub struct Outcome {
     pub parameters: Vec<f64>,
     /// What that is.
     pub found: Settled,
+    /// In a basin of attraction, a point of it that tells what attracts the motion.
+    pub mark: Option<Mark>,
+}
+
+/// A point of an orbit: an entry of a zone or, where it never switches, where its equations begin; or a point of rest.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mark {
+    /// Phase of the forcing in \[0, 2π).
+    pub phase: f64,
+    /// State.
+    pub state: Vec<f64>,
 }
 
 /// What a motion settles on.
@@ -81,12 +96,20 @@ impl Settled {
     }
 }
 
+/// What changes over the plane: parameters by their places among all, or states in which motions begin by their names.
+enum Varied {
+    Parameters([usize; 2]),
+    States([String; 2]),
+}
+
+/// An orbit that a motion settles on, and its unknowns.
+type SettledOrbit = (AffineOrbit, Vector);
+
 /// The motions of a map, any row of which can be computed by itself.
 pub struct Motions<'a> {
     problem: &'a SystemProblem,
     plane: Plane,
-    /// Places of the two parameters among all.
-    parameters: [usize; 2],
+    varied: Varied,
     /// In which parameter an orbit would be followed, and how far.
     along: Continuation<String>,
     settle: f64,
@@ -101,6 +124,18 @@ impl<'a> Motions<'a> {
             return None;
         };
         let names = &problem.system.source.parameters;
+        let sides = [&map.first, &map.second];
+        let varied = match map.is_basin() {
+            true => Varied::States(sides.map(|side| side.name().to_owned())),
+            false => {
+                let [first, second] = sides.map(|side| names.index(side.name()));
+                Varied::Parameters([first?, second?])
+            }
+        };
+        let along = match map.is_basin() {
+            true => resting(problem)?,
+            false => Continuation::new(map.second.name().to_owned(), map.second.range),
+        };
         let mut starts = map.starts.clone();
         if starts.is_empty() {
             starts.extend(problem.orbit.start.beginning());
@@ -108,11 +143,8 @@ impl<'a> Motions<'a> {
         Some(Motions {
             problem,
             plane: Plane::new(map),
-            parameters: [
-                names.index(&map.first.parameter)?,
-                names.index(&map.second.parameter)?,
-            ],
-            along: Continuation::new(map.second.parameter.clone(), map.second.range),
+            varied,
+            along,
             settle,
             starts,
         })
@@ -123,16 +155,20 @@ impl<'a> Motions<'a> {
         let points = self.plane.row(row);
         let of_start = |(start, beginning): (usize, &Beginning)| {
             let cells = points.iter().enumerate().map(|(column, point)| {
-                let mut parameters = self.problem.values();
-                for (index, value) in self.parameters.into_iter().zip(point) {
-                    parameters[index] = *value;
-                }
-                let found = self.settled(beginning, &parameters);
+                let (beginning, parameters) = self.begun(beginning, *point);
+                let asked = self.problem.stability.is_some();
+                let found = self.settled(&beginning, &parameters, asked);
+                let marked = matches!(self.varied, Varied::States(_));
+                let (found, orbit) = match found {
+                    Ok((found, orbit)) => (found, Some(orbit)),
+                    Err(reason) => (Settled::Nothing(reason), None),
+                };
                 Outcome {
                     row,
                     column,
                     start: start + 1,
-                    found: found.unwrap_or_else(Settled::Nothing),
+                    mark: marked.then(|| Mark::of(&found, orbit.as_ref())).flatten(),
+                    found,
                     parameters,
                 }
             });
@@ -142,7 +178,43 @@ impl<'a> Motions<'a> {
         starts.flat_map(of_start).collect()
     }
 
-    fn settled(&self, beginning: &Beginning, parameters: &[f64]) -> Result<Settled, NoStart> {
+    /// The orbit that the motion of a cell settles on, with its stability; none where it comes to none.
+    pub(super) fn orbit(&self, [row, column, start]: [usize; 3]) -> Option<(Settled, SettledOrbit)> {
+        let beginning = self.starts.get(start.checked_sub(1)?)?;
+        let point = *self.plane.row(row).get(column)?;
+        let (beginning, parameters) = self.begun(beginning, point);
+        self.settled(&beginning, &parameters, true).ok()
+    }
+
+    /// Where the motion of a start begins at a point of the plane, and the values of the parameters there.
+    fn begun(&self, beginning: &Beginning, point: [f64; 2]) -> (Beginning, Vec<f64>) {
+        let mut parameters = self.problem.values();
+        let mut beginning = beginning.clone();
+        match &self.varied {
+            Varied::Parameters(places) => {
+                for (index, value) in places.iter().zip(point) {
+                    parameters[*index] = value;
+                }
+            }
+            Varied::States(names) => {
+                for (name, value) in names.iter().zip(point) {
+                    let Ordered(states) = &mut beginning.state;
+                    match states.iter_mut().find(|(known, _)| known == name) {
+                        Some((_, state)) => *state = value,
+                        None => states.push((name.clone(), value)),
+                    }
+                }
+            }
+        }
+        (beginning, parameters)
+    }
+
+    fn settled(
+        &self,
+        beginning: &Beginning,
+        parameters: &[f64],
+        asked: bool,
+    ) -> Result<(Settled, SettledOrbit), NoStart> {
         let search = Search::Settles(self.settle);
         let values = parameters.to_vec();
         let (orbit, unknowns) =
@@ -150,12 +222,73 @@ impl<'a> Motions<'a> {
         let examination = orbit.examination(&unknowns).map_err(|failure| {
             NoStart::NoOrbit(NoOrbit::Newton(newton::Failure::System(failure)))
         })?;
-        let asked = self.problem.stability.is_some();
         let point = point((&orbit, &unknowns), &examination, None, values, asked);
-        Ok(Settled::Orbit {
+        let settled = Settled::Orbit {
             point: Box::new(point),
             periods: orbit.is_forced().then_some(orbit.setting.periods),
+        };
+        Ok((settled, (orbit, unknowns)))
+    }
+}
+
+/// A branch for orbits that are not followed: their equations have a parameter among the unknowns, in a unit.
+fn resting(problem: &SystemProblem) -> Option<Continuation<String>> {
+    if let Some(section) = &problem.continuation {
+        return Some(section.clone());
+    }
+    /// A parameter changes by this part of itself, or of 1 where it is zero.
+    const PART: f64 = 0.1;
+    let (name, value) = problem.system.source.parameters.0.first()?;
+    let width = PART * if *value == 0.0 { 1.0 } else { value.abs() };
+    Some(Continuation::new(
+        name.clone(),
+        (value - width, value + width),
+    ))
+}
+
+impl Mark {
+    fn of(found: &Settled, orbit: Option<&SettledOrbit>) -> Option<Mark> {
+        if let Settled::Nothing(NoStart::NoOrbit(NoOrbit::Rests { place, .. })) = found {
+            return Some(Mark {
+                phase: 0.0,
+                state: place.state.clone(),
+            });
+        }
+        let (orbit, unknowns) = orbit?;
+        let first = orbit.cycle(unknowns).ok()?.first;
+        let zone = orbit.saved(unknowns).ok()?.zones.swap_remove(first);
+        Some(Mark {
+            phase: zone.phase.rem_euclid(TAU),
+            state: zone.state,
         })
+    }
+}
+
+/// What a row of `map.csv` tells of a motion in a basin of attraction.
+#[derive(Clone, Debug, Serialize)]
+pub struct BasinColumns<'a> {
+    attractor: Option<usize>,
+    settled: SettledColumns<'a>,
+    mark: Vec<f64>,
+}
+
+impl<'a> CellRow<BasinColumns<'a>> {
+    /// The row of a map with the mark of a basin, and room for the number of the attractor.
+    pub fn of_basin(row: CellRow<SettledColumns<'a>>, mark: Option<&Mark>) -> Self {
+        let mark = mark.map(|mark| [&[mark.phase], &mark.state[..]].concat());
+        CellRow {
+            row: row.row,
+            column: row.column,
+            start: row.start,
+            passage: row.passage,
+            found: row.found,
+            there: BasinColumns {
+                attractor: None,
+                settled: row.there,
+                mark: mark.unwrap_or_default(),
+            },
+            why: row.why,
+        }
     }
 }
 

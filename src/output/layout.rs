@@ -22,6 +22,9 @@ pub(crate) fn profile_file(label: usize) -> String {
 }
 
 pub(crate) const MAP: &str = "map.csv";
+/// What attracts the motions of a basin, and its orbits to restart from.
+pub(crate) const ATTRACTORS: &str = "attractors.csv";
+pub(crate) const ATTRACTORS_SAVED: &str = "attractors.ron";
 /// The problem of a map.
 pub(crate) const MAP_ORIGIN: &str = "map.ron";
 pub(crate) const SCAN: &str = "scan.csv";

@@ -13,12 +13,12 @@ pub(crate) const MAX_MAP_POINTS: usize = 100_000_000;
 /// A map over a plane of two parameters, of waves unless told otherwise.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-#[serde(bound(deserialize = "P: Deserialize<'de>, S: Deserialize<'de> + Starts"))]
-pub struct Map<P = Parameter, S = Start> {
-    /// The parameter that is the same along a row of a grid.
-    pub first: MapAxis<P>,
-    /// The parameter that changes along a row of a grid: branches of waves are followed in it.
-    pub second: MapAxis<P>,
+#[serde(bound(deserialize = "X: Deserialize<'de>, S: Deserialize<'de> + Starts"))]
+pub struct Map<X = MapAxis, S = Start> {
+    /// What is the same along a row of a grid.
+    pub first: X,
+    /// What changes along a row of a grid: branches of waves are followed in it.
+    pub second: X,
     /// Where in the plane.
     pub points: MapPoints,
     /// Which waves to begin with, each at most once; of a system where motions begin.
@@ -27,7 +27,7 @@ pub struct Map<P = Parameter, S = Start> {
 }
 
 /// The same for motions of a system; those of `orbit` where no starts are given.
-pub type SystemMap = Map<String, Beginning>;
+pub type SystemMap = Map<SystemAxis, Beginning>;
 
 /// What a map begins with.
 pub trait Starts: Sized {
@@ -50,11 +50,74 @@ impl Starts for Beginning {
 /// One side of the plane.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct MapAxis<P = Parameter> {
+pub struct MapAxis {
     /// Parameter.
-    pub parameter: P,
+    pub parameter: Parameter,
     /// Lower and upper end, lower < upper.
     pub range: (f64, f64),
+}
+
+/// The same of a system: of a parameter, or of a state in which motions begin. A problem that is checked has one of both,
+/// the same for both sides.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SystemAxis {
+    /// Parameter.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub parameter: Option<String>,
+    /// State.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub state: Option<String>,
+    /// Lower and upper end, lower < upper.
+    pub range: (f64, f64),
+}
+
+/// A side of a plane.
+pub trait PlaneAxis {
+    /// What changes along it, as the file writes it, and in which field.
+    fn written(&self) -> (String, &'static str);
+    /// Lower and upper end.
+    fn range(&self) -> (f64, f64);
+}
+
+impl PlaneAxis for MapAxis {
+    fn written(&self) -> (String, &'static str) {
+        (format!("{:?}", self.parameter), PARAMETER)
+    }
+
+    fn range(&self) -> (f64, f64) {
+        self.range
+    }
+}
+
+impl PlaneAxis for SystemAxis {
+    fn written(&self) -> (String, &'static str) {
+        let field = if self.state.is_some() { STATE } else { PARAMETER };
+        (format!("{:?}", self.name()), field)
+    }
+
+    fn range(&self) -> (f64, f64) {
+        self.range
+    }
+}
+
+impl SystemAxis {
+    /// The name of the parameter or the state.
+    pub fn name(&self) -> &str {
+        let name = self.state.as_ref().or(self.parameter.as_ref());
+        name.map_or("", String::as_str)
+    }
+}
+
+/// The fields of an axis that may name what changes.
+pub(crate) const PARAMETER: &str = "parameter";
+pub(crate) const STATE: &str = "state";
+
+impl SystemMap {
+    /// Whether it is one of initial states: a basin of attraction.
+    pub fn is_basin(&self) -> bool {
+        self.first.state.is_some()
+    }
 }
 
 /// Points of the plane.

@@ -10,6 +10,7 @@ use super::map::MAX_MAP_POINTS;
 use super::outline::Outline;
 use super::tube::place_of;
 use super::{Continuation, Expectation, MAX_USER_POINTS, Map, MapPoints, Toward, UserPoint};
+use super::PlaneAxis;
 
 pub(super) type Check = Result<(), Flaw>;
 
@@ -75,12 +76,12 @@ impl<P> Checks<'_, P> {
         self.refuse(path, message, "list each once")
     }
 
-    /// Refuses a plane of one parameter, or with points without end.
-    pub fn plane<N: Debug + PartialEq, S>(&self, section: &Map<N, S>) -> Check {
-        let parameter = &section.second.parameter;
-        let differ = section.first.parameter != *parameter;
-        let rule = "the two parameters of a map must be different";
-        self.admit("map.second.parameter", parameter, differ, rule)?;
+    /// Refuses a plane of one parameter or state, or with points without end.
+    pub fn plane<X: PlaneAxis, S>(&self, section: &Map<X, S>) -> Check {
+        let (name, field) = section.second.written();
+        let differ = section.first.written() != section.second.written();
+        let rule = format!("the two {field}s of a map must be different");
+        self.admit(&format!("map.second.{field}"), format_args!("{name}"), differ, &rule)?;
         let MapPoints::Grid { rows, columns } = section.points else {
             return Ok(());
         };

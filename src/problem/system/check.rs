@@ -3,6 +3,7 @@
 use super::super::error::{Flaw, excerpt, line};
 use super::super::expectation::Expectation;
 use super::super::explanation::{known, unknown_field};
+use super::super::map::{PARAMETER, STATE};
 use super::super::outline::{Outline, Subject};
 use super::super::rules::{Check, Checks, ORDER, lengths};
 use super::super::scan::{MAX_SCANNED, MAX_VALUES};
@@ -513,17 +514,35 @@ impl Checks<'_, SystemProblem> {
 
     fn map(&self, section: &SystemMap) -> Check {
         let names: Vec<&str> = self.source().parameters.names().collect();
+        let states: Vec<&str> = self.source().states.iter().map(String::as_str).collect();
+        let basin = section.is_basin();
         for (side, axis) in [("first", &section.first), ("second", &section.second)] {
             let (path, range) = (format!("map.{side}.range"), axis.range);
-            let column = axis.parameter.as_str();
-            self.one_of(
-                &format!("map.{side}.parameter"),
-                "parameter",
-                column,
-                &names,
-            )?;
+            let (field, known) = match basin {
+                true => (STATE, &states),
+                false => (PARAMETER, &names),
+            };
+            if axis.state.is_some() != basin || axis.parameter.is_some() == basin {
+                let message = format!("`map.{side}` needs a `{field}`, and nothing else that changes");
+                let help = "both sides are parameters, or both are states in which motions begin";
+                return self.refuse(&format!("map.{side}"), message, help);
+            }
+            self.one_of(&format!("map.{side}.{field}"), field, axis.name(), known)?;
             self.admit(&path, range, range.0 < range.1, ORDER)?;
-            self.ends(&path, column, [range.0, range.1])?;
+            if !basin {
+                self.ends(&path, axis.name(), [range.0, range.1])?;
+            }
+        }
+        let columns = ["attractor", "regimes", "period", "periods", "share", "mark"];
+        let taken = states.iter().chain(&names).find(|name| columns.contains(name));
+        if let Some(name) = taken.filter(|_| basin) {
+            let message = format!("`{name}` is a column of the attractors already");
+            return self.refuse("map", message, "choose another name in `system`");
+        }
+        if basin && names.is_empty() {
+            let message = "orbits are found by equations in a parameter, and the system has none";
+            let help = "write one of its numbers as a parameter";
+            return self.refuse("map", message, help);
         }
         self.plane(section)?;
         for (index, start) in section.starts.iter().enumerate() {
