@@ -9,7 +9,7 @@ use std::ops::Range;
 use super::exponents::{Exponent, PerturbedMotion};
 use crate::affine::mode::AffineSystem;
 use crate::affine::motion::{Halt, Motion, Place, Step};
-use crate::affine::system::{System, SystemError};
+use crate::affine::system::{Ordered, System, SystemError};
 use crate::problem::{Scan, Section, Sweep, SystemProblem};
 
 /// Values of a piece: files of a thousand samples or so, and a loss of a second where it is interrupted.
@@ -127,7 +127,13 @@ impl<'a> Scanner<'a> {
             settled.lacks = match self.system.at(&values, &[]) {
                 Ok(system) => {
                     let fresh = || match self.scan.seed {
-                        Some(seed) => self.random(&system, Stream(seed).apart(number as u64)),
+                        Some(seed) => {
+                            let within = self.scan.within.as_ref();
+                            let names = &self.system.source.states;
+                            let stream = Stream(seed).apart(number as u64);
+                            let drawn = random((&system, names), &self.start, within, stream);
+                            drawn.ok_or(Lack::Outside)
+                        }
                         None => Ok(self.start.clone()),
                     };
                     let begun = start.map_or_else(fresh, Ok);
@@ -199,31 +205,35 @@ impl<'a> Scanner<'a> {
         }
         Ok(motion.exponents())
     }
+}
 
-    /// The start with random states, at which no guard of its mode is negative.
-    fn random(&self, system: &AffineSystem, mut stream: Stream) -> Result<Place, Lack> {
-        let names = &self.system.source.states;
-        for _ in 0..TRIES {
-            let mut place = self.start.clone();
-            for (name, state) in names.iter().zip(&mut place.state) {
-                let (low, high) = match &self.scan.within {
-                    None => {
-                        let reach = state.abs().max(1.0);
-                        (*state - reach, *state + reach)
-                    }
-                    Some(within) => match within.index(name) {
-                        Some(index) => within.0[index].1,
-                        None => continue,
-                    },
-                };
-                *state = low + (high - low) * stream.next();
-            }
-            if Motion::new(system, place.clone(), 1.0).is_inside() {
-                return Ok(place);
-            }
+/// A start with random states in ranges, at which no guard of its mode is negative; none where no such state is found.
+pub(crate) fn random(
+    (system, names): (&AffineSystem, &[String]),
+    start: &Place,
+    within: Option<&Ordered<(f64, f64)>>,
+    mut stream: Stream,
+) -> Option<Place> {
+    for _ in 0..TRIES {
+        let mut place = start.clone();
+        for (name, state) in names.iter().zip(&mut place.state) {
+            let (low, high) = match within {
+                None => {
+                    let reach = state.abs().max(1.0);
+                    (*state - reach, *state + reach)
+                }
+                Some(within) => match within.index(name) {
+                    Some(index) => within.0[index].1,
+                    None => continue,
+                },
+            };
+            *state = low + (high - low) * stream.next();
         }
-        Err(Lack::Outside)
+        if Motion::new(system, place.clone(), 1.0).is_inside() {
+            return Some(place);
+        }
     }
+    None
 }
 
 /// Follows a motion until it has settled, period by period: a time that is a sum of many pieces is known no better
@@ -248,11 +258,11 @@ fn pass(motion: &mut PerturbedMotion, until: f64) -> Result<(), Lack> {
 }
 
 /// Random numbers: Steele, Lea & Flood's SplitMix64, the same on every machine.
-struct Stream(u64);
+pub(crate) struct Stream(pub u64);
 
 impl Stream {
     /// One of many streams of the same seed.
-    fn apart(mut self, number: u64) -> Stream {
+    pub fn apart(mut self, number: u64) -> Stream {
         let mixed = self.bits();
         Stream(mixed ^ Stream(number).bits())
     }

@@ -6,7 +6,7 @@
 use std::cmp::Ordering;
 use std::f64::consts::TAU;
 
-use super::motion::{Mark, Motions, Settled};
+use super::motion::{Mark, Motions, Settled, SettledOrbit};
 use crate::affine::mode::AffineSystem;
 use crate::affine::system::System;
 use crate::hybrid::{LabelledOrbit, OrbitPoint};
@@ -57,9 +57,12 @@ pub struct Attractor {
     sizes: Vec<f64>,
 }
 
+/// Finds the orbit that the motion of a cell settles on, with its stability.
+pub(super) type FindOrbit<'a> = Box<dyn Fn([usize; 3]) -> Option<(Settled, SettledOrbit)> + 'a>;
+
 /// The attractors of a basin in the order in which its cells come to them.
 pub struct Attractors<'a> {
-    motions: Motions<'a>,
+    find: FindOrbit<'a>,
     system: &'a System,
     /// At the values of its parameters.
     affine: Option<AffineSystem>,
@@ -70,11 +73,17 @@ pub struct Attractors<'a> {
 }
 
 impl<'a> Attractors<'a> {
-    /// None is known yet.
-    pub fn new(motions: Motions<'a>, system: &'a System) -> Attractors<'a> {
+    /// Those of motions at the values of the parameters in the file, of which none is known yet.
+    pub fn new(motions: &'a Motions<'a>, system: &'a System) -> Attractors<'a> {
+        let find = Box::new(|place| motions.orbit(place));
+        Attractors::at(find, system, &system.values())
+    }
+
+    /// The same at other values.
+    pub(super) fn at(find: FindOrbit<'a>, system: &'a System, values: &[f64]) -> Attractors<'a> {
         Attractors {
-            motions,
-            affine: system.at(&system.values(), &[]).ok(),
+            find,
+            affine: system.at(values, &[]).ok(),
             system,
             met: Vec::new(),
             cells: 0,
@@ -117,7 +126,7 @@ impl<'a> Attractors<'a> {
         match cell.found {
             "equilibrium" => Some(plain),
             "orbit" => {
-                let (settled, (orbit, unknowns)) = self.motions.orbit(cell.place)?;
+                let (settled, (orbit, unknowns)) = (self.find)(cell.place)?;
                 let Settled::Orbit { point, .. } = settled else {
                     return None;
                 };
@@ -171,7 +180,10 @@ impl<'a> Attractors<'a> {
             let known = &attractor.marks[0];
             return attractor.has(known, &cell.mark) || self.rest_together(known, cell);
         }
-        attractor.marks.iter().any(|mark| attractor.has(mark, &cell.mark))
+        attractor
+            .marks
+            .iter()
+            .any(|mark| attractor.has(mark, &cell.mark))
             || attractor.is_closed_like(cell)
     }
 

@@ -16,7 +16,7 @@ use crate::hybrid::run::point;
 use crate::hybrid::{NoStart, OrbitPoint, come_to};
 use crate::linalg::Vector;
 use crate::orbit::Orbit as _;
-use crate::problem::{Beginning, Continuation, OrbitStart, SystemProblem};
+use crate::problem::{Beginning, Continuation, Multipliers, OrbitStart, SystemProblem};
 
 /// What the motion from a start settles on at a point of the plane.
 #[derive(Clone, Debug, PartialEq)]
@@ -103,11 +103,13 @@ enum Varied {
 }
 
 /// An orbit that a motion settles on, and its unknowns.
-type SettledOrbit = (AffineOrbit, Vector);
+pub(super) type SettledOrbit = (AffineOrbit, Vector);
 
 /// The motions of a map, any row of which can be computed by itself.
 pub struct Motions<'a> {
     problem: &'a SystemProblem,
+    /// The same, with stability.
+    decided: SystemProblem,
     plane: Plane,
     varied: Varied,
     /// In which parameter an orbit would be followed, and how far.
@@ -141,6 +143,10 @@ impl<'a> Motions<'a> {
             starts.extend(problem.orbit.start.beginning());
         }
         Some(Motions {
+            decided: SystemProblem {
+                stability: Some(Multipliers {}),
+                ..problem.clone()
+            },
             problem,
             plane: Plane::new(map),
             varied,
@@ -179,7 +185,10 @@ impl<'a> Motions<'a> {
     }
 
     /// The orbit that the motion of a cell settles on, with its stability; none where it comes to none.
-    pub(super) fn orbit(&self, [row, column, start]: [usize; 3]) -> Option<(Settled, SettledOrbit)> {
+    pub(super) fn orbit(
+        &self,
+        [row, column, start]: [usize; 3],
+    ) -> Option<(Settled, SettledOrbit)> {
         let beginning = self.starts.get(start.checked_sub(1)?)?;
         let point = *self.plane.row(row).get(column)?;
         let (beginning, parameters) = self.begun(beginning, point);
@@ -209,7 +218,7 @@ impl<'a> Motions<'a> {
         (beginning, parameters)
     }
 
-    fn settled(
+    pub(super) fn settled(
         &self,
         beginning: &Beginning,
         parameters: &[f64],
@@ -217,8 +226,8 @@ impl<'a> Motions<'a> {
     ) -> Result<(Settled, SettledOrbit), NoStart> {
         let search = Search::Settles(self.settle);
         let values = parameters.to_vec();
-        let (orbit, unknowns) =
-            come_to(self.problem, &self.along, values.clone(), beginning, search)?;
+        let problem = if asked { &self.decided } else { self.problem };
+        let (orbit, unknowns) = come_to(problem, &self.along, values.clone(), beginning, search)?;
         let examination = orbit.examination(&unknowns).map_err(|failure| {
             NoStart::NoOrbit(NoOrbit::Newton(newton::Failure::System(failure)))
         })?;
@@ -247,7 +256,7 @@ fn resting(problem: &SystemProblem) -> Option<Continuation<String>> {
 }
 
 impl Mark {
-    fn of(found: &Settled, orbit: Option<&SettledOrbit>) -> Option<Mark> {
+    pub(super) fn of(found: &Settled, orbit: Option<&SettledOrbit>) -> Option<Mark> {
         if let Settled::Nothing(NoStart::NoOrbit(NoOrbit::Rests { place, .. })) = found {
             return Some(Mark {
                 phase: 0.0,

@@ -124,6 +124,7 @@ mod tests {
             second: axis(Parameter::Mismatch, (0.004, 0.2)),
             points,
             starts: vec![Start::Fast],
+            shares: None,
         })
     }
 

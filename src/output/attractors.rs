@@ -1,11 +1,13 @@
-//! The attractors of a basin: their numbers in its table, a table of their own, and their orbits, to restart from.
+//! The attractors of a basin: their numbers in its table, a table of their own, and their orbits, to restart from; and the
+//! shares of motions that come to them along a parameter.
 
+use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::layout::{ATTRACTORS, ATTRACTORS_SAVED};
+use super::layout::{ATTRACTORS, ATTRACTORS_SAVED, SHARES};
 use super::store::{Checkpoint, Store, StoreError, VERSION, io_error, refused, resumable};
 use crate::hybrid::LabelledOrbit;
 use crate::map::{Attractor, Attractors, Mark, SettledCell};
@@ -108,8 +110,8 @@ pub(crate) fn number(
     Ok(text)
 }
 
-/// The row of an attractor.
-fn line(number: usize, attractor: &Attractor, cells: usize) -> String {
+/// The cells of an attractor.
+fn cells(number: usize, attractor: &Attractor, cells: usize) -> Vec<String> {
     let orbit = attractor.orbit.as_ref().map(|(point, _)| point);
     let periods = attractor.periods.map(|periods| periods.to_string());
     let stable = orbit.and_then(|point| point.stable).map(Stability::word);
@@ -122,7 +124,81 @@ fn line(number: usize, attractor: &Attractor, cells: usize) -> String {
         written(attractor.cells as f64 / cells as f64),
     ];
     let states = attractor.state.iter().map(|x| written(*x));
-    line_of(&own.into_iter().chain(states).collect::<Vec<_>>())
+    own.into_iter().chain(states).collect()
+}
+
+/// The header of a table of attractors.
+fn header(problem: &SystemProblem) -> Vec<String> {
+    let names = [
+        "attractor",
+        "regimes",
+        "period",
+        "periods",
+        "stable",
+        "share",
+    ];
+    let states = problem.system.source.states.iter().cloned();
+    names.map(str::to_owned).into_iter().chain(states).collect()
+}
+
+/// The header of the table of shares.
+pub(crate) fn header_of_shares(problem: &SystemProblem) -> String {
+    let before = ["value", "found"].map(str::to_owned).to_vec();
+    line_of(&[before, header(problem)].concat())
+}
+
+/// The rows of a value in the table of shares, of which the motions are numbered cells of a map: one for each attractor, and
+/// one for each word of what comes to none.
+///
+/// # Errors
+/// A row is not as it was written.
+pub(crate) fn shares(
+    attractors: &mut Attractors,
+    value: f64,
+    place: (&Path, &str),
+    rows: &str,
+) -> Result<String, StoreError> {
+    let path = place.0;
+    let numbered = number(attractors, place, rows)?;
+    let fault = |error: csv::Error| resumable(path, error.to_string());
+    let table = Table::parse((place.1.to_owned() + &numbered).as_bytes()).map_err(fault)?;
+    let mut without: BTreeMap<&str, usize> = BTreeMap::new();
+    for row in 0..table.len() {
+        if table.text(row, "attractor").is_empty() {
+            *without.entry(table.text(row, "found")).or_default() += 1;
+        }
+    }
+    let all = attractors.cells;
+    let mut text = String::new();
+    for (attractor, number) in attractors.met.iter().zip(1..) {
+        let found = if attractor.orbit.is_some() {
+            "orbit"
+        } else {
+            "equilibrium"
+        };
+        let before = vec![written(value), found.to_owned()];
+        text.push_str(&line_of(&[before, cells(number, attractor, all)].concat()));
+    }
+    let states = attractors.states().len();
+    for (found, count) in without {
+        let mut row = vec![String::new(); 2 + 6 + states];
+        row[0] = written(value);
+        row[1] = found.to_owned();
+        row[7] = written(count as f64 / all as f64);
+        text.push_str(&line_of(&row));
+    }
+    Ok(text)
+}
+
+/// Writes the table of shares.
+///
+/// # Errors
+/// When the file cannot be written.
+pub(crate) fn write_shares(store: &Store, text: &str) -> Result<(), StoreError> {
+    store.write(SHARES, |path, out| {
+        out.write_all(text.as_bytes())
+            .map_err(io_error("write it", path))
+    })
 }
 
 /// Writes the table of the attractors that have been met, and their orbits.
@@ -134,12 +210,9 @@ pub(crate) fn write(
     problem: &SystemProblem,
     attractors: &Attractors,
 ) -> Result<(), StoreError> {
-    let names = ["attractor", "regimes", "period", "periods", "stable", "share"];
-    let states = problem.system.source.states.iter().cloned();
-    let names = names.map(str::to_owned).into_iter().chain(states);
-    let mut text = line_of(&names.collect::<Vec<_>>());
+    let mut text = line_of(&header(problem));
     for (attractor, number) in attractors.met.iter().zip(1..) {
-        text.push_str(&line(number, attractor, attractors.cells));
+        text.push_str(&line_of(&cells(number, attractor, attractors.cells)));
     }
     store.write(ATTRACTORS, |path, out| {
         out.write_all(text.as_bytes())

@@ -14,7 +14,7 @@ use std::sync::{Mutex, PoisonError};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-use super::layout::{self, ATTRACTORS, ATTRACTORS_SAVED, MAP, MAP_ORIGIN};
+use super::layout::{self, ATTRACTORS, ATTRACTORS_SAVED, MAP, MAP_ORIGIN, SHARES, SHARES_PICTURE};
 use super::origin::Origin;
 use super::render::Format;
 use super::store::{
@@ -23,7 +23,7 @@ use super::store::{
 };
 use crate::branch::row::WaveRow;
 use crate::map::{CellRow, Plane};
-use crate::problem::{Problem, SystemProblem};
+use crate::problem::{Problem, ScanValues, SystemMap, SystemProblem};
 use crate::table::{self, number};
 
 const ROWS: &str = "rows";
@@ -68,6 +68,10 @@ pub(crate) trait HasPlane: Clone + PartialEq + Serialize + DeserializeOwned {
     fn beside(&self) -> Vec<String> {
         Vec::new()
     }
+    /// Values beside the plane, each with a row of its own after those of the plane.
+    fn values(&self) -> Option<ScanValues> {
+        None
+    }
 }
 
 impl HasPlane for Problem {
@@ -87,17 +91,26 @@ impl HasPlane for SystemProblem {
 
     fn header(&self) -> String {
         let row = CellRow::columns(&self.system.source);
-        table::line_of(&match self.map.as_ref().is_some_and(|map| map.is_basin()) {
+        table::line_of(&match self.map.as_ref().is_some_and(SystemMap::is_basin) {
             true => table::columns(&CellRow::of_basin(row, None)),
             false => table::columns(&row),
         })
     }
 
     fn beside(&self) -> Vec<String> {
-        match self.map.as_ref().is_some_and(|map| map.is_basin()) {
-            true => [ATTRACTORS, ATTRACTORS_SAVED].map(str::to_owned).to_vec(),
-            false => Vec::new(),
-        }
+        let Some(map) = &self.map else {
+            return Vec::new();
+        };
+        let picture = layout::picture(SHARES_PICTURE, Format::Svg);
+        let basin: &[&str] = &[ATTRACTORS, ATTRACTORS_SAVED];
+        let shares: &[&str] = &[SHARES, &picture];
+        let basin = basin.iter().filter(|_| map.is_basin());
+        let shares = shares.iter().filter(|_| map.shares.is_some());
+        basin.chain(shares).map(|name| (*name).to_owned()).collect()
+    }
+
+    fn values(&self) -> Option<ScanValues> {
+        Some(self.map.as_ref()?.shares.as_ref()?.values)
     }
 }
 
@@ -110,12 +123,16 @@ impl<P: HasPlane> Rowed for Mapped<P> {
     const PARQUET: Option<&'static str> = Some("map.parquet");
 
     fn rows(&self) -> usize {
-        self.0.plane().map_or(0, |plane| plane.rows())
+        let values = self.0.values().map_or(0, ScanValues::count);
+        self.0.plane().map_or(0, |plane| plane.rows()) + values
     }
 
     fn first(&self, row: usize) -> Option<f64> {
-        let point = self.0.plane()?.row(row).first().copied()?;
-        Some(point[0])
+        let plane = self.0.plane()?;
+        if let Some(value) = row.checked_sub(plane.rows()) {
+            return self.0.values().map(|values| values.value(value));
+        }
+        plane.row(row).first().map(|point| point[0])
     }
 
     fn header(&self) -> String {
@@ -272,15 +289,15 @@ impl<P: Rowed> RowsFolder<P> {
         Ok(cells)
     }
 
-    /// Joins the rows of these folders to a table in this one, after all have been looked at; `complete` adds to the cells
-    /// of a row what only all rows before it tell.
+    /// Joins the rows of these folders to a table in this one, after all have been looked at; `complete` gets the number and
+    /// the cells of a row and adds what only all rows before it tell.
     ///
     /// # Errors
     /// When a row is missing or damaged, when folders disagree, or when the system refuses.
     pub(crate) fn join(
         &self,
         from: &[PathBuf],
-        complete: &mut dyn FnMut(String) -> Result<String, StoreError>,
+        complete: &mut dyn FnMut(usize, String) -> Result<String, StoreError>,
     ) -> Result<(), StoreError> {
         let mut rows: BTreeMap<usize, PathBuf> = BTreeMap::new();
         let all = self.origin.problem.rows();
@@ -314,7 +331,7 @@ impl<P: Rowed> RowsFolder<P> {
             out.write_all(self.origin.problem.header().as_bytes())
                 .map_err(io_error("write it", path))?;
             for (row, file) in &rows {
-                let cells = complete(self.cells(*row, file)?)?;
+                let cells = complete(*row, self.cells(*row, file)?)?;
                 out.write_all(cells.as_bytes())
                     .map_err(io_error("write it", path))?;
             }
@@ -329,7 +346,9 @@ impl<P: Rowed> RowsFolder<P> {
     fn convert(&self) -> Result<(), StoreError> {
         use super::parquet::{Kind, convert};
         let kind = |name: &str| match name {
-            "row" | "column" | "passage" | "attractor" | "periods" | "unstable" | "lead_sector" => Kind::Integer,
+            "row" | "column" | "passage" | "attractor" | "periods" | "unstable" | "lead_sector" => {
+                Kind::Integer
+            }
             "start" | "found" | "regimes" | "switches" | "mark" | "stable" | "why" => Kind::Text,
             _ => Kind::Number,
         };

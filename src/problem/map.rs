@@ -2,13 +2,16 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Beginning, Start};
+use super::{Beginning, ScanValues, Start};
+use crate::affine::system::Ordered;
 use crate::tube::model::Parameter;
 
 /// Most rows or columns of a grid.
 pub(crate) const MAX_GRID: usize = 100_000;
 /// Most points of a map.
 pub(crate) const MAX_MAP_POINTS: usize = 100_000_000;
+/// Most motions of a value of shares.
+pub(crate) const MAX_DRAWS: usize = 1_000_000;
 
 /// A map over a plane of two parameters, of waves unless told otherwise.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -24,6 +27,27 @@ pub struct Map<X = MapAxis, S = Start> {
     /// Which waves to begin with, each at most once; of a system where motions begin.
     #[serde(default = "Starts::unless_given")]
     pub starts: Vec<S>,
+    /// Of a system: how large a share of motions comes to which attractor, along a parameter.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub shares: Option<Shares>,
+}
+
+/// Shares of attractors along a parameter, by motions that begin at random.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Shares {
+    /// The parameter.
+    pub parameter: String,
+    /// Its values.
+    pub values: ScanValues,
+    /// How many motions begin at each value: at the same states at all of them.
+    pub draws: usize,
+    /// The same random states for the same number.
+    pub seed: u64,
+    /// Ranges of the random states; those that are not named begin as the start says. Without any of them all states
+    /// lie within max(1, |s|) of their start s.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub within: Option<Ordered<(f64, f64)>>,
 }
 
 /// The same for motions of a system; those of `orbit` where no starts are given.
@@ -92,7 +116,11 @@ impl PlaneAxis for MapAxis {
 
 impl PlaneAxis for SystemAxis {
     fn written(&self) -> (String, &'static str) {
-        let field = if self.state.is_some() { STATE } else { PARAMETER };
+        let field = if self.state.is_some() {
+            STATE
+        } else {
+            PARAMETER
+        };
         (format!("{:?}", self.name()), field)
     }
 

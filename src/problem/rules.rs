@@ -2,6 +2,7 @@
 
 use std::fmt::Debug;
 
+use super::PlaneAxis;
 use super::error::{Flaw, excerpt};
 use super::expectation::MAX_EXPECTATIONS;
 use super::explanation::known;
@@ -10,7 +11,6 @@ use super::map::MAX_MAP_POINTS;
 use super::outline::Outline;
 use super::tube::place_of;
 use super::{Continuation, Expectation, MAX_USER_POINTS, Map, MapPoints, Toward, UserPoint};
-use super::PlaneAxis;
 
 pub(super) type Check = Result<(), Flaw>;
 
@@ -81,7 +81,12 @@ impl<P> Checks<'_, P> {
         let (name, field) = section.second.written();
         let differ = section.first.written() != section.second.written();
         let rule = format!("the two {field}s of a map must be different");
-        self.admit(&format!("map.second.{field}"), format_args!("{name}"), differ, &rule)?;
+        self.admit(
+            &format!("map.second.{field}"),
+            format_args!("{name}"),
+            differ,
+            &rule,
+        )?;
         let MapPoints::Grid { rows, columns } = section.points else {
             return Ok(());
         };

@@ -52,7 +52,11 @@ fn the_oscillator_has_two_attractors() {
         assert!((number(&row[6]) - states[0]).abs() < most, "{row:?}");
         assert!((number(&row[7]) - states[1]).abs() < most, "{row:?}");
     };
-    at(swings, [-0.20822397959404999978, 0.010497958971200020822], 1e-14);
+    at(
+        swings,
+        [-0.20822397959404999978, 0.010497958971200020822],
+        1e-14,
+    );
     assert!((number(&hits[2]) - 2.0 * TAU / 2.2).abs() < 1e-14);
     // the first line of the reference's picture, v = −1.95
     let first: String = numbers(&path.join("m"))[..40].concat();
@@ -67,7 +71,10 @@ fn the_oscillator_has_two_attractors() {
         text.replace_range(from..to, &restart);
         let map = text.find("    map: (").unwrap();
         let end = map + text[map..].find("\n    ),\n").unwrap() + 8;
-        text.replace_range(map..end, "    output: (plots: [Time(\"x\")], profiles: 9),\n");
+        text.replace_range(
+            map..end,
+            "    output: (plots: [Time(\"x\")], profiles: 9),\n",
+        );
         let text = text.replace("range: (0.5, 5.0)", "range: (0.5, 0.9)");
         fs::write(path.join("r.ron"), &text).unwrap();
         succeed(path, &["run", "r.ron", "--out", "r", "--quiet", "--force"]);
@@ -163,13 +170,25 @@ fn the_bytes_of_one_basin() {
         let out = format!("shard{}", &shard[..1]);
         succeed(path, &["map", "p.ron", "--shard", shard, "--out", &out]);
     }
-    succeed(path, &["map", "merge", "shard2", "shard1", "--out", "merged"]);
+    succeed(
+        path,
+        &["map", "merge", "shard2", "shard1", "--out", "merged"],
+    );
     let read = |out: &str, name: &str| fs::read(path.join(out).join(name)).unwrap();
-    let names = ["map.csv", "map.svg", "map.ron", "attractors.csv", "attractors.ron"];
+    let names = [
+        "map.csv",
+        "map.svg",
+        "map.ron",
+        "attractors.csv",
+        "attractors.ron",
+    ];
     for name in names {
         assert!(read("whole", name).len() > 100);
         assert!(read("whole", name) == read("both", name), "{name}: threads");
-        assert!(read("whole", name) == read("merged", name), "{name}: shards");
+        assert!(
+            read("whole", name) == read("merged", name),
+            "{name}: shards"
+        );
     }
     fs::remove_file(path.join("both/rows/000000001.csv")).unwrap();
     fs::remove_file(path.join("both/attractors.csv")).unwrap();
@@ -178,7 +197,10 @@ fn the_bytes_of_one_basin() {
         assert!(read("whole", name) == read("both", name), "{name}: resumed");
     }
     let picture = String::from_utf8(read("whole", "map.svg")).unwrap();
-    assert!(picture.contains("1: 2T: ") && picture.contains("2: T: free, no switch"), "{picture}");
+    assert!(
+        picture.contains("1: 2T: ") && picture.contains("2: T: free, no switch"),
+        "{picture}"
+    );
     succeed(path, &["plot", "both"]);
     succeed(path, &["report", "both"]);
 }
@@ -192,14 +214,107 @@ fn bad_planes_of_states_are_told_with_their_place() {
         ("(state: \"v\"", "(state: \"x\"", "must be different"),
         ("(state: \"v\"", "(parameter: \"A\"", "needs a `parameter`"),
         ("(state: \"x\"", "(parameter: \"A\"", "needs a `state`"),
-        ("(state: \"v\"", "(state: \"v\", parameter: \"A\"", "needs a `state`"),
+        (
+            "(state: \"v\"",
+            "(state: \"v\", parameter: \"A\"",
+            "needs a `state`",
+        ),
         ("(-1.95, 0.95)", "(0.95, -1.95)", "the lower end first"),
         ("\"e\"", "\"share\"", "column of the attractors"),
     ] {
-        let text = IMPACT.replace(from, to).replace("-e*v", if to == "\"share\"" { "-share*v" } else { "-e*v" });
+        let text = IMPACT.replace(from, to).replace(
+            "-e*v",
+            if to == "\"share\"" {
+                "-share*v"
+            } else {
+                "-e*v"
+            },
+        );
         fs::write(path.join("p.ron"), text).unwrap();
         let output = run(path, &["map", "p.ron", "--out", "m"]);
         let said = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert!(output.status.code() == Some(2) && said.contains(message), "{to}: {said}");
+        assert!(
+            output.status.code() == Some(2) && said.contains(message),
+            "{to}: {said}"
+        );
+    }
+}
+
+/// The origin and the cycle of radius 2 about it, with the circle of radius `a` between their basins: of initial states
+/// evenly in a square of side 6 a share of πa²/36 comes to the origin.
+#[test]
+fn shares_are_those_of_the_areas() {
+    let text = r#"(
+    system: (
+        states: ["x", "y"],
+        parameters: {"w": 1.5, "a": 1.0},
+        define: {"r2": "x^2 + y^2", "grow": "-(r2 - a^2)*(r2 - 4)/4"},
+        modes: {"flow": (rates: {"x": "grow*x - w*y", "y": "grow*y + w*x"})},
+    ),
+    orbit: (start: Simulate(mode: "flow", state: {"x": 1.5, "y": 0.0}, settle: 150)),
+    map: (
+        first: (state: "y", range: (-1.3, 1.7)), second: (state: "x", range: (-1.4, 1.6)),
+        points: Grid(rows: 2, columns: 2),
+        shares: (
+            parameter: "a", values: Linear(0.6, 1.4, 3), draws: 60, seed: 3,
+            within: {"x": (-3.0, 3.0), "y": (-3.0, 3.0)},
+        ),
+    ),
+)"#;
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    fs::write(path.join("p.ron"), text).unwrap();
+    succeed(path, &["map", "p.ron", "--out", "one", "--threads", "1"]);
+    succeed(path, &["map", "p.ron", "--out", "two", "--threads", "2"]);
+    let read = |out: &str, name: &str| fs::read(path.join(out).join(name)).unwrap();
+    for name in ["map.csv", "attractors.csv", "shares.csv", "shares.svg"] {
+        assert!(read("one", name) == read("two", name), "{name}");
+    }
+    assert_eq!(numbers(&path.join("one")).len(), 4);
+    let (header, rows) = table(&path.join("one"), "shares.csv");
+    let names = "value,found,attractor,regimes,period,periods,stable,share,x,y";
+    assert_eq!(header.join(","), names);
+    for a in [0.6, 1.0, 1.4] {
+        let here = rows
+            .iter()
+            .filter(|row| (number(&row[0]) - a).abs() < 1e-12);
+        let share = |found: &str| -> f64 {
+            let of = here.clone().filter(|row| row[1] == found);
+            of.map(|row| number(&row[7])).sum()
+        };
+        let (rest, cycle) = (share("equilibrium"), share("orbit"));
+        assert!((rest + cycle - 1.0).abs() < 1e-12);
+        let area = std::f64::consts::PI * a * a / 36.0;
+        // 60 motions: four standard errors
+        let error = (area * (1.0 - area) / 60.0).sqrt();
+        assert!((rest - area).abs() < 4.0 * error, "{a}: {rest} {area}");
+        assert_eq!(here.clone().filter(|row| row[1] == "orbit").count(), 1);
+    }
+    succeed(path, &["plot", "one"]);
+    // other numbers begin elsewhere
+    fs::write(path.join("p.ron"), text.replace("seed: 3", "seed: 4")).unwrap();
+    succeed(path, &["map", "p.ron", "--out", "other"]);
+    assert!(read("one", "shares.csv") != read("other", "shares.csv"));
+    for (from, to, message) in [
+        (
+            "parameter: \"a\"",
+            "parameter: \"b\"",
+            "`b` is no parameter",
+        ),
+        ("draws: 60", "draws: 0", "`map.shares.draws` is 0"),
+        (
+            "Linear(0.6, 1.4, 3)",
+            "Linear(1.6, 1.4, 3)",
+            "the lower end first",
+        ),
+        ("within: {\"x\"", "within: {\"z\"", "`z` is no state"),
+    ] {
+        fs::write(path.join("p.ron"), text.replace(from, to)).unwrap();
+        let output = run(path, &["map", "p.ron", "--out", "m"]);
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(
+            output.status.code() == Some(2) && said.contains(message),
+            "{to}: {said}"
+        );
     }
 }

@@ -211,7 +211,7 @@ fn is_orbit(kind: &str) -> bool {
 const LONGEST: usize = 36;
 
 /// An orbit of so many periods, `2 free-free`, in the words of a legend: in one of its cyclic forms, what repeats once.
-fn orbit_name(kind: &str) -> String {
+pub(super) fn orbit_name(kind: &str) -> String {
     if let Some((number, kind)) = kind.split_once(": ") {
         return format!("{number}: {}", orbit_name(kind));
     }

@@ -8,7 +8,7 @@ use super::super::outline::{Outline, Subject};
 use super::super::rules::{Check, Checks, ORDER, lengths};
 use super::super::scan::{MAX_SCANNED, MAX_VALUES};
 use super::super::{
-    Continuation, Curve, Scan, ScanValues, Section, Sweep, SystemCurve, SystemCurveEvent,
+    Continuation, Curve, Scan, ScanValues, Section, Shares, Sweep, SystemCurve, SystemCurveEvent,
     SystemMap, fields,
 };
 use super::equilibrium::{COLUMNS, one_of_both};
@@ -523,7 +523,8 @@ impl Checks<'_, SystemProblem> {
                 false => (PARAMETER, &names),
             };
             if axis.state.is_some() != basin || axis.parameter.is_some() == basin {
-                let message = format!("`map.{side}` needs a `{field}`, and nothing else that changes");
+                let message =
+                    format!("`map.{side}` needs a `{field}`, and nothing else that changes");
                 let help = "both sides are parameters, or both are states in which motions begin";
                 return self.refuse(&format!("map.{side}"), message, help);
             }
@@ -533,37 +534,71 @@ impl Checks<'_, SystemProblem> {
                 self.ends(&path, axis.name(), [range.0, range.1])?;
             }
         }
-        let columns = ["attractor", "regimes", "period", "periods", "share", "mark"];
-        let taken = states.iter().chain(&names).find(|name| columns.contains(name));
-        if let Some(name) = taken.filter(|_| basin) {
+        let columns = [
+            "attractor",
+            "regimes",
+            "period",
+            "periods",
+            "share",
+            "mark",
+            "found",
+        ];
+        let taken = states
+            .iter()
+            .chain(&names)
+            .find(|name| columns.contains(name));
+        if let Some(name) = taken.filter(|_| basin || section.shares.is_some()) {
             let message = format!("`{name}` is a column of the attractors already");
             return self.refuse("map", message, "choose another name in `system`");
         }
-        if basin && names.is_empty() {
+        if (basin || section.shares.is_some()) && names.is_empty() {
             let message = "orbits are found by equations in a parameter, and the system has none";
             let help = "write one of its numbers as a parameter";
             return self.refuse("map", message, help);
         }
         self.plane(section)?;
+        if let Some(shares) = &section.shares {
+            self.shares(shares)?;
+        }
         for (index, start) in section.starts.iter().enumerate() {
             self.start(&format!("map.starts.{index}"), start)?;
         }
         Ok(())
     }
 
+    fn shares(&self, section: &Shares) -> Check {
+        let names: Vec<&str> = self.source().parameters.names().collect();
+        let path = "map.shares.parameter";
+        self.one_of(path, "parameter", &section.parameter, &names)?;
+        self.values("map.shares", section.values, &section.parameter)?;
+        let rule = format!("take fewer values or motions, {MAX_SCANNED} in all at most");
+        let count = section.values.count();
+        let holds = count.saturating_mul(section.draws) <= MAX_SCANNED;
+        self.admit("map.shares.draws", section.draws, holds, &rule)?;
+        self.within("map.shares", section.within.as_ref())
+    }
+
+    /// Refuses values that are none, or where the system makes no sense.
+    fn values(&self, section: &str, values: ScanValues, parameter: &str) -> Check {
+        let ScanValues::Linear(low, high, count) = values;
+        let path = format!("{section}.values");
+        self.admit(&path, values, low < high, ORDER)?;
+        let rule = format!("a scan has from 2 to {MAX_VALUES} values");
+        let holds = (2..=MAX_VALUES).contains(&count);
+        self.admit(&format!("{path}.2"), count, holds, &rule)?;
+        self.ends(&path, parameter, [low, high])?;
+        Ok(())
+    }
+
     fn scan(&self, section: &Scan) -> Check {
         let names: Vec<&str> = self.source().parameters.names().collect();
         self.one_of("scan.parameter", "parameter", &section.parameter, &names)?;
-        let ScanValues::Linear(low, high, count) = section.values;
-        self.admit("scan.values", section.values, low < high, ORDER)?;
-        let rule = format!("a scan has from 2 to {MAX_VALUES} values");
-        let holds = (2..=MAX_VALUES).contains(&count);
-        self.admit("scan.values.2", count, holds, &rule)?;
+        self.values("scan", section.values, &section.parameter)?;
+        let count = section.values.count();
         let rule = format!("take fewer values or samples, {MAX_SCANNED} samples in all at most");
         let holds = count.saturating_mul(section.keep) <= MAX_SCANNED;
         self.admit("scan.keep", section.keep, holds, &rule)?;
         self.exponents(section)?;
-        self.ends("scan.values", &section.parameter, [low, high])?;
         if let (Section::Phase(_), None) = (&section.section, &self.source().forcing) {
             let message = "there is no `forcing` whose phase a section could be";
             let help = "write `section: Zero(\"..\")`: samples are taken where this expression rises to zero";
@@ -597,16 +632,21 @@ impl Checks<'_, SystemProblem> {
                 return self.refuse(&format!("scan.{name}"), message, help);
             }
         }
-        let Some(Ordered(ranges)) = &section.within else {
-            return Ok(());
-        };
-        if section.seed.is_none() {
+        if section.within.is_some() && section.seed.is_none() {
             let message = "`within` is for motions that begin at random";
             return self.refuse("scan.within", message, "add for example `seed: 1`");
         }
+        self.within("scan", section.within.as_ref())
+    }
+
+    /// Refuses ranges of random states that are none.
+    fn within(&self, section: &str, within: Option<&Ordered<(f64, f64)>>) -> Check {
+        let Some(Ordered(ranges)) = within else {
+            return Ok(());
+        };
         let states: Vec<&str> = self.source().states.iter().map(String::as_str).collect();
         for (index, (name, range)) in ranges.iter().enumerate() {
-            let path = format!("scan.within.{name}");
+            let path = format!("{section}.within.{name}");
             self.one_of(&path, "state", name, &states)?;
             let twice = ranges[..index].iter().any(|(other, _)| other == name);
             self.admit(&path, name, !twice, "keep one of the two")?;
