@@ -53,6 +53,7 @@ _SYSTEMS = [
     (["row", "column", "start", "passage", "found", "periods", "regimes"], "period"),
     (["row", "column", "start", "passage", "found", "attractor", "periods", "regimes"], "period"),
     (["attractor", "regimes", "period", "periods", "stable", "share"], []),
+    (["value", "found", "attractor", "regimes", "period", "periods", "stable", "share"], []),
     (["point", "type"], "period"),
     (["time", "phase"], ["mode"]),
     (["sample", "time"], ["mode"]),
@@ -162,6 +163,7 @@ class Folder:
     # of a map, a curve, a comparison of methods, of proofs
     map = property(lambda self: self.table("map"))
     attractors = property(lambda self: self.table("attractors"))
+    shares = property(lambda self: self.table("shares"))
     curve = property(lambda self: self.table("curve"))
     accuracy = property(lambda self: self.table("accuracy"))
     certificates = property(lambda self: self.table("certificates"))

@@ -1,6 +1,6 @@
 //! Hybrid systems that a user writes down.
 //!
-//! [`expression`] reads what stands in a problem file, [`system`] the whole section with its names; [`form`] is
+//! [`expression`] reads what stands in a problem file, [`system`] the whole section with its names, [`values`] those of its parameters; [`form`] is
 //! what expressions of such a system are evaluated in, [`evaluation`] does that, [`mode`] the linear flow that a mode is made
 //! into at given parameters: `matrices` lays it out, `sliding` puts modes between two others. [`series`] has the flow of a
 //! mode whose rates are not affine, by [`recurrence`], `exponential` those of matrices, `stiff` what is slow of one, [`flow`] either with the
@@ -34,3 +34,4 @@ mod stiff;
 mod substitution;
 pub mod system;
 pub mod tangent;
+pub mod values;

@@ -500,13 +500,11 @@ fn reduced(vectors: Vec<Vector>) -> Vec<Vector> {
             take_away(&mut vector, known);
         }
         // what is left of a dependent one is rounding
-        if !(vector.amax() > GONE * size) {
-            continue;
+        if vector.amax() > GONE * size {
+            let known = reduced.iter_mut();
+            known.for_each(|known| take_away(known, &vector));
+            reduced.push(vector);
         }
-        reduced
-            .iter_mut()
-            .for_each(|known| take_away(known, &vector));
-        reduced.push(vector);
     }
     reduced
 }

@@ -10,13 +10,13 @@ use super::motion::{Mark, Motions, Settled, SettledOrbit};
 use crate::affine::mode::AffineSystem;
 use crate::affine::system::System;
 use crate::hybrid::{LabelledOrbit, OrbitPoint};
-use crate::linalg::{Vector, product};
+use crate::linalg::product;
 
 /// Points of attractors are the same where no state differs by more than this part of its largest size there, and no phase by
 /// more of a turn: Newton's method leaves 1e-10 in the worst of orbits that attract.
 const SAME: f64 = 1e-6;
 
-/// Points of rest belong to one family where no rate differs by more than this part of its terms between them.
+/// A state between two points of rest rests, too, where no rate is more than this part of its terms.
 const RESTS: f64 = 1e-9;
 
 /// What a row of the table tells of a motion.
@@ -66,6 +66,8 @@ pub struct Attractors<'a> {
     system: &'a System,
     /// At the values of its parameters.
     affine: Option<AffineSystem>,
+    /// Sizes of the states in which motions begin.
+    scales: Vec<f64>,
     /// Those that have been met.
     pub met: Vec<Attractor>,
     /// How many cells there are.
@@ -76,13 +78,23 @@ impl<'a> Attractors<'a> {
     /// Those of motions at the values of the parameters in the file, of which none is known yet.
     pub fn new(motions: &'a Motions<'a>, system: &'a System) -> Attractors<'a> {
         let find = Box::new(|place| motions.orbit(place));
-        Attractors::at(find, system, &system.values())
+        Attractors::at(find, (system, &system.values()), motions.scales())
     }
 
     /// The same at other values.
-    pub(super) fn at(find: FindOrbit<'a>, system: &'a System, values: &[f64]) -> Attractors<'a> {
+    pub(super) fn at(
+        find: FindOrbit<'a>,
+        (system, values): (&'a System, &[f64]),
+        scales: Vec<f64>,
+    ) -> Attractors<'a> {
+        // a state that begins at zero everywhere is compared with the others
+        let largest = scales
+            .iter()
+            .fold(0.0, |largest: f64, scale| largest.max(*scale));
+        let scale = |scale: f64| if scale > 0.0 { scale } else { largest };
         Attractors {
             find,
+            scales: scales.into_iter().map(scale).collect(),
             affine: system.at(values, &[]).ok(),
             system,
             met: Vec::new(),
@@ -113,7 +125,6 @@ impl<'a> Attractors<'a> {
 
     /// What attracts the motion of a cell, where nothing like it is known.
     fn attractor(&self, cell: &SettledCell) -> Option<Attractor> {
-        let sizes = |states: &[f64]| states.iter().map(|x| x.abs()).collect();
         let plain = Attractor {
             regimes: cell.regimes.to_owned(),
             periods: cell.periods,
@@ -121,7 +132,10 @@ impl<'a> Attractors<'a> {
             orbit: None,
             cells: 0,
             marks: vec![cell.mark.clone()],
-            sizes: sizes(&cell.mark.state),
+            sizes: {
+                let pairs = cell.mark.state.iter().zip(&self.scales);
+                pairs.map(|(x, scale)| x.abs().max(*scale)).collect()
+            },
         };
         match cell.found {
             "equilibrium" => Some(plain),
@@ -187,20 +201,24 @@ impl<'a> Attractors<'a> {
             || attractor.is_closed_like(cell)
     }
 
-    /// Whether two points of rest of a mode belong to one family: no rate differs between them.
+    /// Whether two points of rest of a mode belong to one family: all between them rests, as it always does where rates are
+    /// affine.
     fn rest_together(&self, known: &Mark, cell: &SettledCell) -> bool {
-        let (Some(affine), Some(mode)) = (&self.affine, self.system.mode(cell.regimes)) else {
+        let (Some(affine), Some(number)) = (&self.affine, self.system.mode(cell.regimes)) else {
             return false;
         };
-        let mode = &affine.modes[mode];
-        let n = known.state.len();
-        let matrix = mode.matrix.at.view((0, 0), (n, n)).into_owned();
-        let pairs = cell.mark.state.iter().zip(&known.state);
-        let off = Vector::from_iterator(n, pairs.map(|(one, other)| one - other));
-        let rates = product(&matrix, &off);
-        let terms = product(&matrix.abs(), &off.abs());
-        let mut pairs = rates.iter().zip(&terms);
-        mode.field.is_exact && pairs.all(|(rate, terms)| rate.abs() <= RESTS * terms)
+        let mode = &affine.modes[number];
+        let rests = |part: f64| {
+            let pairs = known.state.iter().zip(&cell.mark.state);
+            let state: Vec<f64> = pairs.map(|(x, y)| x + part * (y - x)).collect();
+            let z = affine.lift(number, &state, 0.0);
+            let rates = product(&mode.matrix.at, &z);
+            let terms = product(&mode.matrix.at.abs(), &z.abs());
+            let states = 0..affine.states;
+            let mut states = states.map(|state| (rates[state].abs(), terms[state]));
+            states.all(|(rate, terms)| rate <= RESTS * terms)
+        };
+        mode.field.is_exact || [0.25, 0.5, 0.75].into_iter().all(rests)
     }
 }
 

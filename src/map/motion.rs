@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::cell::CellRow;
 use super::plane::Plane;
-use crate::affine::motion::Halt;
+use crate::affine::motion::{Halt, Place};
 use crate::affine::orbit::AffineOrbit;
 use crate::affine::orbit::start::{NoStart as NoOrbit, Search};
 use crate::affine::system::{Ordered, Source, System};
@@ -193,6 +193,22 @@ impl<'a> Motions<'a> {
         let point = *self.plane.row(row).get(column)?;
         let (beginning, parameters) = self.begun(beginning, point);
         self.settled(&beginning, &parameters, true).ok()
+    }
+
+    /// Largest sizes of the states in which motions begin.
+    pub(super) fn scales(&self) -> Vec<f64> {
+        let system = &self.problem.system;
+        let names = system.source.states.iter();
+        let begun = self.starts.iter().flat_map(|start| {
+            let corners = self.plane.corners();
+            corners.map(|corner| self.begun(start, corner).0.place(system))
+        });
+        let begun: Vec<Place> = begun.flatten().collect();
+        let sizes = names.enumerate().map(|(state, _)| {
+            let all = begun.iter().map(|place| place.state[state].abs());
+            all.fold(0.0, f64::max)
+        });
+        sizes.collect()
     }
 
     /// Where the motion of a start begins at a point of the plane, and the values of the parameters there.

@@ -55,6 +55,12 @@ impl Plane {
         }
     }
 
+    /// Two corners that lie opposite each other.
+    pub(super) fn corners(&self) -> [[f64; 2]; 2] {
+        let [first, second] = self.ranges;
+        [[first.0, second.0], [first.1, second.1]]
+    }
+
     /// The point at a place of a row.
     #[cfg_attr(not(feature = "cli"), allow(dead_code))]
     pub(crate) fn point(&self, row: usize, column: usize) -> Option<[f64; 2]> {

@@ -63,7 +63,16 @@ impl<'a> Draws<'a> {
     /// What attracts the motions at a value, of which none is known yet.
     pub fn attractors(&self, value: usize) -> Attractors<'_> {
         let find = Box::new(|[value, draw, _]: [usize; 3]| self.settled(value, draw, true).ok());
-        Attractors::at(find, &self.problem.system, &self.values(value))
+        let system = &self.problem.system;
+        let mut scales = self.motions.scales();
+        let within = self.shares.within.iter().flat_map(|within| &within.0);
+        for (name, (low, high)) in within {
+            let mut states = system.source.states.iter();
+            if let Some(state) = states.position(|state| state == name) {
+                scales[state] = scales[state].max(low.abs()).max(high.abs());
+            }
+        }
+        Attractors::at(find, (system, &self.values(value)), scales)
     }
 
     /// The state in which a motion begins: the same at all values where that lies in the mode.

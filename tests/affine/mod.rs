@@ -25,3 +25,4 @@ mod start;
 mod steady;
 mod switch;
 mod systems;
+mod values;

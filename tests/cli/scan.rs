@@ -226,10 +226,11 @@ fn exponents_are_columns_of_their_own() {
     );
     let picture = fs::read_to_string(bench.path("with/scan.svg")).unwrap();
     assert!(picture.contains("Lyapunov exponents"));
-    // without impacts the exponents are those of a complex pair, whose sum is −c
+    // volumes shrink by e^(−cT) in a period and by e² at each of its impacts, of which there is one
     let table = Table::parse(with.as_bytes());
     let sum = table.number(0, "lyapunov") + table.number(0, "lyapunov_2");
-    assert!((sum + 0.1).abs() < 1e-12, "{sum}");
+    let expected = -0.1 + 2.0 * 0.8_f64.ln() * 1.5 / TAU;
+    assert!((sum - expected).abs() < 1e-12, "{sum} {expected}");
 }
 
 #[test]

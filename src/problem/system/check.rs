@@ -16,7 +16,8 @@ use super::mistake::flaw_at;
 use super::{Beginning, OrbitStart, SystemPlot, SystemProblem};
 use crate::affine::closure::{PERIOD, Prescribed};
 use crate::affine::monitor::MONITOR;
-use crate::affine::system::{BadName, Mistake, Ordered, Source, is_name};
+use crate::affine::system::{BadName, Mistake, Ordered, Source, SystemError, is_name};
+use crate::affine::values::value;
 use crate::orbit::EventType;
 
 /// Most parameters, and most abbreviations.
@@ -87,6 +88,7 @@ const NO_STATE: [&str; 13] = [
 /// Refuses numbers and texts that are not admitted by themselves, and lists without end.
 pub(super) fn written(written: &SystemProblem<Source>, outline: &Outline) -> Check {
     one_of_both(written, outline)?;
+    values(&written.system, outline)?;
     lengths(written.continuation.as_ref(), &written.expect, outline)?;
     let Source {
         parameters,
@@ -128,6 +130,22 @@ pub(super) fn written(written: &SystemProblem<Source>, outline: &Outline) -> Che
         }
     }
     fields::check(written, outline)
+}
+
+/// Refuses a value of a parameter that is written as an expression and has none.
+fn values(source: &Source, outline: &Outline) -> Check {
+    let all = &source.parameters.0;
+    for (index, (name, _)) in all.iter().enumerate().filter(|(_, one)| one.1.is_nan()) {
+        let path = format!("system.parameters.{name}");
+        let text = outline.text.get(outline.locate(&path)).unwrap_or_default();
+        let text: Result<String, _> = ron::from_str(text);
+        let flawed = text.ok().map(|text| value(&text, &all[..index]));
+        if let Some(Err(flaw)) = flawed {
+            let error = SystemError::at(&path, Mistake::Expression(flaw));
+            return Err(flaw_at(source, outline, &path, &error));
+        }
+    }
+    Ok(())
 }
 
 /// Refuses the first values of the problem that make no sense together.
