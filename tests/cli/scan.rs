@@ -225,7 +225,7 @@ fn exponents_are_columns_of_their_own() {
         without.lines().collect::<Vec<_>>()
     );
     let picture = fs::read_to_string(bench.path("with/scan.svg")).unwrap();
-    assert!(picture.contains("Lyapunov exponents"));
+    assert!(picture.contains("exponents λ"));
     // volumes shrink by e^(−cT) in a period and by e² at each of its impacts, of which there is one
     let table = Table::parse(with.as_bytes());
     let sum = table.number(0, "lyapunov") + table.number(0, "lyapunov_2");

@@ -237,7 +237,7 @@ fn bad_planes_of_states_are_told_with_their_place() {
 }
 
 /// The origin and the cycle of radius 2 about it, with the circle of radius `a` between their basins: of initial states
-/// evenly in a square of side 6 a share of πa²/36 comes to the origin.
+/// evenly in a square of side 4 a share of πa²/16 comes to the origin.
 #[test]
 fn shares_are_those_of_the_areas() {
     let text = r#"(
@@ -252,8 +252,8 @@ fn shares_are_those_of_the_areas() {
         first: (state: "y", range: (-1.3, 1.7)), second: (state: "x", range: (-1.4, 1.6)),
         points: Grid(rows: 2, columns: 2),
         shares: (
-            parameter: "a", values: Linear(0.8, 1.2, 2), draws: 40, seed: 3,
-            within: {"x": (-3.0, 3.0), "y": (-3.0, 3.0)},
+            parameter: "a", values: Linear(0.8, 1.2, 2), draws: 20, seed: 3,
+            within: {"x": (-2.0, 2.0), "y": (-2.0, 2.0)},
         ),
     ),
 )"#;
@@ -280,9 +280,9 @@ fn shares_are_those_of_the_areas() {
         };
         let (rest, cycle) = (share("equilibrium"), share("orbit"));
         assert!((rest + cycle - 1.0).abs() < 1e-12);
-        let area = std::f64::consts::PI * a * a / 36.0;
-        // 40 motions: four standard errors
-        let error = (area * (1.0 - area) / 40.0).sqrt();
+        let area = std::f64::consts::PI * a * a / 16.0;
+        // 20 motions: four standard errors
+        let error = (area * (1.0 - area) / 20.0).sqrt();
         assert!((rest - area).abs() < 4.0 * error, "{a}: {rest} {area}");
         assert_eq!(here.clone().filter(|row| row[1] == "orbit").count(), 1);
     }
@@ -297,7 +297,7 @@ fn shares_are_those_of_the_areas() {
             "parameter: \"b\"",
             "`b` is no parameter",
         ),
-        ("draws: 40", "draws: 0", "`map.shares.draws` is 0"),
+        ("draws: 20", "draws: 0", "`map.shares.draws` is 0"),
         (
             "Linear(0.8, 1.2, 2)",
             "Linear(1.6, 1.2, 2)",

@@ -124,7 +124,7 @@ pub(crate) fn picture(
     let mut panels = vec![Panel::new(x(), y, layers).unless(nothing, NONE)];
     if scan.lyapunov.count() > 0 {
         let layers = exponents(scan, &table);
-        let y = Axis::new(("Lyapunov exponents", ""), Extent::Data(0.06));
+        let y = Axis::new(("exponents λ", ""), Extent::Data(0.06));
         panels.push(Panel::new(x(), y, layers).high(EXPONENTS_HEIGHT));
     }
     let picture = Picture::new(panels, legend).titled(problem.title.as_deref());
