@@ -131,7 +131,11 @@ impl<'a> Scanner<'a> {
                             let within = self.scan.within.as_ref();
                             let names = &self.system.source.states;
                             let stream = Stream(seed).apart(number as u64);
-                            let drawn = random((&system, names), &self.start, within, stream);
+                            let inside = |place: Place| {
+                                let motion = Motion::new(&system, place.clone(), 1.0);
+                                motion.is_inside().then_some(place)
+                            };
+                            let drawn = random(names, &self.start, within, stream, &inside);
                             drawn.ok_or(Lack::Outside)
                         }
                         None => Ok(self.start.clone()),
@@ -207,12 +211,13 @@ impl<'a> Scanner<'a> {
     }
 }
 
-/// A start with random states in ranges, at which no guard of its mode is negative; none where no such state is found.
+/// A start with random states in ranges that is admitted; none where no such state is found.
 pub(crate) fn random(
-    (system, names): (&AffineSystem, &[String]),
+    names: &[String],
     start: &Place,
     within: Option<&Ordered<(f64, f64)>>,
     mut stream: Stream,
+    admit: &dyn Fn(Place) -> Option<Place>,
 ) -> Option<Place> {
     for _ in 0..TRIES {
         let mut place = start.clone();
@@ -229,7 +234,7 @@ pub(crate) fn random(
             };
             *state = low + (high - low) * stream.next();
         }
-        if Motion::new(system, place.clone(), 1.0).is_inside() {
+        if let Some(place) = admit(place) {
             return Some(place);
         }
     }

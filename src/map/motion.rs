@@ -6,7 +6,8 @@ use serde::Serialize;
 
 use super::cell::CellRow;
 use super::plane::Plane;
-use crate::affine::motion::{Halt, Place};
+use crate::affine::mode::AffineSystem;
+use crate::affine::motion::{Halt, Motion, Place};
 use crate::affine::orbit::AffineOrbit;
 use crate::affine::orbit::start::{NoStart as NoOrbit, Search};
 use crate::affine::system::{Ordered, Source, System};
@@ -112,6 +113,8 @@ pub struct Motions<'a> {
     decided: SystemProblem,
     plane: Plane,
     varied: Varied,
+    /// The system at the values of its parameters, where states vary.
+    affine: Option<AffineSystem>,
     /// In which parameter an orbit would be followed, and how far.
     along: Continuation<String>,
     settle: f64,
@@ -149,6 +152,10 @@ impl<'a> Motions<'a> {
             },
             problem,
             plane: Plane::new(map),
+            affine: match varied {
+                Varied::States(_) => problem.system.at(&problem.values(), &[]).ok(),
+                Varied::Parameters(_) => None,
+            },
             varied,
             along,
             settle,
@@ -229,6 +236,12 @@ impl<'a> Motions<'a> {
                         None => states.push((name.clone(), value)),
                     }
                 }
+                let system = &self.problem.system;
+                let place = beginning.place(system);
+                if let Some((affine, place)) = self.affine.as_ref().zip(place) {
+                    let mode = fitting(system, affine, place).mode;
+                    beginning.mode = system.mode_name(mode).into_owned();
+                }
             }
         }
         (beginning, parameters)
@@ -254,6 +267,28 @@ impl<'a> Motions<'a> {
         };
         Ok((settled, (orbit, unknowns)))
     }
+}
+
+/// A place in the mode that its state lies in: its own or, where it does not fit that, the first of the file with which no
+/// `zero` is negative; with contacts their states follow from slips and gaps.
+pub(super) fn fitting(system: &System, affine: &AffineSystem, place: Place) -> Place {
+    let of_contacts = system.contradicted(affine, &place);
+    if let Some((_, name)) = of_contacts {
+        let mode = system.mode(&name).unwrap_or(place.mode);
+        return Place { mode, ..place };
+    }
+    let inside = |place: &Place| Motion::new(affine, place.clone(), 1.0).is_inside();
+    if !system.source.contacts.is_empty() || inside(&place) {
+        return place;
+    }
+    // a sliding mode lies in its surface alone
+    let written = 0..system.source.modes.0.len();
+    let others = written.map(|mode| Place {
+        mode,
+        ..place.clone()
+    });
+    let fits = others.into_iter().find(inside);
+    fits.unwrap_or(place)
 }
 
 /// A branch for orbits that are not followed: their equations have a parameter among the unknowns, in a unit.

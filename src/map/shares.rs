@@ -1,7 +1,8 @@
 //! Motions that begin at random at each of the values of a parameter: how large a share of them comes to which attractor.
 
 use super::attractors::Attractors;
-use super::motion::{Mark, Motions, Outcome, Settled, SettledOrbit};
+use super::motion::{Mark, Motions, Outcome, Settled, SettledOrbit, fitting};
+use crate::affine::motion::{Motion, Place};
 use crate::affine::system::Ordered;
 use crate::hybrid::NoStart;
 use crate::hybrid::scan::{Stream, random};
@@ -75,7 +76,7 @@ impl<'a> Draws<'a> {
         Attractors::at(find, (system, &self.values(value)), scales)
     }
 
-    /// The state in which a motion begins: the same at all values where that lies in the mode.
+    /// The state in which a motion begins, in the mode that it lies in: the same at all values where it lies in one.
     fn begun(&self, values: &[f64], draw: usize) -> Option<Beginning> {
         let system = &self.problem.system;
         let affine = system.at(values, &[]).ok()?;
@@ -83,8 +84,14 @@ impl<'a> Draws<'a> {
         let start = self.start.place(system)?;
         let stream = Stream(self.shares.seed).apart(draw as u64);
         let within = self.shares.within.as_ref();
-        let place = random((&affine, names), &start, within, stream)?;
+        let inside = |place: Place| {
+            let place = fitting(system, &affine, place);
+            let motion = Motion::new(&affine, place.clone(), 1.0);
+            motion.is_inside().then_some(place)
+        };
+        let place = random(names, &start, within, stream, &inside)?;
         Some(Beginning {
+            mode: system.mode_name(place.mode).into_owned(),
             state: Ordered(names.iter().cloned().zip(place.state).collect()),
             ..self.start.clone()
         })

@@ -139,7 +139,7 @@ fn points_of_rest_of_a_family_are_one_attractor() {
     ),
     orbit: (start: Simulate(mode: "forward", state: {"x": 0.0, "v": 1.0}, settle: 40)),
     map: (
-        first: (state: "x", range: (-2.0, 2.1)), second: (state: "v", range: (0.3, 2.0)),
+        first: (state: "x", range: (-2.0, 2.1)), second: (state: "v", range: (-2.0, 2.0)),
         points: Grid(rows: 3, columns: 3),
     ),
 )"#;
@@ -151,6 +151,45 @@ fn points_of_rest_of_a_family_are_one_attractor() {
     assert_eq!(rows.len(), 1, "{rows:?}");
     assert_eq!((&*rows[0][1], number(&rows[0][5])), ("stick", 1.0));
     assert!(number(&rows[0][6]).abs() <= 0.5);
+}
+
+/// Two modes that meet in x = 0, each around a point of rest: a motion begins in the mode of its state.
+#[test]
+fn a_motion_begins_in_the_mode_of_its_state() {
+    let text = r#"(
+    system: (
+        states: ["x", "y"],
+        parameters: {"a": 1.0},
+        modes: {
+            "right": (rates: {"x": "a - x", "y": "-y"}, until: [(zero: "x", to: "left")]),
+            "left": (rates: {"x": "-a - x", "y": "-y"}, until: [(zero: "-x", to: "right")]),
+        },
+    ),
+    orbit: (start: Simulate(mode: "right", state: {"x": 1.0, "y": 0.0}, settle: 60)),
+    map: (
+        first: (state: "y", range: (-1.0, 1.0)), second: (state: "x", range: (-3.0, 2.0)),
+        points: Grid(rows: 2, columns: 6),
+        shares: (parameter: "a", values: Linear(0.5, 1.0, 2), draws: 40, seed: 1, within: {"x": (-3.0, 1.0)}),
+    ),
+)"#;
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    fs::write(path.join("p.ron"), text).unwrap();
+    succeed(path, &["map", "p.ron", "--out", "m", "--quiet"]);
+    let (_, rows) = table(&path.join("m"), "attractors.csv");
+    let modes: Vec<&str> = rows.iter().map(|row| &*row[1]).collect();
+    assert_eq!(modes, ["left", "right"]);
+    for (row, x) in rows.iter().zip([-1.0, 1.0]) {
+        assert!((number(&row[6]) - x).abs() < 1e-12, "{row:?}");
+    }
+    // x = −3, −2, −1 lead to the left; 0 lies in the mode of the start
+    assert_eq!(numbers(&path.join("m"))[..6].concat(), "111222");
+    let (_, rows) = table(&path.join("m"), "shares.csv");
+    for row in rows.iter().filter(|row| row[3] == "left") {
+        // three quarters of the range, four standard errors of 40
+        assert!((number(&row[7]) - 0.75).abs() < 4.0 * (0.1875_f64 / 40.0).sqrt());
+    }
+    assert_eq!(rows.iter().filter(|row| row[3] == "left").count(), 2);
 }
 
 /// One table, one list of attractors and one picture, whoever computes what.
