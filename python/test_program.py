@@ -117,6 +117,34 @@ class Program(unittest.TestCase):
         drawn = {line.get_label(): sorted(zip(*line.get_data())) for line in axes.lines}
         self.assertEqual(drawn, {"free": sorted(zip(table["A"], table["e"]))})
 
+    def test_basins_and_shares(self):
+        side = lambda name, *ends: dict(state=name, range=ends)
+        shares = dict(parameter="A", values=variant.Linear(0.02, 0.06, 2), draws=3, seed=1)
+        section = dict(first=side("x", -0.1, 0.1), second=side("v", -0.1, 0.2), points=variant.Grid(rows=2, columns=3))
+        problem = impact(map=dict(section, shares=shares))
+        # the values of parameters may be expressions in those before them
+        problem["system"]["parameters"]["A"] = "c/2"
+        folder = brakewave.map(problem, out="basin", quiet=True, threads=2)
+        table, attractors, shares = folder.map, folder.attractors, folder.shares
+        self.assertEqual(list(table["attractor"]), [1] * 6)
+        self.assertEqual(list(attractors)[:6], ["attractor", "regimes", "period", "periods", "stable", "share"])
+        # at resonance x = A sin(phase)/cω
+        self.assertLess(abs(attractors["x"][0]) + abs(attractors["v"][0] - 0.5), 1e-10)
+        self.assertEqual(list(shares["share"]), [1.0, 1.0])
+        self.assertLess((shares["v"] - shares["value"] / 0.1).abs().max(), 1e-10)
+        axes = brakewave.draw_map(folder)
+        self.assertEqual((axes.get_xlabel(), axes.get_ylabel()), ("column", "row"))
+
+    def test_exponents(self):
+        values = variant.Linear(0.05, 0.09, 2)
+        scan = dict(parameter="A", values=values, settle=100, keep=9, section=variant.Phase(0.0), lyapunov=2)
+        folder = brakewave.scan(impact(scan=scan), out="l", quiet=True)
+        table = folder.scan
+        self.assertEqual([table[name].dtype for name in ("x", "v", "lyapunov", "lyapunov_2")], [float] * 4)
+        # those of a complex pair, whose sum is −c
+        self.assertLess((table["lyapunov"] + table["lyapunov_2"] + 0.1).abs().max(), 1e-12)
+        self.assertEqual(len(brakewave.draw_exponents(folder).lines), 3)
+
     def test_curves(self):
         section = dict(event=variant.GR, parameters=("A", "c"), range=((0.05, 0.2), (0.05, 0.2)))
         along = dict(parameter="A", range=(0.05, 1.0), toward=variant.Down)

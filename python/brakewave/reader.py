@@ -9,6 +9,7 @@ those of systems of one's own.
     brakewave.draw_branch(run).figure.savefig("branch.png")
 """
 
+import re
 import warnings
 from dataclasses import dataclass
 from itertools import cycle
@@ -37,11 +38,11 @@ RARE = ["#332288", "#882255", "#999933", "#117733", "#cc6677", "#8c564b", "#465a
 
 _TEXT = (
     "type regimes regimes_before regimes_after regime switches stable why what start name method setting failure "
-    "direction sliding full_direction lead_direction first lead_first proven parameter sweep from to"
+    "direction sliding full_direction lead_direction first lead_first proven parameter sweep from to mark"
 ).split()
 _WHOLE = (
     "point label leg unstable lead_sector sector newton row column passage mode points events_found "
-    "events_expected periods radial_order lead_family lead_hopf_family inequalities sample"
+    "events_expected periods radial_order lead_family lead_hopf_family inequalities sample attractor"
 ).split()
 
 
@@ -50,6 +51,9 @@ _SYSTEMS = [
     (["point", "label", "type", "regimes"], "period"),
     (["label", "type"], "period"),
     (["row", "column", "start", "passage", "found", "periods", "regimes"], "period"),
+    (["row", "column", "start", "passage", "found", "attractor", "periods", "regimes"], "period"),
+    (["attractor", "regimes", "period", "periods", "stable", "share"], []),
+    (["value", "found", "attractor", "regimes", "period", "periods", "stable", "share"], []),
     (["point", "type"], "period"),
     (["time", "phase"], ["mode"]),
     (["sample", "time"], ["mode"]),
@@ -57,6 +61,7 @@ _SYSTEMS = [
     (["value", "sweep", "sample"], ["phase", "mode", "why"]),
     (["mode", "equilibrium"], ["stable", "re", "im", "why"]),
 ]
+_EXPONENT = re.compile(r"lyapunov(_\d+)?(_error)?")
 _SYSTEM_TEXT = ["mode", "found", "equilibrium", "sweep", "re", "im"]
 """Columns that are text in tables of a system, besides those of every table."""
 
@@ -64,6 +69,12 @@ _SYSTEM_TEXT = ["mode", "found", "equilibrium", "sweep", "re", "im"]
 def _own(names):
     """The places of the columns that a system has named itself, its parameters or its states, in a header; None in
     a table of a tube. `period` is no name of a parameter."""
+    if names[-1:] == ["why"]:
+        # exponents of a scan stand between its mode and why
+        end = len(names) - 1
+        while _EXPONENT.fullmatch(names[end - 1]):
+            end -= 1
+        names = names[:end] + ["why"]
     for before, after in _SYSTEMS:
         if names[: len(before)] != before:
             continue
@@ -151,6 +162,8 @@ class Folder:
     eigenvalues = property(lambda self: self.table("eigenvalues"))
     # of a map, a curve, a comparison of methods, of proofs
     map = property(lambda self: self.table("map"))
+    attractors = property(lambda self: self.table("attractors"))
+    shares = property(lambda self: self.table("shares"))
     curve = property(lambda self: self.table("curve"))
     accuracy = property(lambda self: self.table("accuracy"))
     certificates = property(lambda self: self.table("certificates"))
@@ -355,6 +368,22 @@ def draw_scan(folder, y=None, axes=None):
     return axes
 
 
+def draw_exponents(folder, axes=None):
+    """The Lyapunov exponents of a scan, a line for each sweep, with the line 0; those that are −∞ are left out."""
+    axes, table = _axes(axes), folder.scan
+    names = [name for name in table if _EXPONENT.fullmatch(name) and not name.endswith("_error")]
+    axes.axhline(0, color="grey", lw=0.6)
+    for sweep, samples in table.drop_duplicates(["value", "sweep"]).groupby("sweep", sort=False):
+        samples = samples.sort_values("value")
+        for place, name in enumerate(names):
+            finite = samples[numpy.isfinite(samples[name])]
+            axes.plot(finite["value"], finite[name], color="black" if place == 0 else "grey", lw=0.8, label=f"{name}, {sweep}")
+    axes.set(xlabel="parameter", ylabel="Lyapunov exponents")
+    if axes.get_legend_handles_labels()[0]:
+        axes.legend()
+    return axes
+
+
 def draw_profile(run, label, y="P", axes=None):
     """A column of the wave of a label over θ, its zones behind it."""
     axes, wave = _axes(axes), run.profile(label)
@@ -383,6 +412,8 @@ def draw_map(folder, start=None, axes=None):
     """What is first found from a start over the plane of a map: the regimes of waves, from "fast" unless another start is
     named; of a system the modes of the orbit from start 1, with its number of periods, or what the motion does instead."""
     axes, table = _axes(axes), folder.map
+    if "attractor" in table:
+        return _draw_basin(table[table["start"].astype(str) == str(start or 1)], axes)
     x, y = (varying(table) + parameters(table))[:2]
     if "periods" in table:
         table = table[table["start"].astype(str) == str(start or 1)]
@@ -396,6 +427,17 @@ def draw_map(folder, start=None, axes=None):
     for regimes, waves in table.groupby(what):
         axes.plot(waves[x], waves[y], "s", ms=2, label=regimes, color=SEQUENCES.get(regimes) or next(rare))
     axes.set(xlabel=x, ylabel=y)
+    axes.legend(loc="upper left", bbox_to_anchor=(1, 1))
+    return axes
+
+
+def _draw_basin(table, axes):
+    """The number of the attractor over rows, upwards, and columns."""
+    rare = cycle(RARE)
+    what = table["attractor"].astype(str).where(table["attractor"].notna(), table["found"])
+    for name, cells in table.groupby(what):
+        axes.plot(cells["column"], cells["row"], "s", ms=2, label=name, color=next(rare))
+    axes.set(xlabel="column", ylabel="row")
     axes.legend(loc="upper left", bbox_to_anchor=(1, 1))
     return axes
 

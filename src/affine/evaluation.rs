@@ -30,7 +30,7 @@ pub struct FormMode<C = Dual> {
     pub rates: Vec<Form<C>>,
     /// Switches in the order of the file.
     pub switches: Vec<FormSwitch<C>>,
-    /// What its contacts hold at zero.
+    /// What contacts hold at zero all along.
     pub held: Vec<Form<C>>,
 }
 
@@ -45,10 +45,10 @@ impl<C> FormSwitch<C> {
 }
 
 impl<C> FormMode<C> {
-    /// All forms of it.
+    /// All forms of it but those that are held at zero.
     pub fn forms(&self) -> impl Iterator<Item = &Form<C>> {
         let switches = self.switches.iter().flat_map(FormSwitch::forms);
-        self.rates.iter().chain(switches).chain(&self.held)
+        self.rates.iter().chain(switches)
     }
 }
 

@@ -202,6 +202,9 @@ pub enum Wrong {
     /// A name that is none of a parameter, where no other may stand.
     #[error("`{0}` is no parameter")]
     NoParameter(String),
+    /// A name that is none of a parameter above this one, where its value is written.
+    #[error("`{0}` is no parameter that stands before this one")]
+    NotBefore(String),
     /// A function that there is not.
     #[error("`{0}` is no function")]
     NoFunction(String),
@@ -497,27 +500,6 @@ fn sum(text: &mut Text) -> ModalResult<Expression> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    impl Algebra for f64 {
-        fn number(value: f64) -> f64 {
-            value
-        }
-        fn negative(self) -> f64 {
-            -self
-        }
-        fn operate(self, operation: Operation, other: f64) -> Result<f64, Obstacle> {
-            Ok(match operation {
-                Operation::Plus => self + other,
-                Operation::Minus => self - other,
-                Operation::Times => self * other,
-                Operation::Over => self / other,
-                Operation::Power => self.powf(other),
-            })
-        }
-        fn apply(self, function: Function) -> Result<f64, Obstacle> {
-            Ok(function.at(self).0)
-        }
-    }
 
     fn value(text: &str) -> Result<f64, Flaw> {
         Expression::read(text)?.evaluate(&|name| match name {

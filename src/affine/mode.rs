@@ -61,7 +61,7 @@ pub struct AffineMode {
     pub guards: Vec<Guard>,
     /// What is zero all along in a sliding mode.
     pub surface: Option<Row>,
-    /// What contacts hold at zero all along.
+    /// What contacts hold at zero all along, where that is affine.
     pub held: Vec<Row>,
     /// The modes on the two sides of the surface of a sliding mode: the first where its form is positive.
     pub sides: Option<[usize; 2]>,

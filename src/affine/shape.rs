@@ -75,15 +75,18 @@ impl Shape {
 
     /// A mode of this number, but for how what is not affine moves.
     pub fn mode(&self, number: usize, mode: &FormMode, omega: Dual) -> AffineMode {
+        // what is not affine has no component where nothing else is made of it
+        let held = mode.held.iter().filter(|form| form.beyond.is_empty());
+        let mut forms = mode.forms().chain(&mode.held);
         AffineMode {
             states: self.states,
             field: Field::default(),
             guards: self.guards(number, &mode.switches),
             surface: None,
-            held: mode.held.iter().map(|form| self.row(form)).collect(),
+            held: held.map(|form| self.row(form)).collect(),
             sides: None,
             obstruction: None,
-            leads: mode.forms().all(|form| form.degree() <= Degree::Affine),
+            leads: forms.all(|form| form.degree() <= Degree::Affine),
             matrix: self.matrix(&mode.rates, omega),
         }
     }

@@ -223,9 +223,9 @@ impl AffineSystem {
             matrix,
             guards,
             surface: Some(surface),
+            held: Vec::new(),
             sides: Some(sides),
             field: Field::default(),
-            held: Vec::new(),
             obstruction: None,
             leads,
         });

@@ -18,6 +18,7 @@ use super::contact::law::{Law, Products, stretch};
 use super::contact::mistake::{ContactMistake, MAX_CONTACTS};
 use super::expression::{Expression, Flaw, Obstacle, Wrong};
 use super::monitor::Monitor;
+use super::values;
 
 /// Part of a component by which the terms of degree 17 may change it over a step of an integrated flow, where none is
 /// given: as much as in an exact one.
@@ -99,8 +100,8 @@ impl<'de, T: Deserialize<'de>> Deserialize<'de> for Ordered<T> {
 pub struct Source {
     /// Names of the states.
     pub states: Vec<String>,
-    /// Parameters and their values.
-    #[serde(default)]
+    /// Parameters and their values, which may be written as expressions in those before them.
+    #[serde(default, deserialize_with = "parameters")]
     pub parameters: Ordered<f64>,
     /// Angular frequency of the forcing, an expression in the parameters.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -123,6 +124,10 @@ pub struct Source {
     /// Tolerance of the steps in which modes without an exact flow are integrated.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub flow_tolerance: Option<f64>,
+}
+
+fn parameters<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Ordered<f64>, D::Error> {
+    values::read(deserializer).map(Ordered)
 }
 
 impl Source {

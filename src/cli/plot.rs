@@ -8,6 +8,7 @@ use super::failure::{Exit, Failure, Usage};
 use super::options::{format, there};
 use super::print;
 use crate::branch::run::Runner;
+use crate::output::layout;
 use crate::output::origin;
 use crate::output::pictures::{self, View};
 use crate::output::render::Format;
@@ -115,7 +116,11 @@ pub(crate) fn plot(arguments: &PlotArguments) -> Result<Exit, Failure> {
                     }
                     Some(Kind::Map) => {
                         let picture = pictures::map::of_system(store.path(), &problem);
-                        let named = [(Kind::Map.name().to_owned(), picture)];
+                        let mut named = vec![(Kind::Map.name().to_owned(), picture)];
+                        if problem.map.as_ref().is_some_and(|map| map.shares.is_some()) {
+                            let shares = pictures::shares::picture(store.path(), &problem);
+                            named.push((layout::SHARES_PICTURE.to_owned(), shares));
+                        }
                         list(&pictures::put(&store, None, format, named)?)
                     }
                     Some(Kind::Simulation) => {

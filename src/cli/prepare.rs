@@ -11,9 +11,11 @@ use crate::branch::run::{RunError, Runner};
 use crate::hybrid::equilibrium::NamedEquilibrium;
 use crate::hybrid::{self, EarlierPoint, Named, NoStart};
 use crate::orbit::EventType;
+use crate::output::attractors::SavedAttractors;
 use crate::output::equilibria::Equilibria;
 use crate::output::orbits::{Orbits, kind_of};
 use crate::output::origin;
+use crate::output::store::Checkpoint as _;
 use crate::output::waves::{self, Waves};
 use crate::problem::{
     self, Any, Continuation, OrbitStart, Problem, ProblemError, Start, SystemProblem, Toward,
@@ -301,22 +303,35 @@ pub(crate) fn named(
         let message = format!("{} holds {others}", dir.display());
         return Err(source.refuse("orbit.start", message, "name another folder"));
     }
-    let earlier = Orbits::read(dir)?;
-    let (own, others) = (&problem.system.source, &earlier.problem.system.source);
-    let refuse = |what: &str| {
-        let message = format!("{} holds orbits {what}", dir.display());
-        source.refuse("orbit.start", message, "name another folder")
+    let belongs = |earlier: &SystemProblem| {
+        let (own, others) = (&problem.system.source, &earlier.system.source);
+        let refuse = |what: &str| {
+            let message = format!("{} holds orbits {what}", dir.display());
+            Err(source.refuse("orbit.start", message, "name another folder"))
+        };
+        if others.states != own.states {
+            return refuse("with other states");
+        }
+        if !others.parameters.names().eq(own.parameters.names()) {
+            return refuse("of a system with other parameters");
+        }
+        // an event is one of its own equations only
+        if is_event && !others.is_same(own) {
+            return refuse("of another system");
+        }
+        Ok(())
     };
-    if others.states != own.states {
-        return Err(refuse("with other states"));
+    if dir.join(SavedAttractors::FILE).exists() {
+        let earlier = SavedAttractors::read(dir)?;
+        belongs(&earlier.problem)?;
+        return Ok(Named {
+            saved: earlier.labelled(dir, label)?.clone(),
+            kind: None,
+            has_shrunk: false,
+        });
     }
-    if !others.parameters.names().eq(own.parameters.names()) {
-        return Err(refuse("of a system with other parameters"));
-    }
-    // an event is one of its own equations only
-    if is_event && !others.is_same(own) {
-        return Err(refuse("of another system"));
-    }
+    let earlier = Orbits::read(dir)?;
+    belongs(&earlier.problem)?;
     let saved = earlier.labelled(dir, label)?.clone();
     let kind = kind_of(dir, label)?;
     Ok(Named {

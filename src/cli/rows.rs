@@ -12,16 +12,17 @@ use super::options::{Task, Threads, cores, picture, read_any};
 use super::progress::{Progress, tallied};
 use super::{print, stopped};
 use crate::hybrid::scan::{Scanner, Settled};
-use crate::map::{self, Cell, CellRow, Motions, Outcome};
+use crate::map::{self, Attractors, Cell, CellRow, Draws, Motions, Outcome};
 use crate::messages::AWAY;
-use crate::output::layout::SCAN;
+use crate::output::attractors;
+use crate::output::layout::{self, SCAN};
 use crate::output::origin::Origin;
 use crate::output::pictures;
 use crate::output::render::{Format, Picture};
 use crate::output::rows::{Mapped, Rowed, RowsFolder, of_shard};
 use crate::output::scan::{last, lines};
 use crate::output::store::{self, Existing, SOURCE, Store, StoreError};
-use crate::problem::{self, Any, Problem, SystemProblem, refuse_at};
+use crate::problem::{self, Any, Problem, SystemMap, SystemProblem, refuse_at};
 use crate::table;
 
 #[derive(Debug, Args)]
@@ -111,6 +112,11 @@ pub(crate) trait Verb: Rowed + Sync {
 
     /// What computes a row.
     fn work(&self, quiet: bool) -> Result<Work<'_>, Failure>;
+    /// Joins the rows of folders, and makes what follows from all of them.
+    fn join(&self, folder: &RowsFolder<Self>, from: &[PathBuf]) -> Result<(), Failure> {
+        Ok(folder.join(from, &mut |_, cells| Ok(cells))?)
+    }
+
     /// The picture of the table in a folder.
     fn picture(&self, folder: &Path) -> Result<Picture, StoreError>;
     /// How the verb ends, after all rows were joined.
@@ -220,7 +226,7 @@ fn run<P: Verb>(arguments: &RowsArguments, task: &Task) -> Result<Exit, Failure>
         P::KIND.name()
     };
     if shard.of == 1 {
-        folder.join(std::slice::from_ref(&out))?;
+        problem.join(&folder, std::slice::from_ref(&out))?;
         draw(&problem, folder.store(), picture)?;
         exit = problem.end(&folder)?;
     }
@@ -248,7 +254,7 @@ fn merge<P: Verb>(arguments: &MergeArguments) -> Result<Exit, Failure> {
     let inputs: Vec<PathBuf> = source.into_iter().collect();
     let store = Store::open(&arguments.out, P::KIND, &problem, existing, &inputs)?;
     let folder = RowsFolder::new(store, origin)?;
-    folder.join(&arguments.shards)?;
+    problem.join(&folder, &arguments.shards)?;
     draw(&problem, folder.store(), picture)?;
     let exit = problem.end(&folder)?;
     if !arguments.quiet {
@@ -300,6 +306,14 @@ impl Verb for Mapped<Problem> {
     }
 }
 
+impl Mapped<SystemProblem> {
+    /// Rows of the plane: those of shares come after them.
+    fn plane_rows(&self) -> usize {
+        let map = self.0.map.as_ref();
+        map.map_or(0, |map| map::Plane::new(map).rows())
+    }
+}
+
 impl Verb for Mapped<SystemProblem> {
     const ENDING: &'static str = MAP;
 
@@ -315,13 +329,60 @@ impl Verb for Mapped<SystemProblem> {
 
     fn work(&self, _: bool) -> Result<Work<'_>, Failure> {
         let motions = Motions::new(&self.0).ok_or(Usage::NoBeginning)?;
+        let draws = Draws::new(&self.0);
+        let plane = self.plane_rows();
         Ok(Box::new(move |row, _| {
-            let cells: Vec<Outcome> = motions.row(row);
-            let rows = cells
-                .iter()
-                .map(|cell| CellRow::settled(&self.0.system, cell));
-            Ok(rows.map(|row| table::line(&row)).collect())
+            let drawn = draws.as_ref().zip(row.checked_sub(plane));
+            let cells: Vec<Outcome> = match drawn {
+                Some((draws, value)) => draws.row(value),
+                None => motions.row(row),
+            };
+            let basin = self.0.map.as_ref().is_some_and(SystemMap::is_basin);
+            let line = |cell: &Outcome| {
+                let row = CellRow::settled(&self.0.system, cell);
+                match basin || drawn.is_some() {
+                    true => table::line(&CellRow::of_basin(row, cell.mark.as_ref())),
+                    false => table::line(&row),
+                }
+            };
+            Ok(cells.iter().map(line).collect())
         }))
+    }
+
+    fn join(&self, folder: &RowsFolder<Self>, from: &[PathBuf]) -> Result<(), Failure> {
+        let basin = self.0.map.as_ref().is_some_and(SystemMap::is_basin);
+        let motions = Motions::new(&self.0).ok_or(Usage::NoBeginning)?;
+        let draws = Draws::new(&self.0);
+        let mut known = Attractors::new(&motions, &self.0.system);
+        let path = folder.path().join(layout::MAP);
+        let columns = CellRow::of_basin(CellRow::columns(&self.0.system.source), None);
+        let header = table::line_of(&table::columns(&columns));
+        let place = (path.as_path(), header.as_str());
+        let mut shares = attractors::header_of_shares(&self.0);
+        let plane = self.plane_rows();
+        folder.join(
+            from,
+            &mut |row, cells| match draws.as_ref().zip(row.checked_sub(plane)) {
+                Some((draws, value)) => {
+                    let mut own = draws.attractors(value);
+                    let at = self.first(row).unwrap_or(f64::NAN);
+                    shares.push_str(&attractors::shares(&mut own, at, place, &cells)?);
+                    Ok(String::new())
+                }
+                None if basin => attractors::number(&mut known, place, &cells),
+                None => Ok(cells),
+            },
+        )?;
+        if basin {
+            attractors::write(folder.store(), &self.0, &known)?;
+        }
+        if draws.is_some() {
+            attractors::write_shares(folder.store(), &shares)?;
+            let picture = pictures::shares::picture(folder.path(), &self.0);
+            let named = [(layout::SHARES_PICTURE.to_owned(), picture)];
+            pictures::put(folder.store(), None, Format::Svg, named)?;
+        }
+        Ok(())
     }
 
     fn picture(&self, folder: &Path) -> Result<Picture, StoreError> {

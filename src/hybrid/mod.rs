@@ -1,8 +1,9 @@
 //! A branch of periodic orbits of a user's system in one parameter: first orbit, points, labels and events; and
-//! [`scan`], what motions settle on without following anything.
+//! [`scan`], what motions settle on without following anything, with their Lyapunov [`exponents`].
 
 mod begin;
 pub mod equilibrium;
+pub mod exponents;
 mod point;
 pub mod row;
 pub mod run;

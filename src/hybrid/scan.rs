@@ -6,9 +6,10 @@
 use std::f64::consts::TAU;
 use std::ops::Range;
 
+use super::exponents::{Exponent, PerturbedMotion};
 use crate::affine::mode::AffineSystem;
 use crate::affine::motion::{Halt, Motion, Place, Step};
-use crate::affine::system::{System, SystemError};
+use crate::affine::system::{Ordered, System, SystemError};
 use crate::problem::{Scan, Section, Sweep, SystemProblem};
 
 /// Values of a piece: files of a thousand samples or so, and a loss of a second where it is interrupted.
@@ -28,6 +29,8 @@ pub struct Settled {
     pub samples: Vec<Place>,
     /// Why there are not as many as asked for.
     pub lacks: Option<Lack>,
+    /// Lyapunov exponents over the samples, as many as are asked for.
+    pub exponents: Vec<Exponent>,
 }
 
 /// Why a motion has fewer samples than asked for.
@@ -116,6 +119,7 @@ impl<'a> Scanner<'a> {
                 sweep,
                 samples: Vec::with_capacity(self.scan.keep),
                 lacks: None,
+                exponents: vec![Exponent::Unknown; self.scan.lyapunov.count()],
             };
             let mut values = self.values.clone();
             values[self.parameter] = value;
@@ -123,13 +127,29 @@ impl<'a> Scanner<'a> {
             settled.lacks = match self.system.at(&values, &[]) {
                 Ok(system) => {
                     let fresh = || match self.scan.seed {
-                        Some(seed) => self.random(&system, Stream(seed).apart(number as u64)),
+                        Some(seed) => {
+                            let within = self.scan.within.as_ref();
+                            let names = &self.system.source.states;
+                            let stream = Stream(seed).apart(number as u64);
+                            let inside = |place: Place| {
+                                let motion = Motion::new(&system, place.clone(), 1.0);
+                                motion.is_inside().then_some(place)
+                            };
+                            let drawn = random(names, &self.start, within, stream, &inside);
+                            drawn.ok_or(Lack::Outside)
+                        }
                         None => Ok(self.start.clone()),
                     };
                     let begun = start.map_or_else(fresh, Ok);
-                    let settled =
+                    let taken =
                         begun.and_then(|start| self.settle(&system, start, &mut settled.samples));
-                    settled.err()
+                    match taken {
+                        Ok(exponents) => {
+                            settled.exponents = exponents;
+                            None
+                        }
+                        Err(lack) => Some(lack),
+                    }
                 }
                 Err(error) => Some(Lack::System(error)),
             };
@@ -143,18 +163,19 @@ impl<'a> Scanner<'a> {
         settled.collect()
     }
 
-    /// Follows a motion and takes its samples.
+    /// Follows a motion, takes its samples, and finds its exponents.
     fn settle(
         &self,
         system: &AffineSystem,
         start: Place,
         samples: &mut Vec<Place>,
-    ) -> Result<(), Lack> {
+    ) -> Result<Vec<Exponent>, Lack> {
         let omega = system.omega.value;
         let unit = if omega > 0.0 { TAU / omega } else { 1.0 };
         let Scan { settle, keep, .. } = *self.scan;
         let begun = start.phase;
-        let mut motion = Motion::new(system, start, unit);
+        let count = self.scan.lyapunov.count();
+        let mut motion = PerturbedMotion::new(system, start, unit, count);
         let Some(mode) = self.section else {
             let phase = match self.scan.section {
                 Section::Phase(phase) => phase.rem_euclid(TAU),
@@ -164,13 +185,11 @@ impl<'a> Scanner<'a> {
             settled(&mut motion, first, settle.ceil(), unit)?;
             for sample in 0..keep {
                 pass(&mut motion, first + (settle.ceil() + sample as f64) * unit)?;
-                let there = motion.place();
-                samples.push(Place {
-                    phase,
-                    ..there.clone()
-                });
+                let there = motion.place().clone();
+                samples.push(Place { phase, ..there });
+                motion.sample();
             }
-            return Ok(());
+            return Ok(motion.exponents());
         };
         settled(&mut motion, 0.0, settle, unit)?;
         let mut motion = motion.watching(mode);
@@ -181,55 +200,62 @@ impl<'a> Scanner<'a> {
                 Step::Switched(_) => {}
                 Step::Reached => return Err(Lack::Away { time }),
                 Step::Section => {
-                    let there = motion.place();
+                    let there = motion.place().clone();
                     let phase = there.phase.rem_euclid(TAU);
-                    samples.push(Place {
-                        phase,
-                        ..there.clone()
-                    });
+                    samples.push(Place { phase, ..there });
+                    motion.sample();
                 }
             }
         }
-        Ok(())
+        Ok(motion.exponents())
     }
+}
 
-    /// The start with random states, at which no guard of its mode is negative.
-    fn random(&self, system: &AffineSystem, mut stream: Stream) -> Result<Place, Lack> {
-        let names = &self.system.source.states;
-        for _ in 0..TRIES {
-            let mut place = self.start.clone();
-            for (name, state) in names.iter().zip(&mut place.state) {
-                let (low, high) = match &self.scan.within {
-                    None => {
-                        let reach = state.abs().max(1.0);
-                        (*state - reach, *state + reach)
-                    }
-                    Some(within) => match within.index(name) {
-                        Some(index) => within.0[index].1,
-                        None => continue,
-                    },
-                };
-                *state = low + (high - low) * stream.next();
-            }
-            if Motion::new(system, place.clone(), 1.0).is_inside() {
-                return Ok(place);
-            }
+/// A start with random states in ranges that is admitted; none where no such state is found.
+pub(crate) fn random(
+    names: &[String],
+    start: &Place,
+    within: Option<&Ordered<(f64, f64)>>,
+    mut stream: Stream,
+    admit: &dyn Fn(Place) -> Option<Place>,
+) -> Option<Place> {
+    for _ in 0..TRIES {
+        let mut place = start.clone();
+        for (name, state) in names.iter().zip(&mut place.state) {
+            let (low, high) = match within {
+                None => {
+                    let reach = state.abs().max(1.0);
+                    (*state - reach, *state + reach)
+                }
+                Some(within) => match within.index(name) {
+                    Some(index) => within.0[index].1,
+                    None => continue,
+                },
+            };
+            *state = low + (high - low) * stream.next();
         }
-        Err(Lack::Outside)
+        if let Some(place) = admit(place) {
+            return Some(place);
+        }
     }
+    None
 }
 
 /// Follows a motion until it has settled, period by period: a time that is a sum of many pieces is known no better
 /// than its last digit times their number.
-fn settled(motion: &mut Motion, first: f64, settle: f64, unit: f64) -> Result<(), Lack> {
+fn settled(motion: &mut PerturbedMotion, first: f64, settle: f64, unit: f64) -> Result<(), Lack> {
+    let half = (0.5 * settle) as usize;
     for period in 0..settle as usize {
         pass(motion, first + period as f64 * unit)?;
+        if period == half {
+            motion.renew();
+        }
     }
     pass(motion, first + settle * unit)
 }
 
 /// Follows a motion through its switches to a time.
-fn pass(motion: &mut Motion, until: f64) -> Result<(), Lack> {
+fn pass(motion: &mut PerturbedMotion, until: f64) -> Result<(), Lack> {
     while motion.place().time < until {
         motion.step(until).map_err(Lack::Halted)?;
     }
@@ -237,11 +263,11 @@ fn pass(motion: &mut Motion, until: f64) -> Result<(), Lack> {
 }
 
 /// Random numbers: Steele, Lea & Flood's SplitMix64, the same on every machine.
-struct Stream(u64);
+pub(crate) struct Stream(pub u64);
 
 impl Stream {
     /// One of many streams of the same seed.
-    fn apart(mut self, number: u64) -> Stream {
+    pub fn apart(mut self, number: u64) -> Stream {
         let mixed = self.bits();
         Stream(mixed ^ Stream(number).bits())
     }

@@ -1,18 +1,23 @@
 //! What motions of a system settle on at the points of a plane, each by itself.
 
+use std::f64::consts::TAU;
+
 use serde::Serialize;
 
 use super::cell::CellRow;
 use super::plane::Plane;
-use crate::affine::motion::Halt;
+use crate::affine::mode::AffineSystem;
+use crate::affine::motion::{Halt, Motion, Place};
+use crate::affine::orbit::AffineOrbit;
 use crate::affine::orbit::start::{NoStart as NoOrbit, Search};
-use crate::affine::system::{Source, System};
+use crate::affine::system::{Ordered, Source, System};
 use crate::continuation::newton;
 use crate::hybrid::row::OrbitColumns;
 use crate::hybrid::run::point;
 use crate::hybrid::{NoStart, OrbitPoint, come_to};
+use crate::linalg::Vector;
 use crate::orbit::Orbit as _;
-use crate::problem::{Beginning, Continuation, OrbitStart, SystemProblem};
+use crate::problem::{Beginning, Continuation, Multipliers, OrbitStart, SystemProblem};
 
 /// What the motion from a start settles on at a point of the plane.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,6 +32,17 @@ pub struct Outcome {
     pub parameters: Vec<f64>,
     /// What that is.
     pub found: Settled,
+    /// In a basin of attraction, a point of it that tells what attracts the motion.
+    pub mark: Option<Mark>,
+}
+
+/// A point of an orbit: an entry of a zone or, where it never switches, where its equations begin; or a point of rest.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mark {
+    /// Phase of the forcing in \[0, 2π).
+    pub phase: f64,
+    /// State.
+    pub state: Vec<f64>,
 }
 
 /// What a motion settles on.
@@ -81,12 +97,24 @@ impl Settled {
     }
 }
 
+/// What changes over the plane: parameters by their places among all, or states in which motions begin by their names.
+enum Varied {
+    Parameters([usize; 2]),
+    States([String; 2]),
+}
+
+/// An orbit that a motion settles on, and its unknowns.
+pub(super) type SettledOrbit = (AffineOrbit, Vector);
+
 /// The motions of a map, any row of which can be computed by itself.
 pub struct Motions<'a> {
     problem: &'a SystemProblem,
+    /// The same, with stability.
+    decided: SystemProblem,
     plane: Plane,
-    /// Places of the two parameters among all.
-    parameters: [usize; 2],
+    varied: Varied,
+    /// The system at the values of its parameters, where states vary.
+    affine: Option<AffineSystem>,
     /// In which parameter an orbit would be followed, and how far.
     along: Continuation<String>,
     settle: f64,
@@ -101,18 +129,35 @@ impl<'a> Motions<'a> {
             return None;
         };
         let names = &problem.system.source.parameters;
+        let sides = [&map.first, &map.second];
+        let varied = match map.is_basin() {
+            true => Varied::States(sides.map(|side| side.name().to_owned())),
+            false => {
+                let [first, second] = sides.map(|side| names.index(side.name()));
+                Varied::Parameters([first?, second?])
+            }
+        };
+        let along = match map.is_basin() {
+            true => resting(problem)?,
+            false => Continuation::new(map.second.name().to_owned(), map.second.range),
+        };
         let mut starts = map.starts.clone();
         if starts.is_empty() {
             starts.extend(problem.orbit.start.beginning());
         }
         Some(Motions {
+            decided: SystemProblem {
+                stability: Some(Multipliers {}),
+                ..problem.clone()
+            },
             problem,
             plane: Plane::new(map),
-            parameters: [
-                names.index(&map.first.parameter)?,
-                names.index(&map.second.parameter)?,
-            ],
-            along: Continuation::new(map.second.parameter.clone(), map.second.range),
+            affine: match varied {
+                Varied::States(_) => problem.system.at(&problem.values(), &[]).ok(),
+                Varied::Parameters(_) => None,
+            },
+            varied,
+            along,
             settle,
             starts,
         })
@@ -123,16 +168,20 @@ impl<'a> Motions<'a> {
         let points = self.plane.row(row);
         let of_start = |(start, beginning): (usize, &Beginning)| {
             let cells = points.iter().enumerate().map(|(column, point)| {
-                let mut parameters = self.problem.values();
-                for (index, value) in self.parameters.into_iter().zip(point) {
-                    parameters[index] = *value;
-                }
-                let found = self.settled(beginning, &parameters);
+                let (beginning, parameters) = self.begun(beginning, *point);
+                let asked = self.problem.stability.is_some();
+                let found = self.settled(&beginning, &parameters, asked);
+                let marked = matches!(self.varied, Varied::States(_));
+                let (found, orbit) = match found {
+                    Ok((found, orbit)) => (found, Some(orbit)),
+                    Err(reason) => (Settled::Nothing(reason), None),
+                };
                 Outcome {
                     row,
                     column,
                     start: start + 1,
-                    found: found.unwrap_or_else(Settled::Nothing),
+                    mark: marked.then(|| Mark::of(&found, orbit.as_ref())).flatten(),
+                    found,
                     parameters,
                 }
             });
@@ -142,20 +191,164 @@ impl<'a> Motions<'a> {
         starts.flat_map(of_start).collect()
     }
 
-    fn settled(&self, beginning: &Beginning, parameters: &[f64]) -> Result<Settled, NoStart> {
+    /// The orbit that the motion of a cell settles on, with its stability; none where it comes to none.
+    pub(super) fn orbit(
+        &self,
+        [row, column, start]: [usize; 3],
+    ) -> Option<(Settled, SettledOrbit)> {
+        let beginning = self.starts.get(start.checked_sub(1)?)?;
+        let point = *self.plane.row(row).get(column)?;
+        let (beginning, parameters) = self.begun(beginning, point);
+        self.settled(&beginning, &parameters, true).ok()
+    }
+
+    /// Largest sizes of the states in which motions begin.
+    pub(super) fn scales(&self) -> Vec<f64> {
+        let system = &self.problem.system;
+        let names = system.source.states.iter();
+        let begun = self.starts.iter().flat_map(|start| {
+            let corners = self.plane.corners();
+            corners.map(|corner| self.begun(start, corner).0.place(system))
+        });
+        let begun: Vec<Place> = begun.flatten().collect();
+        let sizes = names.enumerate().map(|(state, _)| {
+            let all = begun.iter().map(|place| place.state[state].abs());
+            all.fold(0.0, f64::max)
+        });
+        sizes.collect()
+    }
+
+    /// Where the motion of a start begins at a point of the plane, and the values of the parameters there.
+    fn begun(&self, beginning: &Beginning, point: [f64; 2]) -> (Beginning, Vec<f64>) {
+        let mut parameters = self.problem.values();
+        let mut beginning = beginning.clone();
+        match &self.varied {
+            Varied::Parameters(places) => {
+                for (index, value) in places.iter().zip(point) {
+                    parameters[*index] = value;
+                }
+            }
+            Varied::States(names) => {
+                for (name, value) in names.iter().zip(point) {
+                    let Ordered(states) = &mut beginning.state;
+                    match states.iter_mut().find(|(known, _)| known == name) {
+                        Some((_, state)) => *state = value,
+                        None => states.push((name.clone(), value)),
+                    }
+                }
+                let system = &self.problem.system;
+                let place = beginning.place(system);
+                if let Some((affine, place)) = self.affine.as_ref().zip(place) {
+                    let mode = fitting(system, affine, place).mode;
+                    beginning.mode = system.mode_name(mode).into_owned();
+                }
+            }
+        }
+        (beginning, parameters)
+    }
+
+    pub(super) fn settled(
+        &self,
+        beginning: &Beginning,
+        parameters: &[f64],
+        asked: bool,
+    ) -> Result<(Settled, SettledOrbit), NoStart> {
         let search = Search::Settles(self.settle);
         let values = parameters.to_vec();
-        let (orbit, unknowns) =
-            come_to(self.problem, &self.along, values.clone(), beginning, search)?;
+        let problem = if asked { &self.decided } else { self.problem };
+        let (orbit, unknowns) = come_to(problem, &self.along, values.clone(), beginning, search)?;
         let examination = orbit.examination(&unknowns).map_err(|failure| {
             NoStart::NoOrbit(NoOrbit::Newton(newton::Failure::System(failure)))
         })?;
-        let asked = self.problem.stability.is_some();
         let point = point((&orbit, &unknowns), &examination, None, values, asked);
-        Ok(Settled::Orbit {
+        let settled = Settled::Orbit {
             point: Box::new(point),
             periods: orbit.is_forced().then_some(orbit.setting.periods),
+        };
+        Ok((settled, (orbit, unknowns)))
+    }
+}
+
+/// A place in the mode that its state lies in: its own or, where it does not fit that, the first of the file with which no
+/// `zero` is negative; with contacts their states follow from slips and gaps.
+pub(super) fn fitting(system: &System, affine: &AffineSystem, place: Place) -> Place {
+    let of_contacts = system.contradicted(affine, &place);
+    if let Some((_, name)) = of_contacts {
+        let mode = system.mode(&name).unwrap_or(place.mode);
+        return Place { mode, ..place };
+    }
+    let inside = |place: &Place| Motion::new(affine, place.clone(), 1.0).is_inside();
+    if !system.source.contacts.is_empty() || inside(&place) {
+        return place;
+    }
+    // a sliding mode lies in its surface alone
+    let written = 0..system.source.modes.0.len();
+    let others = written.map(|mode| Place {
+        mode,
+        ..place.clone()
+    });
+    let fits = others.into_iter().find(inside);
+    fits.unwrap_or(place)
+}
+
+/// A branch for orbits that are not followed: their equations have a parameter among the unknowns, in a unit.
+fn resting(problem: &SystemProblem) -> Option<Continuation<String>> {
+    if let Some(section) = &problem.continuation {
+        return Some(section.clone());
+    }
+    /// A parameter changes by this part of itself, or of 1 where it is zero.
+    const PART: f64 = 0.1;
+    let (name, value) = problem.system.source.parameters.0.first()?;
+    let width = PART * if *value == 0.0 { 1.0 } else { value.abs() };
+    Some(Continuation::new(
+        name.clone(),
+        (value - width, value + width),
+    ))
+}
+
+impl Mark {
+    pub(super) fn of(found: &Settled, orbit: Option<&SettledOrbit>) -> Option<Mark> {
+        if let Settled::Nothing(NoStart::NoOrbit(NoOrbit::Rests { place, .. })) = found {
+            return Some(Mark {
+                phase: 0.0,
+                state: place.state.clone(),
+            });
+        }
+        let (orbit, unknowns) = orbit?;
+        let first = orbit.cycle(unknowns).ok()?.first;
+        let zone = orbit.saved(unknowns).ok()?.zones.swap_remove(first);
+        Some(Mark {
+            phase: zone.phase.rem_euclid(TAU),
+            state: zone.state,
         })
+    }
+}
+
+/// What a row of `map.csv` tells of a motion in a basin of attraction.
+#[derive(Clone, Debug, Serialize)]
+pub struct BasinColumns<'a> {
+    attractor: Option<usize>,
+    settled: SettledColumns<'a>,
+    mark: Vec<f64>,
+}
+
+impl<'a> CellRow<BasinColumns<'a>> {
+    /// The row of a map with the mark of a basin, and room for the number of the attractor.
+    pub fn of_basin(row: CellRow<SettledColumns<'a>>, mark: Option<&Mark>) -> Self {
+        let mark = mark.map(|mark| [&[mark.phase], &mark.state[..]].concat());
+        CellRow {
+            row: row.row,
+            column: row.column,
+            start: row.start,
+            passage: row.passage,
+            found: row.found,
+            there: BasinColumns {
+                attractor: None,
+                settled: row.there,
+                mark: mark.unwrap_or_default(),
+            },
+            why: row.why,
+        }
     }
 }
 

@@ -1,6 +1,6 @@
 //! Where in the plane: the points of a map and how they fall into rows.
 
-use crate::problem::{Map, MapPoints};
+use crate::problem::{Map, MapPoints, PlaneAxis};
 
 /// Quasi-random points that make a row: enough to be worth a file, few enough to share out.
 const POINTS_PER_ROW: usize = 64;
@@ -17,9 +17,9 @@ pub struct Plane {
 
 impl Plane {
     /// The plane of a `map` section.
-    pub fn new<P, S>(map: &Map<P, S>) -> Plane {
+    pub fn new<X: PlaneAxis, S>(map: &Map<X, S>) -> Plane {
         Plane {
-            ranges: [map.first.range, map.second.range],
+            ranges: [map.first.range(), map.second.range()],
             points: map.points,
         }
     }
@@ -52,6 +52,32 @@ impl Plane {
                     })
                     .collect()
             }
+        }
+    }
+
+    /// Two corners that lie opposite each other.
+    pub(super) fn corners(&self) -> [[f64; 2]; 2] {
+        let [first, second] = self.ranges;
+        [[first.0, second.0], [first.1, second.1]]
+    }
+
+    /// The point at a place of a row.
+    #[cfg_attr(not(feature = "cli"), allow(dead_code))]
+    pub(crate) fn point(&self, row: usize, column: usize) -> Option<[f64; 2]> {
+        match self.points {
+            MapPoints::Grid { rows, columns } => {
+                let [of_first, of_second] = self.ranges;
+                (row < rows && column < columns).then(|| {
+                    [
+                        equidistant(of_first, row, rows),
+                        equidistant(of_second, column, columns),
+                    ]
+                })
+            }
+            MapPoints::QuasiRandom { .. } if row < self.rows() => {
+                self.row(row).get(column).copied()
+            }
+            MapPoints::QuasiRandom { .. } => None,
         }
     }
 
@@ -104,6 +130,7 @@ mod tests {
             second: axis(Parameter::Mismatch, (0.004, 0.2)),
             points,
             starts: vec![Start::Fast],
+            shares: None,
         })
     }
 

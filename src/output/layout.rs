@@ -22,6 +22,12 @@ pub(crate) fn profile_file(label: usize) -> String {
 }
 
 pub(crate) const MAP: &str = "map.csv";
+/// What attracts the motions of a basin, and its orbits to restart from.
+pub(crate) const ATTRACTORS: &str = "attractors.csv";
+/// How large a share of motions comes to which attractor along a parameter, and its picture without extension.
+pub(crate) const SHARES: &str = "shares.csv";
+pub(crate) const SHARES_PICTURE: &str = "shares";
+pub(crate) const ATTRACTORS_SAVED: &str = "attractors.ron";
 /// The problem of a map.
 pub(crate) const MAP_ORIGIN: &str = "map.ron";
 pub(crate) const SCAN: &str = "scan.csv";

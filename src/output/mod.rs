@@ -1,6 +1,7 @@
 //! What is left behind: tables, checkpoints and pictures, in folders.
 
 pub(crate) mod accuracy;
+pub(crate) mod attractors;
 pub(crate) mod certify;
 pub(crate) mod curve;
 pub(crate) mod equilibria;

@@ -14,7 +14,7 @@ use std::sync::{Mutex, PoisonError};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-use super::layout::{self, MAP, MAP_ORIGIN};
+use super::layout::{self, ATTRACTORS, ATTRACTORS_SAVED, MAP, MAP_ORIGIN, SHARES, SHARES_PICTURE};
 use super::origin::Origin;
 use super::render::Format;
 use super::store::{
@@ -23,7 +23,7 @@ use super::store::{
 };
 use crate::branch::row::WaveRow;
 use crate::map::{CellRow, Plane};
-use crate::problem::{Problem, SystemProblem};
+use crate::problem::{Problem, ScanValues, SystemMap, SystemProblem};
 use crate::table::{self, number};
 
 const ROWS: &str = "rows";
@@ -47,6 +47,10 @@ pub(crate) trait Rowed: Clone + PartialEq + Serialize + DeserializeOwned {
     fn first(&self, row: usize) -> Option<f64>;
     /// The header of the table.
     fn header(&self) -> String;
+    /// Other tables and files that are made once all rows are joined.
+    fn beside(&self) -> Vec<String> {
+        Vec::new()
+    }
 }
 
 /// A problem whose section `map` is computed.
@@ -60,6 +64,14 @@ pub(crate) trait HasPlane: Clone + PartialEq + Serialize + DeserializeOwned {
     fn plane(&self) -> Option<Plane>;
     /// The header of the table.
     fn header(&self) -> String;
+    /// See [`Rowed::beside`].
+    fn beside(&self) -> Vec<String> {
+        Vec::new()
+    }
+    /// Values beside the plane, each with a row of its own after those of the plane.
+    fn values(&self) -> Option<ScanValues> {
+        None
+    }
 }
 
 impl HasPlane for Problem {
@@ -79,7 +91,26 @@ impl HasPlane for SystemProblem {
 
     fn header(&self) -> String {
         let row = CellRow::columns(&self.system.source);
-        table::line_of(&table::columns(&row))
+        table::line_of(&match self.map.as_ref().is_some_and(SystemMap::is_basin) {
+            true => table::columns(&CellRow::of_basin(row, None)),
+            false => table::columns(&row),
+        })
+    }
+
+    fn beside(&self) -> Vec<String> {
+        let Some(map) = &self.map else {
+            return Vec::new();
+        };
+        let picture = layout::picture(SHARES_PICTURE, Format::Svg);
+        let basin: &[&str] = &[ATTRACTORS, ATTRACTORS_SAVED];
+        let shares: &[&str] = &[SHARES, &picture];
+        let basin = basin.iter().filter(|_| map.is_basin());
+        let shares = shares.iter().filter(|_| map.shares.is_some());
+        basin.chain(shares).map(|name| (*name).to_owned()).collect()
+    }
+
+    fn values(&self) -> Option<ScanValues> {
+        Some(self.map.as_ref()?.shares.as_ref()?.values)
     }
 }
 
@@ -92,16 +123,24 @@ impl<P: HasPlane> Rowed for Mapped<P> {
     const PARQUET: Option<&'static str> = Some("map.parquet");
 
     fn rows(&self) -> usize {
-        self.0.plane().map_or(0, |plane| plane.rows())
+        let values = self.0.values().map_or(0, ScanValues::count);
+        self.0.plane().map_or(0, |plane| plane.rows()) + values
     }
 
     fn first(&self, row: usize) -> Option<f64> {
-        let point = self.0.plane()?.row(row).first().copied()?;
-        Some(point[0])
+        let plane = self.0.plane()?;
+        if let Some(value) = row.checked_sub(plane.rows()) {
+            return self.0.values().map(|values| values.value(value));
+        }
+        plane.row(row).first().map(|point| point[0])
     }
 
     fn header(&self) -> String {
         self.0.header()
+    }
+
+    fn beside(&self) -> Vec<String> {
+        self.0.beside()
     }
 }
 
@@ -158,6 +197,7 @@ impl<P: Rowed> RowsFolder<P> {
         }
         let mut names = vec![layout::picture(P::KIND.name(), Format::Svg)];
         names.extend(P::PARQUET.map(str::to_owned));
+        names.extend(self.origin.problem.beside());
         names.extend(rows.iter().map(|row| row_name(*row)));
         if self.store.resumes() {
             self.store.retain(|_| true)?;
@@ -249,11 +289,16 @@ impl<P: Rowed> RowsFolder<P> {
         Ok(cells)
     }
 
-    /// Joins the rows of these folders to a table in this one, after all have been looked at.
+    /// Joins the rows of these folders to a table in this one, after all have been looked at; `complete` gets the number and
+    /// the cells of a row and adds what only all rows before it tell.
     ///
     /// # Errors
     /// When a row is missing or damaged, when folders disagree, or when the system refuses.
-    pub(crate) fn join(&self, from: &[PathBuf]) -> Result<(), StoreError> {
+    pub(crate) fn join(
+        &self,
+        from: &[PathBuf],
+        complete: &mut dyn FnMut(usize, String) -> Result<String, StoreError>,
+    ) -> Result<(), StoreError> {
         let mut rows: BTreeMap<usize, PathBuf> = BTreeMap::new();
         let all = self.origin.problem.rows();
         for folder in from {
@@ -286,7 +331,7 @@ impl<P: Rowed> RowsFolder<P> {
             out.write_all(self.origin.problem.header().as_bytes())
                 .map_err(io_error("write it", path))?;
             for (row, file) in &rows {
-                let cells = self.cells(*row, file)?;
+                let cells = complete(*row, self.cells(*row, file)?)?;
                 out.write_all(cells.as_bytes())
                     .map_err(io_error("write it", path))?;
             }
@@ -301,8 +346,10 @@ impl<P: Rowed> RowsFolder<P> {
     fn convert(&self) -> Result<(), StoreError> {
         use super::parquet::{Kind, convert};
         let kind = |name: &str| match name {
-            "row" | "column" | "passage" | "periods" | "unstable" | "lead_sector" => Kind::Integer,
-            "start" | "found" | "regimes" | "switches" | "stable" | "why" => Kind::Text,
+            "row" | "column" | "passage" | "attractor" | "periods" | "unstable" | "lead_sector" => {
+                Kind::Integer
+            }
+            "start" | "found" | "regimes" | "switches" | "mark" | "stable" | "why" => Kind::Text,
             _ => Kind::Number,
         };
         let table = self.path().join(P::TABLE);

@@ -5,9 +5,10 @@ use super::rows::Rowed;
 use super::store::Kind;
 use crate::affine::motion::Place;
 use crate::affine::system::System;
+use crate::hybrid::exponents::Exponent;
 use crate::hybrid::scan::{Scanner, Settled};
 use crate::messages::lack;
-use crate::problem::SystemProblem;
+use crate::problem::{Scan, SystemProblem};
 use crate::table::{Table, line_of, number};
 
 impl Rowed for SystemProblem {
@@ -30,12 +31,24 @@ impl Rowed for SystemProblem {
 
     fn header(&self) -> String {
         let own = |names: &[&str]| names.iter().map(|name| (*name).to_owned()).collect();
-        let columns: [Vec<String>; 3] = [
+        let exponents = self.scan.as_ref().map(Scan::exponent_columns);
+        let columns: [Vec<String>; 5] = [
             own(&["value", "sweep", "sample"]),
             self.system.source.states.clone(),
-            own(&["phase", "mode", "why"]),
+            own(&["phase", "mode"]),
+            exponents.unwrap_or_default(),
+            own(&["why"]),
         ];
         line_of(&columns.concat())
+    }
+}
+
+/// An exponent with its standard error. −∞ is no number that is missing, and has none.
+fn exponent(exponent: Exponent) -> [String; 2] {
+    match exponent {
+        Exponent::Finite { value, error } => [number(value), error.map(number).unwrap_or_default()],
+        Exponent::Lost => ["-inf".to_owned(), String::new()],
+        Exponent::Unknown => [String::new(), String::new()],
     }
 }
 
@@ -54,6 +67,7 @@ pub(crate) fn lines(system: &System, settled: &[Settled]) -> String {
                 &first
                     .into_iter()
                     .chain(cells)
+                    .chain(one.exponents.iter().copied().flat_map(exponent))
                     .chain([why])
                     .collect::<Vec<_>>(),
             )

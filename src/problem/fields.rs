@@ -5,7 +5,7 @@
 
 use super::error::{Flaw, excerpt};
 use super::leaf::{self, Leaf};
-use super::map::{MAX_GRID, MAX_MAP_POINTS};
+use super::map::{MAX_DRAWS, MAX_GRID, MAX_MAP_POINTS};
 use super::outline::Outline;
 use super::scan::MAX_KEPT;
 use super::system::{MAX_PERIODS, MAX_SETTLE};
@@ -24,7 +24,7 @@ const AROUND: Range = Range::from(MIN_SIMULATION_POINTS as f64).to(MAX_SIMULATIO
 
 /// Path, admitted values, and the rule in words, with `{}` for the values.
 #[rustfmt::skip] // one field a line
-const FIELDS: [(&str, Range, &str); 58] = [
+const FIELDS: [(&str, Range, &str); 60] = [
     ("tube.young", POSITIVE, "Young's modulus, in Pa, must be {}"),
     ("tube.density", POSITIVE, "the density, in kg/m³, must be {}"),
     ("tube.poisson", Range::above(-1.0).below(0.5), "Poisson's ratio must lie {}"),
@@ -59,6 +59,7 @@ const FIELDS: [(&str, Range, &str); 58] = [
     ("map.points.rows", TWO.to(MAX_GRID as f64), "a grid has {} of them"),
     ("map.points.columns", TWO.to(MAX_GRID as f64), "a grid has {} of them"),
     ("map.points.count", COUNT.to(MAX_MAP_POINTS as f64), "a map has {} points"),
+    ("map.shares.draws", COUNT.to(MAX_DRAWS as f64), "a value has {} motions"),
     ("simulation.body.points", AROUND, "a simulation has {} points around"),
     ("simulation.body.around", AROUND, "a simulation has {} points around"),
     ("simulation.body.across", TWO, "an annulus has {} elements across"),
@@ -69,6 +70,7 @@ const FIELDS: [(&str, Range, &str); 58] = [
     ("simulation.snapshots", Range::upto(MAX_SNAPSHOTS as f64), "ask for {} snapshots"),
     ("simulation.samples", COUNT.to(MAX_SAMPLES as f64), "a motion has {} samples"),
     ("scan.settle", Range::from(0.0).to(MAX_SETTLE), "the motion settles in {} periods"),
+    ("scan.lyapunov", COUNT, "a motion has {} Lyapunov exponent"),
     ("scan.keep", COUNT.to(MAX_KEPT as f64), "a value has {} samples"),
     ("simulation.growth.pairs", TWO.to(1000.0), "Arnoldi's method takes {} pairs of runs"),
     ("simulation.growth.amplitude", POSITIVE.to(0.1), "the difference of runs must be {}"),

@@ -2,32 +2,56 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Beginning, Start};
+use super::{Beginning, ScanValues, Start};
+use crate::affine::system::Ordered;
 use crate::tube::model::Parameter;
 
 /// Most rows or columns of a grid.
 pub(crate) const MAX_GRID: usize = 100_000;
 /// Most points of a map.
 pub(crate) const MAX_MAP_POINTS: usize = 100_000_000;
+/// Most motions of a value of shares.
+pub(crate) const MAX_DRAWS: usize = 1_000_000;
 
 /// A map over a plane of two parameters, of waves unless told otherwise.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-#[serde(bound(deserialize = "P: Deserialize<'de>, S: Deserialize<'de> + Starts"))]
-pub struct Map<P = Parameter, S = Start> {
-    /// The parameter that is the same along a row of a grid.
-    pub first: MapAxis<P>,
-    /// The parameter that changes along a row of a grid: branches of waves are followed in it.
-    pub second: MapAxis<P>,
+#[serde(bound(deserialize = "X: Deserialize<'de>, S: Deserialize<'de> + Starts"))]
+pub struct Map<X = MapAxis, S = Start> {
+    /// What is the same along a row of a grid.
+    pub first: X,
+    /// What changes along a row of a grid: branches of waves are followed in it.
+    pub second: X,
     /// Where in the plane.
     pub points: MapPoints,
     /// Which waves to begin with, each at most once; of a system where motions begin.
     #[serde(default = "Starts::unless_given")]
     pub starts: Vec<S>,
+    /// Of a system: how large a share of motions comes to which attractor, along a parameter.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub shares: Option<Shares>,
+}
+
+/// Shares of attractors along a parameter, by motions that begin at random.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Shares {
+    /// The parameter.
+    pub parameter: String,
+    /// Its values.
+    pub values: ScanValues,
+    /// How many motions begin at each value: at the same states at all of them.
+    pub draws: usize,
+    /// The same random states for the same number.
+    pub seed: u64,
+    /// Ranges of the random states; those that are not named begin as the start says. Without any of them all states
+    /// lie within max(1, |s|) of their start s.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub within: Option<Ordered<(f64, f64)>>,
 }
 
 /// The same for motions of a system; those of `orbit` where no starts are given.
-pub type SystemMap = Map<String, Beginning>;
+pub type SystemMap = Map<SystemAxis, Beginning>;
 
 /// What a map begins with.
 pub trait Starts: Sized {
@@ -50,11 +74,78 @@ impl Starts for Beginning {
 /// One side of the plane.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct MapAxis<P = Parameter> {
+pub struct MapAxis {
     /// Parameter.
-    pub parameter: P,
+    pub parameter: Parameter,
     /// Lower and upper end, lower < upper.
     pub range: (f64, f64),
+}
+
+/// The same of a system: of a parameter, or of a state in which motions begin. A problem that is checked has one of both,
+/// the same for both sides.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SystemAxis {
+    /// Parameter.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub parameter: Option<String>,
+    /// State.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub state: Option<String>,
+    /// Lower and upper end, lower < upper.
+    pub range: (f64, f64),
+}
+
+/// A side of a plane.
+pub trait PlaneAxis {
+    /// What changes along it, as the file writes it, and in which field.
+    fn written(&self) -> (String, &'static str);
+    /// Lower and upper end.
+    fn range(&self) -> (f64, f64);
+}
+
+impl PlaneAxis for MapAxis {
+    fn written(&self) -> (String, &'static str) {
+        (format!("{:?}", self.parameter), PARAMETER)
+    }
+
+    fn range(&self) -> (f64, f64) {
+        self.range
+    }
+}
+
+impl PlaneAxis for SystemAxis {
+    fn written(&self) -> (String, &'static str) {
+        let field = if self.state.is_some() {
+            STATE
+        } else {
+            PARAMETER
+        };
+        (format!("{:?}", self.name()), field)
+    }
+
+    fn range(&self) -> (f64, f64) {
+        self.range
+    }
+}
+
+impl SystemAxis {
+    /// The name of the parameter or the state.
+    pub fn name(&self) -> &str {
+        let name = self.state.as_ref().or(self.parameter.as_ref());
+        name.map_or("", String::as_str)
+    }
+}
+
+/// The fields of an axis that may name what changes.
+pub(crate) const PARAMETER: &str = "parameter";
+pub(crate) const STATE: &str = "state";
+
+impl SystemMap {
+    /// Whether it is one of initial states: a basin of attraction.
+    pub fn is_basin(&self) -> bool {
+        self.first.state.is_some()
+    }
 }
 
 /// Points of the plane.

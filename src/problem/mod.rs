@@ -37,8 +37,8 @@ pub use curve::{Curve, CurveEvent, SystemCurve, SystemCurveEvent};
 pub use doubt::Doubt;
 pub use error::ProblemError;
 pub use expectation::Expectation;
-pub use map::{Map, MapAxis, MapPoints, Starts, SystemMap};
-pub use scan::{Scan, ScanValues, Section, Sweep};
+pub use map::{Map, MapAxis, MapPoints, PlaneAxis, Shares, Starts, SystemAxis, SystemMap};
+pub use scan::{LyapunovCount, Scan, ScanValues, Section, Sweep};
 pub use system::{
     Beginning, Equilibrium, EquilibriumStart, Multipliers, Orbit, OrbitStart, SystemPlot,
     SystemProblem, SystemSimulation,

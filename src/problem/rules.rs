@@ -2,6 +2,7 @@
 
 use std::fmt::Debug;
 
+use super::PlaneAxis;
 use super::error::{Flaw, excerpt};
 use super::expectation::MAX_EXPECTATIONS;
 use super::explanation::known;
@@ -75,12 +76,17 @@ impl<P> Checks<'_, P> {
         self.refuse(path, message, "list each once")
     }
 
-    /// Refuses a plane of one parameter, or with points without end.
-    pub fn plane<N: Debug + PartialEq, S>(&self, section: &Map<N, S>) -> Check {
-        let parameter = &section.second.parameter;
-        let differ = section.first.parameter != *parameter;
-        let rule = "the two parameters of a map must be different";
-        self.admit("map.second.parameter", parameter, differ, rule)?;
+    /// Refuses a plane of one parameter or state, or with points without end.
+    pub fn plane<X: PlaneAxis, S>(&self, section: &Map<X, S>) -> Check {
+        let (name, field) = section.second.written();
+        let differ = section.first.written() != section.second.written();
+        let rule = format!("the two {field}s of a map must be different");
+        self.admit(
+            &format!("map.second.{field}"),
+            format_args!("{name}"),
+            differ,
+            &rule,
+        )?;
         let MapPoints::Grid { rows, columns } = section.points else {
             return Ok(());
         };

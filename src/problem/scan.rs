@@ -1,6 +1,9 @@
 //! Brute force: what motions of a system settle on, for many values of a parameter.
 
-use serde::{Deserialize, Serialize};
+use std::fmt;
+
+use serde::de::{self, Visitor};
+use serde::{Deserialize, Deserializer, Serialize};
 
 use super::system::Beginning;
 use crate::affine::system::{ModeSource, Ordered, SwitchSource, System, SystemError};
@@ -27,6 +30,9 @@ pub struct Scan {
     pub settle: f64,
     /// Samples taken of each value.
     pub keep: usize,
+    /// Whether the largest Lyapunov exponent is computed, or how many are.
+    #[serde(default, skip_serializing_if = "LyapunovCount::is_none")]
+    pub lyapunov: LyapunovCount,
     /// Where samples are taken; where the phase is zero unless given.
     #[serde(default)]
     pub section: Section,
@@ -40,6 +46,68 @@ pub struct Scan {
     /// lie within max(1, |s|) of their start s.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub within: Option<Ordered<(f64, f64)>>,
+}
+
+/// How many Lyapunov exponents are computed: `true` is the largest alone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(untagged)]
+pub enum LyapunovCount {
+    /// One or none.
+    Whether(bool),
+    /// So many.
+    Count(usize),
+}
+
+impl LyapunovCount {
+    /// How many they are.
+    pub fn count(self) -> usize {
+        match self {
+            LyapunovCount::Whether(asked) => usize::from(asked),
+            LyapunovCount::Count(count) => count,
+        }
+    }
+
+    fn is_none(&self) -> bool {
+        *self == LyapunovCount::default()
+    }
+}
+
+impl Default for LyapunovCount {
+    fn default() -> Self {
+        LyapunovCount::Whether(false)
+    }
+}
+
+impl<'de> Deserialize<'de> for LyapunovCount {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(LyapunovCountVisitor)
+    }
+}
+
+struct LyapunovCountVisitor;
+
+impl Visitor<'_> for LyapunovCountVisitor {
+    type Value = LyapunovCount;
+
+    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str("`true`, or how many exponents")
+    }
+
+    fn visit_bool<E: de::Error>(self, value: bool) -> Result<LyapunovCount, E> {
+        Ok(LyapunovCount::Whether(value))
+    }
+
+    fn visit_u64<E: de::Error>(self, value: u64) -> Result<LyapunovCount, E> {
+        let count = usize::try_from(value);
+        let refused = |_| E::invalid_value(de::Unexpected::Unsigned(value), &self);
+        Ok(LyapunovCount::Count(count.map_err(refused)?))
+    }
+
+    fn visit_i64<E: de::Error>(self, value: i64) -> Result<LyapunovCount, E> {
+        let refused = |_| E::invalid_value(de::Unexpected::Signed(value), &self);
+        let count = u64::try_from(value).map_err(refused)?;
+        self.visit_u64(count)
+    }
 }
 
 /// Values of a parameter.
@@ -94,6 +162,18 @@ impl ScanValues {
 }
 
 impl Scan {
+    /// Names of the columns of the Lyapunov exponents that are asked for.
+    pub fn exponent_columns(&self) -> Vec<String> {
+        let numbers = 1..=self.lyapunov.count();
+        let names = numbers.map(|number| match number {
+            1 => "lyapunov".to_owned(),
+            _ => format!("lyapunov_{number}"),
+        });
+        names
+            .flat_map(|name| [format!("{name}_error"), name].into_iter().rev())
+            .collect()
+    }
+
     /// The system with one more mode, which nothing leads to and the first guard of which is the expression of the
     /// section, and the number of that mode; without such an expression the system as it is.
     ///

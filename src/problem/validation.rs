@@ -280,6 +280,10 @@ impl Checks<'_, Problem> {
             let holds = known && !starts[..index].contains(start);
             self.admit(&format!("map.starts.{index}"), start, holds, rule)?;
         }
+        if section.shares.is_some() {
+            let message = "`map.shares` is for motions of a system of one's own";
+            return self.refuse("map.shares", message, "leave it out");
+        }
         Ok(())
     }
 

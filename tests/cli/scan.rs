@@ -126,7 +126,8 @@ fn samples_at_impacts_and_their_lack() {
 
 #[test]
 fn the_same_bytes_however_they_are_computed() {
-    for (section, shards) in [(SWEEP, 2), (FRESH, 3)] {
+    let exponents = format!("{SWEEP}, lyapunov: 2");
+    for (section, shards) in [(SWEEP, 2), (FRESH, 3), (&exponents, 2)] {
         let bench = Bench::new();
         bench.put("p.ron", problem(section));
         let whole = scanned(&bench, "whole", &["--threads", "1"]);
@@ -204,6 +205,34 @@ fn a_branch_is_drawn_over_a_scan() {
     assert!(page.contains("What motions settle on") && page.contains("scan.csv"));
 }
 
+/// The exponents stand in every row of their value, below each other in the picture, and change nothing else.
+#[test]
+fn exponents_are_columns_of_their_own() {
+    let bench = Bench::new();
+    bench.put("p.ron", problem(SWEEP));
+    let without = scanned(&bench, "without", &[]);
+    bench.put("p.ron", problem(&format!("{SWEEP}, lyapunov: 2")));
+    let with = scanned(&bench, "with", &[]);
+    let header =
+        "value,sweep,sample,x,v,phase,mode,lyapunov,lyapunov_error,lyapunov_2,lyapunov_2_error,why";
+    assert_eq!(with.lines().next(), Some(header));
+    let bare = with.lines().map(|line| {
+        let cells: Vec<&str> = line.split(',').collect();
+        [&cells[..7], &cells[11..]].concat().join(",")
+    });
+    assert_eq!(
+        bare.collect::<Vec<_>>(),
+        without.lines().collect::<Vec<_>>()
+    );
+    let picture = fs::read_to_string(bench.path("with/scan.svg")).unwrap();
+    assert!(picture.contains("exponents λ"));
+    // volumes shrink by e^(−cT) in a period and by e² at each of its impacts, of which there is one
+    let table = Table::parse(with.as_bytes());
+    let sum = table.number(0, "lyapunov") + table.number(0, "lyapunov_2");
+    let expected = -0.1 + 2.0 * 0.8_f64.ln() * 1.5 / TAU;
+    assert!((sum - expected).abs() < 1e-12, "{sum} {expected}");
+}
+
 #[test]
 fn bad_scans_are_told_with_their_place() {
     let bench = Bench::new();
@@ -242,6 +271,15 @@ fn bad_scans_are_told_with_their_place() {
             "the lower end first",
         ),
         ("settle: 30", "setle: 30", "settle"),
+        (
+            "keep: 4",
+            "keep: 4, lyapunov: 3",
+            "the system has 2 of them",
+        ),
+        ("keep: 4", "keep: 4, lyapunov: 0", "`scan.lyapunov` is 0"),
+        ("keep: 4", "keep: 4, lyapunov: -1", "how many exponents"),
+        ("keep: 4", "keep: 4, lyapunov: \"x\"", "how many exponents"),
+        ("keep: 4", "keep: 1, lyapunov: true", "at least two"),
     ] {
         bench.put("p.ron", problem(&changed(&good, from, to)));
         let said = bench.run(&["scan", "p.ron", "--out", "s"]).expect(2).stderr;

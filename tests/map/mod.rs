@@ -1,6 +1,7 @@
 //! Claims about maps: their cells are the waves of the branches, wherever and in whatever order they
 //! were computed.
 
+mod basins;
 mod cells;
 mod motions;
 mod shards;

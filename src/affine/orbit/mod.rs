@@ -29,7 +29,7 @@ pub mod margin;
 mod memory;
 mod monitor;
 pub mod multipliers;
-mod passage;
+pub(in crate::affine) mod passage;
 mod residual;
 pub mod row;
 mod section;

@@ -98,14 +98,14 @@ const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
 /// Rates on both sides of a switch are the same to this part of the terms of one of them: those of states that are known
 /// to a few roundings.
-const CONTINUOUS: f64 = 16.0 * f64::EPSILON;
+pub(in crate::affine) const CONTINUOUS: f64 = 16.0 * f64::EPSILON;
 
 /// An entry is zero where it is less than this part of the terms it is made of.
-const NOTHING: f64 = 16.0 * f64::EPSILON;
+pub(in crate::affine) const NOTHING: f64 = 16.0 * f64::EPSILON;
 
 /// Rank of a square matrix whose entries are known to bounds, whatever the units of its rows and columns: what is
 /// eliminated first is known best, and what is left at the end may be zero.
-fn rank(mut matrix: Matrix, mut bounds: Matrix) -> usize {
+pub(in crate::affine) fn rank(mut matrix: Matrix, mut bounds: Matrix) -> usize {
     let n = matrix.nrows();
     for step in 0..n {
         let places = (step..n).flat_map(|j| (step..n).map(move |i| (i, j)));
@@ -143,7 +143,7 @@ fn rank(mut matrix: Matrix, mut bounds: Matrix) -> usize {
 }
 
 /// Sums of the sizes of the terms of a product.
-fn sizes_of_product(matrix: &Matrix, vector: &Vector) -> Vector {
+pub(in crate::affine) fn sizes_of_product(matrix: &Matrix, vector: &Vector) -> Vector {
     let rows = matrix.nrows();
     let mut sizes = Vector::zeros(rows);
     let columns = matrix.as_slice().chunks_exact(rows);

@@ -553,7 +553,11 @@ impl<'a> Passage<'a> {
 }
 
 /// The derivative of this order of a form of a linear mode.
-pub(super) fn derivative<'r>(mode: &AffineMode, row: &'r Row, order: usize) -> Cow<'r, Row> {
+pub(in crate::affine) fn derivative<'r>(
+    mode: &AffineMode,
+    row: &'r Row,
+    order: usize,
+) -> Cow<'r, Row> {
     let first = Cow::Borrowed(row);
     (0..order).fold(first, |row, _| Cow::Owned(row.through(&mode.matrix)))
 }

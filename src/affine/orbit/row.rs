@@ -9,6 +9,8 @@ use serde::{Deserialize, Serialize};
 use super::OrbitStop;
 use super::layout::{AffineOrbit, OrbitFailure, Setting, ZonePoint};
 use super::signature::{Sequence, Zone};
+use crate::affine::flow::ModeFlow;
+use crate::affine::mode::AffineSystem;
 use crate::linalg::Vector;
 use crate::orbit::Orbit;
 
@@ -58,6 +60,31 @@ impl SavedOrbit {
         let parts = self.sequence.0.iter().cloned();
         let fits = self.zones.len() == self.sequence.len();
         fits.then(|| parts.zip(self.zones.iter().cloned()).collect())
+    }
+
+    /// States where the phase of the forcing is zero, one for each of its periods; none without.
+    pub fn strobes(&self, system: &AffineSystem) -> Vec<Vec<f64>> {
+        let omega = system.omega.value;
+        let mut phase = self.zones.first().map_or(0.0, |zone| zone.phase);
+        let mut strobes = Vec::new();
+        if omega <= 0.0 {
+            return strobes;
+        }
+        for (zone, at) in self.sequence.0.iter().zip(&self.zones) {
+            let mode = &system.modes[zone.mode];
+            let flow = ModeFlow::new(mode, at.duration);
+            let z = system.lift(zone.mode, &at.state, at.phase);
+            // where the phases of a zone end those of the next begin, so that each is met once
+            let end = phase + omega * at.duration;
+            let mut next = (phase / TAU).ceil() * TAU;
+            while next < end && strobes.len() < self.periods as usize {
+                let after = flow.after(&z, (next - phase) / omega);
+                strobes.push(after.rows(0, system.states).iter().copied().collect());
+                next += TAU;
+            }
+            phase = end;
+        }
+        strobes
     }
 
     /// The first of so many equal parts.

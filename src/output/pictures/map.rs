@@ -50,6 +50,8 @@ type Cells<'a> = &'a dyn Fn(&str) -> String;
 /// A plane, and the words for what is in it.
 struct Plane {
     points: MapPoints,
+    /// Where its points are, if no columns of the table tell.
+    begun: Option<map::Plane>,
     /// Name, quantity and range of the second parameter, and of the first.
     x: Side,
     y: Side,
@@ -90,6 +92,7 @@ pub(crate) fn picture(folder: &Path, problem: &Problem) -> Result<Picture, Store
     });
     let plane = Plane {
         points: map.points,
+        begun: None,
         x,
         y,
         found: |cell| match &*cell("passage") {
@@ -120,12 +123,14 @@ pub(crate) fn of_system(folder: &Path, problem: &SystemProblem) -> Result<Pictur
         return Err(unfinished(folder, "map", NO_SECTION));
     };
     let [x, y] = [&map.second, &map.first].map(|axis| Side {
-        column: axis.parameter.clone(),
-        quantity: (axis.parameter.as_str(), "").into(),
+        column: axis.name().to_owned(),
+        quantity: (axis.name(), "").into(),
         range: axis.range,
     });
     let plane = Plane {
         points: map.points,
+        // the columns of states tell of orbits, not where motions begin
+        begun: map.is_basin().then(|| map::Plane::new(map)),
         x,
         y,
         found: |cell| match &*cell("found") {
@@ -134,8 +139,9 @@ pub(crate) fn of_system(folder: &Path, problem: &SystemProblem) -> Result<Pictur
             "orbit" => {
                 let switches = if cell("switches").is_empty() { "0" } else { "" };
                 let orbit = [&cell("periods"), &cell("regimes"), switches];
-                Found::Wave(orbit.join(" "))
+                Found::Wave(numbered(cell) + &orbit.join(" "))
             }
+            "equilibrium" => Found::Wave(numbered(cell) + "equilibrium"),
             other => Found::Wave(other.to_owned()),
         },
         start: "start ",
@@ -170,11 +176,19 @@ pub(crate) fn of_system(folder: &Path, problem: &SystemProblem) -> Result<Pictur
     }
     let shown = |kind: &str| (colours[kind], kind.to_owned());
     let picture = plane.picture(&waves, &blanks, &shown);
-    let followed = [&*map.first.parameter, &*map.second.parameter];
+    let followed = [map.first.name(), map.second.name()];
     let constants = constants(&problem.system.source, &followed);
     Ok(picture
         .titled(problem.title.as_deref())
         .subtitled(&constants))
+}
+
+/// The number of an attractor in front of its name; nothing in a plane of parameters.
+fn numbered(cell: Cells) -> String {
+    match &*cell("attractor") {
+        "" => String::new(),
+        number => format!("{number}: "),
+    }
 }
 
 /// Orbits beyond those that have colours of their own.
@@ -197,7 +211,10 @@ fn is_orbit(kind: &str) -> bool {
 const LONGEST: usize = 36;
 
 /// An orbit of so many periods, `2 free-free`, in the words of a legend: in one of its cyclic forms, what repeats once.
-fn orbit_name(kind: &str) -> String {
+pub(super) fn orbit_name(kind: &str) -> String {
+    if let Some((number, kind)) = kind.split_once(": ") {
+        return format!("{number}: {}", orbit_name(kind));
+    }
     let [periods, regimes, never] = kind.split(' ').collect::<Vec<_>>()[..] else {
         return kind.to_owned();
     };
@@ -348,7 +365,9 @@ impl Plane {
         let header = reader.headers().map_err(fault)?.clone();
         let place = |column: &str| header.iter().position(|name| name == column);
         let needed = ["row", "column", "passage", "start", "regimes", "stable"];
-        for column in needed.into_iter().chain([&*self.x.column, &self.y.column]) {
+        let sides = [&*self.x.column, &self.y.column];
+        let sides = sides.into_iter().filter(|_| self.begun.is_none());
+        for column in needed.into_iter().chain(sides) {
             if place(column).is_none() {
                 return Err(resumable(&path, format!("it has no column `{column}`")));
             }
@@ -364,7 +383,13 @@ impl Plane {
             let value = |column: &str| cell(column).parse::<f64>().unwrap_or(f64::NAN);
             let count = |column: &str| cell(column).parse().unwrap_or(usize::MAX - 1);
             let (row, column, start) = (count("row"), count("column"), cell("start"));
-            let at = (value(&self.x.column), value(&self.y.column));
+            let at = match &self.begun {
+                None => (value(&self.x.column), value(&self.y.column)),
+                Some(plane) => {
+                    let at = plane.point(row, column);
+                    at.map_or((f64::NAN, f64::NAN), |[first, second]| (second, first))
+                }
+            };
             match (self.found)(&cell) {
                 Found::Wave(kind) => waves.push(Wave {
                     row,

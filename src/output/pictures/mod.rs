@@ -16,6 +16,7 @@ pub(crate) mod orbits;
 pub(crate) mod page;
 mod profile;
 pub(crate) mod scan;
+pub(crate) mod shares;
 mod simulation;
 mod spectrum;
 pub(crate) mod steady;

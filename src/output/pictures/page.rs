@@ -156,7 +156,7 @@ fn of_system(picture: &str, kind: Option<Kind>, problem: &SystemProblem) -> Stri
         Some(Kind::Scan) => format!("Samples of {first} against {scanned}, and a branch over them"),
         Some(Kind::Map) => {
             let axes = problem.map.iter().flat_map(|map| [&map.second, &map.first]);
-            let axes: Vec<&str> = axes.map(|axis| axis.parameter.as_str()).collect();
+            let axes: Vec<&str> = axes.map(|axis| axis.name()).collect();
             format!(
                 "What motions settle on in the plane of {}",
                 axes.join(" and ")

@@ -9,16 +9,21 @@ use super::tables::{Tables, read};
 use super::{Named, PlotError, put};
 use crate::output::layout::{SCAN, SCANNED};
 use crate::output::render::{
-    Axis, BLACK, BLUE, Extent, Format, Key, Layer, Legend, Mark, Panel, Picture, Point, Shape,
-    VERMILLION, range,
+    Axis, BLACK, BLUE, Extent, Format, GREY, Key, Layer, Legend, Mark, Panel, Pen, Picture, Point,
+    Shape, VERMILLION, range,
 };
 use crate::output::store::{Store, StoreError, unfinished};
 use crate::problem::{Scan, ScanValues, Section, SystemProblem};
+use crate::table::Table;
 
 /// Radius of a dot.
 const DOT: f64 = 0.7;
 /// Dots that are told apart over the height of the panel: more is a file without end.
 const LEVELS: f64 = 500.0;
+
+/// Height of the panel of exponents, and radius of its dots.
+const EXPONENTS_HEIGHT: f64 = 130.0;
+const EXPONENT_DOT: f64 = 1.0;
 
 /// What an empty picture says.
 const NONE: &str = "no motion came to the section";
@@ -114,12 +119,36 @@ pub(crate) fn picture(
         Some(_) => format!("{state}; branch: greatest and least {state}"),
         None => state.clone(),
     };
-    let x = Axis::new((scan.parameter.as_str(), ""), Extent::Data(0.02));
+    let x = || Axis::new((scan.parameter.as_str(), ""), Extent::Data(0.02));
     let y = Axis::new((caption.as_str(), ""), Extent::Data(0.04));
-    let panel = Panel::new(x, y, layers).unless(nothing, NONE);
-    let picture = Picture::new(vec![panel], legend).titled(problem.title.as_deref());
+    let mut panels = vec![Panel::new(x(), y, layers).unless(nothing, NONE)];
+    if scan.lyapunov.count() > 0 {
+        let layers = exponents(scan, &table);
+        let y = Axis::new(("exponents λ", ""), Extent::Data(0.06));
+        panels.push(Panel::new(x(), y, layers).high(EXPONENTS_HEIGHT));
+    }
+    let picture = Picture::new(panels, legend).titled(problem.title.as_deref());
     let subtitle = format!("{}; {}", taken(scan), constants(source, &[&scan.parameter]));
     Ok(picture.subtitled(&subtitle))
+}
+
+/// Every finite exponent over the parameter, the largest in black and others in grey, one dot a value and sweep, with the
+/// line 0 that order and chaos lie beside.
+fn exponents(scan: &Scan, table: &Table) -> Vec<Layer> {
+    let columns = scan.exponent_columns();
+    let values = columns.iter().step_by(2).enumerate().rev();
+    let marks = values.map(|(number, column)| {
+        let mut seen = BTreeSet::new();
+        let rows = (0..table.len()).filter_map(|row| {
+            let (x, y): (f64, f64) = (table.field(row, "value")?, table.field(row, column)?);
+            seen.insert((x.to_bits(), y.to_bits())).then_some((x, y))
+        });
+        let points = rows.filter(|(_, y)| y.is_finite()).collect();
+        let colour = if number == 0 { BLACK } else { GREY };
+        Layer::Marks(points, Mark::new(Shape::Dot, EXPONENT_DOT, colour))
+    });
+    let zero = Layer::Across(0.0, Pen::solid(GREY, 0.6));
+    std::iter::once(zero).chain(marks).collect()
 }
 
 /// Where samples are taken, in words.

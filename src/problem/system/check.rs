@@ -5,17 +5,14 @@ use super::super::expectation::Expectation;
 use super::super::explanation::{known, unknown_field};
 use super::super::outline::{Outline, Subject};
 use super::super::rules::{Check, Checks, ORDER, lengths};
-use super::super::scan::{MAX_SCANNED, MAX_VALUES};
-use super::super::{
-    Continuation, Curve, Scan, ScanValues, Section, Sweep, SystemCurve, SystemCurveEvent,
-    SystemMap, fields,
-};
+use super::super::{Continuation, Curve, SystemCurve, SystemCurveEvent, fields};
 use super::equilibrium::{COLUMNS, one_of_both};
 use super::mistake::flaw_at;
 use super::{Beginning, OrbitStart, SystemPlot, SystemProblem};
 use crate::affine::closure::{PERIOD, Prescribed};
 use crate::affine::monitor::MONITOR;
-use crate::affine::system::{BadName, Mistake, Ordered, Source, is_name};
+use crate::affine::system::{BadName, Mistake, Ordered, Source, SystemError, is_name};
+use crate::affine::values::value;
 use crate::orbit::EventType;
 
 /// Most parameters, and most abbreviations.
@@ -86,6 +83,7 @@ const NO_STATE: [&str; 13] = [
 /// Refuses numbers and texts that are not admitted by themselves, and lists without end.
 pub(super) fn written(written: &SystemProblem<Source>, outline: &Outline) -> Check {
     one_of_both(written, outline)?;
+    values(&written.system, outline)?;
     lengths(written.continuation.as_ref(), &written.expect, outline)?;
     let Source {
         parameters,
@@ -129,6 +127,22 @@ pub(super) fn written(written: &SystemProblem<Source>, outline: &Outline) -> Che
     fields::check(written, outline)
 }
 
+/// Refuses a value of a parameter that is written as an expression and has none.
+fn values(source: &Source, outline: &Outline) -> Check {
+    let all = &source.parameters.0;
+    for (index, (name, _)) in all.iter().enumerate().filter(|(_, one)| one.1.is_nan()) {
+        let path = format!("system.parameters.{name}");
+        let text = outline.text.get(outline.locate(&path)).unwrap_or_default();
+        let text: Result<String, _> = ron::from_str(text);
+        let flawed = text.ok().map(|text| value(&text, &all[..index]));
+        if let Some(Err(flaw)) = flawed {
+            let error = SystemError::at(&path, Mistake::Expression(flaw));
+            return Err(flaw_at(source, outline, &path, &error));
+        }
+    }
+    Ok(())
+}
+
 /// Refuses the first values of the problem that make no sense together.
 pub(super) fn check(problem: &SystemProblem, outline: &Outline) -> Check {
     let checks = Checks { problem, outline };
@@ -170,7 +184,7 @@ fn is_extremum(name: &str, states: &[String]) -> bool {
 }
 
 impl Checks<'_, SystemProblem> {
-    fn source(&self) -> &Source {
+    pub(super) fn source(&self) -> &Source {
         &self.problem.system.source
     }
 
@@ -493,7 +507,7 @@ impl Checks<'_, SystemProblem> {
     }
 
     /// Refuses a range at an end of which the system makes no sense; returns the value of the parameter here.
-    fn ends(&self, path: &str, column: &str, ends: [f64; 2]) -> Result<f64, Flaw> {
+    pub(super) fn ends(&self, path: &str, column: &str, ends: [f64; 2]) -> Result<f64, Flaw> {
         let mut values = self.problem.values();
         let index = self.source().parameters.index(column).unwrap_or(0);
         let here = values[index];
@@ -512,90 +526,6 @@ impl Checks<'_, SystemProblem> {
             }
         }
         Ok(here)
-    }
-
-    fn map(&self, section: &SystemMap) -> Check {
-        let names: Vec<&str> = self.source().parameters.names().collect();
-        for (side, axis) in [("first", &section.first), ("second", &section.second)] {
-            let (path, range) = (format!("map.{side}.range"), axis.range);
-            let column = axis.parameter.as_str();
-            self.one_of(
-                &format!("map.{side}.parameter"),
-                "parameter",
-                column,
-                &names,
-            )?;
-            self.admit(&path, range, range.0 < range.1, ORDER)?;
-            self.ends(&path, column, [range.0, range.1])?;
-        }
-        self.plane(section)?;
-        for (index, start) in section.starts.iter().enumerate() {
-            self.start(&format!("map.starts.{index}"), start)?;
-        }
-        Ok(())
-    }
-
-    fn scan(&self, section: &Scan) -> Check {
-        let names: Vec<&str> = self.source().parameters.names().collect();
-        self.one_of("scan.parameter", "parameter", &section.parameter, &names)?;
-        let ScanValues::Linear(low, high, count) = section.values;
-        self.admit("scan.values", section.values, low < high, ORDER)?;
-        let rule = format!("a scan has from 2 to {MAX_VALUES} values");
-        let holds = (2..=MAX_VALUES).contains(&count);
-        self.admit("scan.values.2", count, holds, &rule)?;
-        let rule = format!("take fewer values or samples, {MAX_SCANNED} samples in all at most");
-        let holds = count.saturating_mul(section.keep) <= MAX_SCANNED;
-        self.admit("scan.keep", section.keep, holds, &rule)?;
-        self.ends("scan.values", &section.parameter, [low, high])?;
-        if let (Section::Phase(_), None) = (&section.section, &self.source().forcing) {
-            let message = "there is no `forcing` whose phase a section could be";
-            let help = "write `section: Zero(\"..\")`: samples are taken where this expression rises to zero";
-            return self.refuse("scan.section", message, help);
-        }
-        let extended = section.system(&self.problem.system);
-        let sensible = extended.and_then(|(system, _)| system.at(&self.problem.values(), &[]));
-        if let Err(error) = sensible {
-            let path = "scan.section.0";
-            return Err(flaw_at(self.source(), self.outline, path, &error));
-        }
-        match &section.start {
-            Some(start) => self.start("scan.start", start)?,
-            None if self.problem.earlier_run().is_some() => {
-                let message =
-                    "`orbit` begins at an earlier run: where the motions begin is not known";
-                let help =
-                    "add for example `start: (mode: \"free\", state: {\"x\": 0.0, \"v\": 0.0})`";
-                return self.refuse("scan", message, help);
-            }
-            None => {}
-        }
-        for (name, given) in [
-            ("seed", section.seed.is_some()),
-            ("within", section.within.is_some()),
-        ] {
-            let random = section.sweep == Sweep::Fresh;
-            if given && !random {
-                let message = format!("`{name}` is for motions that begin at random");
-                let help = "leave it out, or write `sweep: Fresh`";
-                return self.refuse(&format!("scan.{name}"), message, help);
-            }
-        }
-        let Some(Ordered(ranges)) = &section.within else {
-            return Ok(());
-        };
-        if section.seed.is_none() {
-            let message = "`within` is for motions that begin at random";
-            return self.refuse("scan.within", message, "add for example `seed: 1`");
-        }
-        let states: Vec<&str> = self.source().states.iter().map(String::as_str).collect();
-        for (index, (name, range)) in ranges.iter().enumerate() {
-            let path = format!("scan.within.{name}");
-            self.one_of(&path, "state", name, &states)?;
-            let twice = ranges[..index].iter().any(|(other, _)| other == name);
-            self.admit(&path, name, !twice, "keep one of the two")?;
-            self.admit(&path, range, range.0 < range.1, ORDER)?;
-        }
-        Ok(())
     }
 
     fn branch(&self, section: &Continuation<String>) -> Check {

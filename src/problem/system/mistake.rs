@@ -161,6 +161,9 @@ fn about_expression(source: &Source, wrong: &Wrong) -> String {
         Wrong::NoParameter(_) => {
             format!("the parameters are {}", list(source.parameters.names()))
         }
+        Wrong::NotBefore(_) => {
+            "a value has numbers, `pi` and the parameters before it: let them stand in this order".to_owned()
+        }
         Wrong::Unknown(_) => {
             let states = source.states.iter().map(String::as_str);
             let names = states

@@ -4,6 +4,7 @@
 mod check;
 mod equilibrium;
 mod mistake;
+mod motions;
 #[cfg(test)]
 mod tests;
 
