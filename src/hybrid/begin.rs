@@ -114,7 +114,7 @@ impl NoStart {
             ),
             NoStart::NoSection => (
                 "equilibrium",
-                "`run`, `check` and `steady` take equilibria; write `orbit` for anything else",
+                "`run`, `check`, `curve` and `steady` take equilibria; write `orbit` for anything else",
             ),
             NoStart::NotHopf { .. } | NoStart::NoCycle(_) => (
                 "orbit.start",

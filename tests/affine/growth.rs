@@ -143,6 +143,33 @@ fn a_cycle_that_repels_grows_too() {
     assert!((leading.re * multiplier - 1.0).abs() <= 1e-9, "{leading}");
 }
 
+/// What spirals out of the focus comes to a surface, slides back along it and leaves where the first did: at x = −am.
+#[test]
+fn a_cycle_that_slides_grows_in_proportion() {
+    let system = r#"(states: ["x", "y"], parameters: {"m": 0.5, "a": 0.1},
+        modes: {
+            "low": (rates: {"x": "a*x - y - m", "y": "x + a*(y + m)"}, until: [(zero: "-y", to: "up")]),
+            "up": (rates: {"x": "-2", "y": "-1"}, until: [(zero: "y", to: "low")]),
+        }, sliding: {"slide": ("low", "up")})"#;
+    let course = Course {
+        system,
+        mode: "low",
+        state: &[0.0, -0.5],
+        parameter: "m",
+        range: (-1.0, 1.0),
+    };
+    let [small, large] = [0.01, 0.5].map(|m| (m, cycle(&course, m).point));
+    for (m, point) in [&small, &large] {
+        assert_eq!(point.regimes, "low-slide");
+        assert_eq!(point.stable, Some(Stability::Yes));
+        let ((least, _), (first, _)) = (point.extremes[0], small.1.extremes[0]);
+        assert!((least / m - first / small.0).abs() <= 1e-10);
+        // the way through the mode takes the same time
+        let [own, known] = [point, &small.1].map(|point| point.switches[1]);
+        assert!((own - known).abs() <= 1e-10);
+    }
+}
+
 /// Both foci attract: no cycle. Three states are refused.
 #[test]
 fn where_no_cycle_grows_words_say_so() {

@@ -113,7 +113,16 @@ impl Boundary<'_> {
         let ratio = (high / low).powf(1.0 / count as f64);
         let starts = (0..=count).map(|index| low * ratio.powf(index as f64));
         let gain = |s: f64| self.returned(s).and_then(|returned| returned.gain());
-        let seen: Vec<(f64, Option<f64>)> = starts.map(|s| (s, gain(s))).collect();
+        let mut seen: Vec<(f64, Option<f64>)> = Vec::with_capacity(count + 1);
+        let mut found = Vec::new();
+        for s in starts {
+            let returned = self.returned(s);
+            let gain = returned.as_ref().and_then(Returned::gain);
+            seen.push((s, gain));
+            // motions that slide leave where the first did: they are on the cycle at once
+            let slides = returned.filter(|_| gain.is_none() && found.is_empty());
+            found.extend(slides);
+        }
         let cycle = |pair: &[(f64, Option<f64>)]| {
             let [(mut low, below), (mut high, above)] = [pair[0], pair[1]];
             let (below, above) = (below?, above?);
@@ -130,7 +139,8 @@ impl Boundary<'_> {
             }
             self.returned((low * high).sqrt())
         };
-        seen.windows(2).filter_map(cycle).collect()
+        found.extend(seen.windows(2).filter_map(cycle));
+        found
     }
 }
 
