@@ -74,6 +74,19 @@ pub struct AffineMode {
 }
 
 impl AffineMode {
+    /// Whether it leads to the same places by as many guards, exits and conditions as another.
+    pub(super) fn has_shape_of(&self, other: &AffineMode) -> bool {
+        let kind = |exit: &Exit| (exit.to, exit.rest, exit.tangent, exit.conditions.len());
+        let guard = |(one, other): (&Guard, &Guard)| {
+            one.written == other.written
+                && one.exits.iter().map(kind).eq(other.exits.iter().map(kind))
+        };
+        self.obstruction == other.obstruction
+            && self.held.len() == other.held.len()
+            && self.guards.len() == other.guards.len()
+            && self.guards.iter().zip(&other.guards).all(guard)
+    }
+
     /// Leads it to a value of the parameter in which the same mode, `origin`, is affine, from any other value; that is it where
     /// the parameter is zero. False where an entry that changes is zero by chance, or not finite.
     pub(super) fn lead(&mut self, origin: &AffineMode, value: f64) -> bool {
@@ -218,6 +231,23 @@ impl Modes {
     pub(super) fn made(count: usize, make: Make) -> Modes {
         let slots = Slots::new(count);
         Modes(Kind::Made(Arc::new(Made { count, make, slots })))
+    }
+
+    /// The same, of which those that are made when they are asked for lead only where they have the shape of others: where the
+    /// parameter is zero by chance, a mode may lead elsewhere than at other values.
+    pub(super) fn shaped_as(self, others: &Modes) -> Modes {
+        let Kind::Made(own) = &self.0 else {
+            return self;
+        };
+        let (own, others) = (own.clone(), others.clone());
+        Modes::made(
+            own.count,
+            Box::new(move |number| {
+                let mut mode = own.mode(number).clone();
+                mode.leads &= mode.has_shape_of(&others[number]);
+                mode
+            }),
+        )
     }
 
     /// Leads all of them to a value of the parameter in which those of the origin are affine, those that are made when they are

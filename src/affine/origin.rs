@@ -31,7 +31,7 @@ impl System {
         let mut zero = values.to_vec();
         zero[parameter] = 0.0;
         let led = Dual::led(&zero, parameter);
-        let system = self.evaluated_by(&led, (&[], &[])).ok()?.system;
+        let mut system = self.evaluated_by(&led, (&[], &[])).ok()?.system;
         let affine = |number: &Dual| number.degree <= Degree::Affine;
         if !system.signs.iter().chain([&system.omega]).all(affine) || system.program.made() > 0 {
             return None;
@@ -58,6 +58,8 @@ impl System {
         let anew: Anew = match self.products {
             None => Arc::new(|_| None),
             Some(_) => {
+                let here = self.at(values, &[parameter]).ok()?;
+                system.modes = system.modes.shaped_as(&here.modes);
                 let (own, values) = (self.clone(), values.to_vec());
                 Arc::new(move |value| {
                     let mut values = values.clone();

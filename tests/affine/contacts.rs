@@ -556,7 +556,7 @@ fn a_block_that_never_slips_stays_where_it_was() {
     for found in &all {
         let zones = found.orbit.at(&found.node.point).unwrap().zones;
         let [x, v] = [0, 1].map(|state| zones[0].state[state]);
-        assert!((x - 0.8).abs() < 1e-15 && v == 0.0, "{x} {v}");
+        assert!((x - 0.8).abs() < 1e-15 && v.abs() < 1e-15, "{x} {v}");
     }
     let multipliers = orbit.multipliers(&point).unwrap();
     let trivial = multipliers.iter().filter(|one| one.trivial);

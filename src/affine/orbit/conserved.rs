@@ -5,8 +5,8 @@
 //! what it was takes the place of the equation by which it would return, which says nothing.
 
 use super::forms::{Forms, Units};
-use super::signature::{Sequence, Zone};
-use super::structure::exit_of;
+use super::signature::{Sequence, Zone, exit_of};
+
 use crate::affine::mode::{AffineMode, AffineSystem, MatrixBy, Row};
 use crate::linalg::{Matrix, Vector};
 

@@ -9,7 +9,8 @@ use std::f64::consts::TAU;
 
 use super::examine::Examination;
 use super::layout::{AffineOrbit, ZonePoint};
-use super::structure::exit_of;
+
+use super::signature::exit_of;
 use super::{Critical, OrbitStop};
 use crate::affine::mode::Exit;
 use crate::continuation::Node;

@@ -4,7 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use super::layout::{OrbitAt, OrbitFailure};
 use super::passage::{Jet, Passage};
-use super::structure::exit_of;
+
+use super::signature::exit_of;
 use crate::affine::mode::{AffineMode, Row};
 
 /// What a margin measures.

@@ -9,7 +9,8 @@ use nalgebra::Complex;
 
 use super::layout::{AffineOrbit, OrbitAt, OrbitFailure};
 use super::passage::Passage;
-use super::structure::exit_of;
+
+use super::signature::exit_of;
 use crate::linalg::periodic_schur::{Factor, balance, eigenvalues, regular_part};
 use crate::linalg::{Matrix, Vector, product};
 use crate::orbit::events::AT_ZERO;

@@ -4,7 +4,8 @@ use std::f64::consts::TAU;
 
 use super::layout::{AffineOrbit, OrbitAt, OrbitFailure, Scales};
 use super::passage::Jet;
-use super::structure::exit_of;
+
+use super::signature::exit_of;
 use crate::affine::mode::Row;
 use crate::continuation::newton::{self, System};
 use crate::linalg::{self, Matrix, Vector};

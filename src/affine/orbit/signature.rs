@@ -6,6 +6,8 @@ use std::hash::{Hash, Hasher};
 
 use serde::{Deserialize, Serialize};
 
+use crate::affine::mode::{AffineSystem, Exit};
+
 /// The way a zone ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -192,6 +194,14 @@ impl Sequence {
         };
         (0..short).any(|shift| (0..long).any(|start| fits(shift, start)))
     }
+}
+
+/// The exit that a zone takes; `None` also for one that is not in the system.
+pub fn exit_of<'a>(system: &'a AffineSystem, sequence: &Sequence, zone: usize) -> Option<&'a Exit> {
+    let zone = sequence.zone(zone);
+    let way = zone.way?;
+    let guard = system.modes.get(zone.mode)?.guards.get(way.guard)?;
+    guard.exits.get(way.exit)
 }
 
 impl Sequence {

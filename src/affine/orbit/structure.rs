@@ -8,7 +8,7 @@ use std::cell::OnceCell;
 use super::conserved::Conserved;
 use super::forms::{Forms, Rates, Units};
 use super::generic::Points;
-use super::signature::{Sequence, ZonePoint};
+use super::signature::{Sequence, ZonePoint, exit_of};
 use crate::affine::flow::ModeFlow;
 use crate::affine::mode::{AffineMode, AffineSystem, Exit, Guard, Row};
 
@@ -98,14 +98,6 @@ impl ZoneFacts {
             None => self.end.contain(row, size, units),
         }
     }
-}
-
-/// The exit that a zone takes; `None` also for one that is not in the system.
-pub fn exit_of<'a>(system: &'a AffineSystem, sequence: &Sequence, zone: usize) -> Option<&'a Exit> {
-    let zone = sequence.zone(zone);
-    let way = zone.way?;
-    let guard = system.modes.get(zone.mode)?.guards.get(way.guard)?;
-    guard.exits.get(way.exit)
 }
 
 /// The state whose rate is zero where an orbit begins that neither switches nor is forced, where no orbit is known: the first

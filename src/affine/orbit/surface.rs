@@ -1,7 +1,8 @@
 //! What a perturbation is on the surface of a sliding mode.
 
 use super::layout::OrbitAt;
-use super::structure::exit_of;
+
+use super::signature::exit_of;
 use crate::affine::mode::Exit;
 use crate::linalg::{Matrix, Vector};
 
