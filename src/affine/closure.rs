@@ -8,8 +8,8 @@ use std::f64::consts::PI;
 
 use serde::{Deserialize, Serialize};
 
+use super::dual::Dual;
 use super::expression::{Algebra, Expression};
-use super::form::Dual;
 use super::system::{Mistake, Ordered, Source, SystemError};
 
 /// A prescribed period.

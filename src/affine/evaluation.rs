@@ -3,8 +3,9 @@
 use std::collections::HashMap;
 
 use super::contact::law::Law;
+use super::dual::{Coefficient, Dual};
 use super::expression::{Expression, Flaw, Obstacle};
-use super::form::{Coefficient, Dual, Form};
+use super::form::Form;
 use super::system::{Mistake, Switch, System, SystemError};
 
 /// A switch with its expressions as forms.

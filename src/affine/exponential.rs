@@ -4,7 +4,7 @@ use std::iter::repeat_n;
 
 use nalgebra::{DMatrixView as MatrixView, DMatrixViewMut as MatrixViewMut};
 
-use super::form::VARYING;
+use super::dual::VARYING;
 use crate::linalg::Matrix;
 
 /// Terms of the series of exp(Mh) for ‖Mh‖ ≤ 1 in the balanced norm: the remainder is 1/19! ≈ 8e-18.

@@ -3,9 +3,10 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
+use super::dual::Dual;
 use super::evaluation::{Evaluation, FormMode};
 use super::expression::Algebra;
-use super::form::{Dual, Form};
+use super::form::Form;
 use super::mode::{AffineSystem, Modes};
 use super::monitor::Monitor;
 use super::monitored::{MonitoredSystem, of_monitors};

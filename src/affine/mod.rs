@@ -1,17 +1,18 @@
 //! Hybrid systems that a user writes down.
 //!
-//! [`expression`] reads what stands in a problem file, [`system`] the whole section with its names, [`values`] those of its parameters; [`form`] is
-//! what expressions of such a system are evaluated in, [`evaluation`] does that, [`mode`] the linear flow that a mode is made
-//! into at given parameters: `shape` and `matrices` lay it out, `products` what contacts make, `sliding` puts modes between two
-//! others, and `origin` leads a system along a parameter. [`series`] has the flow of a
-//! mode whose rates are not affine, by [`recurrence`], `exponential` those of matrices, `stiff` what is slow of one, [`flow`] either with the
-//! signs of its guards, [`motion`] follows it through its switches,
-//! [`course`] sees it at equal times, and [`tangent`] has its perturbations; [`steady`] has the equilibria, [`orbit`] the periodic orbits, whose period [`closure`]
-//! may prescribe, and of which [`monitor`]s are numbers, laid out in a [`monitored`] system.
+//! [`expression`] reads what stands in a problem file, [`system`] the whole section with its names, [`values`] those of its
+//! parameters; [`form`] is what expressions of such a system are evaluated in, with coefficients that are [`dual`] numbers,
+//! [`evaluation`] does that, [`mode`] is the linear flow that a mode is made into at given parameters: `shape` and `matrices` lay it
+//! out, `products` what contacts make, `sliding` puts modes between two others, and [`origin`] leads a system along a parameter.
+//! [`series`] has the flow of a mode whose rates are not affine, by [`recurrence`], `exponential` those of matrices, `stiff` what is
+//! slow of one, [`flow`] either with the signs of its guards, [`motion`] follows it through its switches, [`course`] sees it at equal
+//! times, and [`tangent`] has its perturbations; [`steady`] has the equilibria, [`equilibrium`] branches of them, [`orbit`] the periodic
+//! orbits, whose period [`closure`] may prescribe, and of which [`monitor`]s are numbers, laid out in a [`monitored`] system.
 
 pub mod closure;
 pub mod contact;
 pub mod course;
+pub mod dual;
 pub mod equilibrium;
 pub(crate) mod evaluation;
 pub(crate) mod exponential;

@@ -9,7 +9,7 @@ use std::ops::Index;
 use std::sync::{Arc, OnceLock};
 
 use super::contact::mistake::ContactMistake;
-use super::form::Dual;
+use super::dual::Dual;
 pub use super::rows::{MatrixBy, Row};
 use super::series::{Field, Program};
 use super::slots::Slots;

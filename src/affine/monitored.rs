@@ -2,9 +2,10 @@
 
 use std::collections::BTreeMap;
 
+use super::dual::Dual;
 use super::evaluation::Evaluation;
 use super::expression::{Flaw, Obstacle};
-use super::form::{Dual, Form};
+use super::form::Form;
 use super::mode::AffineSystem;
 use super::monitor::{MONITOR, Monitor, MonitorSource};
 use super::rows::Row;

@@ -4,7 +4,7 @@
 use std::fmt;
 use std::sync::Arc;
 
-use super::form::{Degree, Dual};
+use super::dual::{Degree, Dual};
 use super::mode::{AffineSystem, Anew};
 use super::system::System;
 use crate::linalg::Vector;

@@ -8,8 +8,9 @@
 use std::ops::Range;
 use std::sync::Arc;
 
+use super::dual::{Dual, VARYING};
 use super::expression::{Function, root};
-use super::form::{Dual, Rule, VARYING};
+use super::form::Rule;
 use super::rows::Row;
 use crate::linalg::{Matrix, Vector};
 

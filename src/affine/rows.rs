@@ -1,6 +1,6 @@
 //! Linear forms of z and matrices, with their derivatives in the parameters that vary.
 
-use super::form::{Dual, VARYING};
+use super::dual::{Dual, VARYING};
 use crate::linalg::{Matrix, Vector, add_product};
 
 /// A linear form in z with its derivatives in the parameters that vary.

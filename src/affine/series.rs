@@ -7,8 +7,9 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
+use super::dual::{Coefficient, Dual};
 use super::expression::Function;
-use super::form::{Coefficient, Dual, Form, Rule, Term};
+use super::form::{Form, Rule, Term};
 use super::hyperdual::HyperDual;
 use super::recurrence::{Places, Recurrences, Series, Sparse, Step};
 use super::rows::{MatrixBy, Row};

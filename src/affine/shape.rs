@@ -2,8 +2,9 @@
 
 use std::sync::Arc;
 
+use super::dual::{Degree, Dual};
 use super::evaluation::{FormMode, FormSwitch};
-use super::form::{Degree, Dual, Form};
+use super::form::Form;
 use super::mode::{AffineMode, Exit, Guard};
 use super::rows::{MatrixBy, Row};
 use super::series::{Field, Program, Terms};

@@ -3,8 +3,9 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
+use super::dual::{Coefficient, Dual};
 use super::expression::{Algebra, Obstacle, Operation};
-use super::form::{Coefficient, Dual, Form, Rule, Term};
+use super::form::{Form, Rule, Term};
 
 impl<C: Coefficient> Form<C> {
     /// The sum of two.

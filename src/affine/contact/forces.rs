@@ -7,8 +7,9 @@
 
 use super::law::{BACKWARD, CLOSED, FORWARD, GIVES_BACKWARD, GIVES_FORWARD, HELD, Law, STICK};
 use super::mistake::{ContactMistake, Kinematic};
+use crate::affine::dual::Dual;
 use crate::affine::expression::{Algebra, Obstacle};
-use crate::affine::form::{Dual, Form};
+use crate::affine::form::Form;
 use crate::linalg::Matrix;
 
 /// Part of the largest entry of its row below which a pivot is nothing but the rounding of what has been taken away.

@@ -3,9 +3,10 @@
 use super::forces::Own;
 use super::law::{Law, Products};
 use super::mistake::{ContactMistake, MAX_PRODUCTS};
+use crate::affine::dual::Dual;
 use crate::affine::evaluation::{FormMode, FormSwitch};
 use crate::affine::expression::Obstacle;
-use crate::affine::form::{Dual, Form};
+use crate::affine::form::Form;
 use crate::affine::slots::Slots;
 
 /// A system with contacts as forms, of which its modes are made.

@@ -7,8 +7,9 @@
 
 use std::f64::consts::TAU;
 
-use super::layout::{AffineOrbit, OrbitAt, OrbitFailure, ZonePoint};
+use super::layout::{AffineOrbit, OrbitAt, ZonePoint};
 use super::margin::{Margin, Watch};
+use super::setting::OrbitFailure;
 use super::signature::{Sequence, Way, Zone};
 use super::{CLOSING, OrbitStop};
 use crate::affine::mode::Row;

@@ -5,8 +5,9 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use super::layout::{AffineOrbit, Scales};
+use super::layout::AffineOrbit;
 use super::passage::Passage;
+use super::setting::Scales;
 use super::signature::Zone;
 use super::{CLOSING, Critical, Held, Watch};
 use crate::affine::mode::Row;

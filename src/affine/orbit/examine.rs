@@ -1,9 +1,10 @@
 //! Every inequality of every zone, decided over the whole zone by bounds and not by samples.
 
-use super::layout::{AffineOrbit, OrbitAt, OrbitFailure};
+use super::layout::{AffineOrbit, OrbitAt};
 use super::margin::{Margin, Watch};
 use super::multipliers::{Multiplier, is_told, own};
 use super::passage::{Passage, Stage, share};
+use super::setting::OrbitFailure;
 use super::turning::Smooth;
 use crate::affine::flow::{Expansion, MOST_PIECES, ModeFlow, Piece};
 use crate::affine::mode::{Guard, Row};

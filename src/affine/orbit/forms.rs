@@ -3,8 +3,8 @@
 //! A form stands in one slice: its coefficients, and after them their derivatives in every parameter that varies. Forms are
 //! found anew at every value of the parameter, so that they lie one after the other in one place.
 
+use crate::affine::dual::{Dual, VARYING};
 use crate::affine::exponential::entries;
-use crate::affine::form::{Dual, VARYING};
 use crate::affine::mode::{AffineMode, Exit, MatrixBy, Row};
 use crate::affine::series::Program;
 use crate::linalg::{Matrix, Vector};

@@ -7,9 +7,9 @@
 //! slow part. Elsewhere the form is integrated piece by piece with the Taylor series of the flow.
 
 use super::passage::{Integrated, Jet};
+use crate::affine::dual::VARYING;
 use crate::affine::exponential::{TERMS, entries, propagator};
 use crate::affine::flow::Expansion;
-use crate::affine::form::VARYING;
 use crate::affine::mode::{AffineMode, MatrixBy, Row};
 use crate::affine::series::ORDER;
 use crate::linalg::{Matrix, Vector};

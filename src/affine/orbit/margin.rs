@@ -2,8 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::layout::{OrbitAt, OrbitFailure};
+use super::layout::OrbitAt;
 use super::passage::{Jet, Passage};
+use super::setting::OrbitFailure;
 
 use super::signature::exit_of;
 use crate::affine::mode::{AffineMode, Row};

@@ -1,15 +1,15 @@
 //! Periodic orbits of a hybrid system as orbits that the engine follows.
 //!
-//! [`signature`] is the sequence of zones, [`layout`] has the unknowns, [`residual`] the equations, `section` the beginning of an
-//! orbit that has none by itself; [`passage`] is the exact flow through a zone with its derivatives, and [`structure`] knows what is zero at its ends whatever the
-//! parameter, as [`forms`] tell, or [`generic`] points. [`margin`] measures the inequalities, [`examine`] decides them, by
-//! what [`turning`] tells of smooth functions; [`candidates`] finds
-//! what lies beyond an event, [`ends`] why nothing does, by the motions beside it as [`discontinuity`] has them;
-//! [`multipliers`] has the stability, with what `surface` tells of sliding; [`start`] finds the first
-//! orbit, or says by [`behaviour`] what a motion looks like that comes to none, [`switch`] that of the other branch at an event, [`hopf`] that at which orbits shrink to nothing, [`homoclinic`]
-//! that at which they take for ever, and
-//! [`row`] has what results keep of one, `monitor` the numbers of it that a problem asks for, those of them that are integrals
-//! by `integral`; `bifurcation` names the changes of a sequence by sliding.
+//! [`signature`] is the sequence of zones, [`setting`] what the orbits of a branch have in common, [`layout`] the unknowns of one,
+//! `posed` its system at one value of the parameter, [`residual`] the equations, `section` the beginning of an orbit that has none by
+//! itself; [`passage`] is the exact flow through a zone with its derivatives, and [`structure`] knows what is zero at its ends
+//! whatever the parameter, as [`forms`] tell, or [`generic`] points, and `conserved` which sums never change. [`margin`] measures the
+//! inequalities, [`examine`] decides them, by what [`turning`] tells of smooth functions; [`candidates`] finds what lies beyond an
+//! event, [`ends`] why nothing does, by the motions beside it as [`discontinuity`] has them; [`multipliers`] has the stability, with
+//! what `surface` tells of sliding; [`start`] finds the first orbit, or says by [`behaviour`] what a motion looks like that comes to
+//! none, [`switch`] that of the other branch at an event, [`hopf`] that at which orbits shrink to nothing, [`homoclinic`] that at
+//! which they take for ever, and [`row`] has what results keep of one, `monitor` the numbers of it that a problem asks for, those of
+//! them that are integrals by `integral`; `bifurcation` names the changes of a sequence by sliding.
 
 pub mod behaviour;
 mod bifurcation;
@@ -30,9 +30,11 @@ mod memory;
 mod monitor;
 pub mod multipliers;
 pub(in crate::affine) mod passage;
+mod posed;
 mod residual;
 pub mod row;
 mod section;
+pub mod setting;
 pub mod signature;
 pub mod start;
 mod structure;
@@ -59,9 +61,10 @@ use crate::orbit::{Candidate, EventType, Examined, Orbit, Shrinking};
 pub use bifurcation::SlidingBifurcation;
 pub use ends::OrbitStop;
 pub use examine::Examination;
-pub use layout::{AffineOrbit, OrbitFailure, Scales, Setting, ZonePoint};
+pub use layout::{AffineOrbit, ZonePoint};
 pub use margin::{Margin, Watch};
 pub use multipliers::Multiplier;
+pub use setting::{OrbitFailure, Scales, Setting};
 pub use signature::{Sequence, Way, Zone};
 
 /// What a margin measures, and where.

@@ -10,8 +10,10 @@ use std::sync::Arc;
 
 use super::examine::{Part, after, parts, stationary};
 use super::integral;
-use super::layout::{AffineOrbit, OrbitAt, OrbitFailure, Posed};
+use super::layout::{AffineOrbit, OrbitAt};
 use super::passage::{Integrated, Jet, Passage};
+use super::posed::Posed;
+use super::setting::OrbitFailure;
 use super::signature::Zone;
 use super::turning::Smooth;
 use crate::affine::flow::{Expansion, ModeFlow};

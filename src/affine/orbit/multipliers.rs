@@ -7,8 +7,9 @@
 
 use nalgebra::Complex;
 
-use super::layout::{AffineOrbit, OrbitAt, OrbitFailure};
+use super::layout::{AffineOrbit, OrbitAt};
 use super::passage::Passage;
+use super::setting::OrbitFailure;
 
 use super::signature::exit_of;
 use crate::linalg::periodic_schur::{Factor, balance, eigenvalues, regular_part};

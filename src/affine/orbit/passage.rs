@@ -3,9 +3,9 @@
 use std::borrow::Cow;
 use std::ops::Range;
 
+use crate::affine::dual::VARYING;
 use crate::affine::exponential::{TERMS, propagator};
 use crate::affine::flow::MOST_PIECES;
-use crate::affine::form::VARYING;
 use crate::affine::mode::{AffineMode, MatrixBy, Row};
 use crate::affine::recurrence::{Series, in_order};
 use crate::affine::series::ORDER;

@@ -2,8 +2,9 @@
 
 use std::f64::consts::TAU;
 
-use super::layout::{AffineOrbit, OrbitAt, OrbitFailure, Scales};
+use super::layout::{AffineOrbit, OrbitAt};
 use super::passage::Jet;
+use super::setting::{OrbitFailure, Scales};
 
 use super::signature::exit_of;
 use crate::affine::mode::Row;

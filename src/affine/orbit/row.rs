@@ -7,7 +7,8 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::OrbitStop;
-use super::layout::{AffineOrbit, OrbitFailure, Setting, ZonePoint};
+use super::layout::{AffineOrbit, ZonePoint};
+use super::setting::{OrbitFailure, Setting};
 use super::signature::{Sequence, Zone};
 use crate::affine::flow::ModeFlow;
 use crate::affine::mode::AffineSystem;

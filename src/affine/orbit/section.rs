@@ -1,6 +1,8 @@
 //! Where an orbit begins that neither switches nor is forced: where one of its states is greatest, so that its rate is zero.
 
-use super::layout::{AffineOrbit, OrbitFailure, Posed};
+use super::layout::AffineOrbit;
+use super::posed::Posed;
+use super::setting::OrbitFailure;
 use crate::linalg::Vector;
 
 /// The state that is greatest where an orbit begins: the first that moves, by a part that counts of what the others do in their units.

@@ -5,8 +5,9 @@
 
 use std::sync::Arc;
 
-use super::layout::{AffineOrbit, Setting, ZonePoint};
+use super::layout::{AffineOrbit, ZonePoint};
 use super::row::SavedOrbit;
+use super::setting::Setting;
 use super::signature::Zone;
 use super::start::{NoStart, Wanted, restart, scaled};
 use crate::linalg::Vector;

@@ -3,8 +3,9 @@
 //! Where they lose this symmetry the multiplier of their half, with the image at its end, is −1: that of the orbit
 //! passes 1, the parameter does not turn back, and the equations are singular. Those of half the orbit are not.
 
-use super::layout::{AffineOrbit, OrbitFailure};
+use super::layout::AffineOrbit;
 use super::multipliers::Monodromy;
+use super::setting::OrbitFailure;
 use crate::continuation::Node;
 use crate::continuation::locate::{self, Place};
 use crate::continuation::newton::{self, Plane, System};

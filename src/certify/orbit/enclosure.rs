@@ -1,7 +1,7 @@
 //! Coefficients of a system as intervals, with derivatives in the continuation parameter.
 
+use crate::affine::dual::Coefficient;
 use crate::affine::expression::{Algebra, Function, Obstacle, Operation};
-use crate::affine::form::Coefficient;
 use crate::interval::{Decimal, Gradient, Interval, Number};
 
 /// A number that depends on the parameter, and its derivative in it.

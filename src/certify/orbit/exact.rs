@@ -6,8 +6,8 @@
 
 use std::collections::BTreeMap;
 
+use crate::affine::dual::Coefficient;
 use crate::affine::expression::{Algebra, Function, Obstacle, Operation};
-use crate::affine::form::Coefficient;
 
 /// Terms up to this are multiplied out; a larger product is one name.
 const MOST_TERMS: usize = 256;

@@ -2,9 +2,10 @@
 
 use super::Open;
 use super::exact::Exact;
+use crate::affine::dual::Coefficient;
 use crate::affine::evaluation::{Evaluation, FormMode, FormSwitch};
 use crate::affine::expression::{Algebra, Operation};
-use crate::affine::form::{Coefficient, Form};
+use crate::affine::form::Form;
 use crate::affine::system::{System, SystemError};
 
 /// A linear form of z.

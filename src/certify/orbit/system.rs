@@ -15,7 +15,7 @@ use super::exact::Exact;
 use super::flow::{Exponential, Flow};
 use super::modes::{Modes, Structure};
 use super::zeros::{Event, Facts, Vanishing};
-use crate::affine::orbit::layout::Scales;
+use crate::affine::orbit::setting::Scales;
 use crate::affine::orbit::{Margin, Sequence, Watch, ZonePoint};
 use crate::affine::system::System;
 use crate::interval::{Decimal, Interval, Number, PI};

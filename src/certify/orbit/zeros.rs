@@ -6,8 +6,8 @@
 
 use super::exact::Exact;
 use super::modes::{Mode, Row, added, negative, through};
+use crate::affine::dual::Coefficient;
 use crate::affine::expression::Algebra;
-use crate::affine::form::Coefficient;
 
 /// Forms that are zero together.
 #[derive(Clone, Debug, Default, PartialEq)]
