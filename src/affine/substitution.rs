@@ -140,6 +140,27 @@ impl Form {
         Ok(self.lie(&unit, Dual::default())?.trimmed())
     }
 
+    /// The form where another one is zero: nothing where it is a multiple of that, or else without the state of which that has
+    /// most.
+    pub(super) fn without(self, zero: &Form) -> Form {
+        if self.sign_of_ratio(zero).is_some() {
+            return Form::default();
+        }
+        let size = |state: &usize| zero.states[*state].value.abs();
+        let pivot = (0..zero.states.len()).max_by(|one, other| size(one).total_cmp(&size(other)));
+        let Some(pivot) = pivot.filter(|pivot| size(pivot) > 0.0 && zero.beyond.is_empty()) else {
+            return self;
+        };
+        let own = self.states.get(pivot).copied().unwrap_or_default();
+        if own == Dual::default() {
+            return self;
+        }
+        let factor = Form::constant(own.over(zero.states[pivot])).negative();
+        let taken = zero.clone().times(factor);
+        let less = taken.and_then(|taken| self.clone().held_by(taken));
+        less.unwrap_or(self)
+    }
+
     /// The sum of two where what cancels is zero: a force that holds takes exactly away what it holds against.
     ///
     /// # Errors

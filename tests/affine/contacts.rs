@@ -543,6 +543,34 @@ fn an_element_that_never_slips_keeps_its_offset() {
     assert!((pair.im.abs() - size * turn.sin().abs()).abs() < 1e-13);
 }
 
+/// Two blocks that stick together, one on the ground and one at a damper, are one with both: their slips are two states, and
+/// change in one instant.
+#[test]
+fn blocks_that_stick_together_are_one() {
+    let parameters = r#"parameters: {"w": 1.2, "k": 0.8, "B": 0.15, "F": 0.2}, forcing: "w""#;
+    let two = format!(
+        r#"(states: ["x", "v", "y", "u"], {parameters},
+        contacts: {{"j": Friction(slip: "u - v", bound: "100"), "q": Friction(slip: "v", bound: "F"),
+            "r": Jenkins(slip: "u", stiffness: "k", bound: "B")}},
+        rates: {{"x": "v", "v": "(cos(phase) - 0.1*v - x + q - j)/0.6", "y": "u", "u": "(r + j)/0.4"}})"#
+    );
+    let one = format!(
+        r#"(states: ["x", "v"], {parameters},
+        contacts: {{"q": Friction(slip: "v", bound: "F"), "r": Jenkins(slip: "v", stiffness: "k", bound: "B")}},
+        rates: {{"x": "v", "v": "cos(phase) - 0.1*v - x + q + r"}})"#
+    );
+    let along = ("w", (0.5, 1.4));
+    let of_two: From = ("stick.forward.stick", &[0.0, 0.5, 0.3, 0.5, 0.0], 100.0);
+    let of_one: From = ("forward.stick", &[0.0, 0.5, 0.0], 100.0);
+    let (seen, other) = (met(&two, of_two, along), met(&one, of_one, along));
+    assert_eq!(seen.len(), other.len());
+    for (seen, other) in seen.iter().zip(&other) {
+        assert_eq!(seen.kind, other.kind);
+        // states to 1e-14, multiplied by conditions of events of less than 100
+        assert!((seen.value - other.value).abs() <= 1e-12);
+    }
+}
+
 /// A block that friction holds for ever stays where it was, and its neighbour moves about what that makes of it.
 #[test]
 fn a_block_that_never_slips_stays_where_it_was() {

@@ -125,6 +125,11 @@ impl Instant<'_> {
         let Law::Friction { slip, .. } = &self.forms.laws[friction] else {
             return;
         };
+        // two slips are one where others that stick hold their difference
+        let mut others = self.before.to_vec();
+        others[friction] = FORWARD;
+        let within = |slip: &Form| self.forms.where_held(self.own, &others, slip);
+        let slip = within(slip);
         for (contact, law) in self.forms.laws.iter().enumerate() {
             let Law::Jenkins { slip: own, .. } = law else {
                 continue;
@@ -134,7 +139,7 @@ impl Instant<'_> {
                 GIVES_BACKWARD => -1.0,
                 _ => continue,
             };
-            let Some(along) = own.sign_of_ratio(slip) else {
+            let Some(along) = within(own).sign_of_ratio(&slip) else {
                 continue;
             };
             let back = match digits[friction] {

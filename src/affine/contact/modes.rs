@@ -29,7 +29,7 @@ impl ContactForms {
         let all = endings.iter().enumerate();
         let all = all.flat_map(|(contact, own)| own.iter().map(move |one| (contact, one)));
         for (group, (contact, ending)) in all.enumerate() {
-            let together = together(contact, ending, &endings);
+            let together = self.together((own, &digits), contact, &endings, ending);
             let jump = match ending.impact {
                 Some(_) => self.jump(own, contact).map_err(failed)?,
                 None => Vec::new(),
@@ -100,10 +100,53 @@ impl ContactForms {
         held.collect()
     }
 
+    /// A form where what is held in a mode is zero: two that are the same there are so in all that follows.
+    pub(super) fn where_held(&self, own: usize, digits: &[usize], form: &Form) -> Form {
+        let mut known: Vec<Form> = Vec::new();
+        for held in self.held(own, digits) {
+            let held = known.iter().fold(held, |held, known| held.without(known));
+            known.push(held);
+        }
+        let form = form.clone();
+        known.iter().fold(form, |form, held| form.without(held))
+    }
+
     /// Whether a slip is zero all along in a mode.
     fn is_held(&self, own: usize, digits: &[usize], slip: &Form) -> bool {
-        let held = self.held(own, digits);
-        held.iter().any(|held| slip.sign_of_ratio(held).is_some())
+        self.where_held(own, digits, slip).is_zero()
+    }
+
+    /// Other contacts that end by the same guard as one, with their states beyond. Those whose guard is the same by what others hold
+    /// end with it only where the forces beyond are determined then.
+    fn together(
+        &self,
+        (own, digits): (usize, &[usize]),
+        contact: usize,
+        endings: &[Vec<Ending>],
+        ending: &Ending,
+    ) -> Vec<(usize, usize)> {
+        let others = |same: &dyn Fn(&Form) -> bool| -> Vec<(usize, usize)> {
+            let same = |one: &&Ending| one.impact.is_none() && same(&one.guard);
+            let others = endings.iter().enumerate();
+            let others = others.filter(|(other, _)| *other != contact);
+            let found = others.filter_map(|(other, all)| Some((other, all.iter().find(same)?.to)));
+            found.collect()
+        };
+        let guard = self.where_held(own, digits, &ending.guard);
+        let held = |other: &Form| {
+            let other = self.where_held(own, digits, other);
+            other.sign_of_ratio(&guard) == Some(1.0)
+        };
+        let found = others(&held);
+        let mut beyond = digits.to_vec();
+        beyond[contact] = ending.to;
+        for (other, to) in &found {
+            beyond[*other] = *to;
+        }
+        match found.is_empty() || self.forces(own, &beyond).is_ok() {
+            true => found,
+            false => others(&|other: &Form| other.sign_of_ratio(&ending.guard) == Some(1.0)),
+        }
     }
 
     /// The guards of a contact in a mode with these forces.
@@ -242,16 +285,4 @@ impl ContactForms {
             name: Some(self.names[contact].clone()),
         }
     }
-}
-
-/// Other contacts that end by the same guard as one, with their states beyond.
-fn together(contact: usize, ending: &Ending, endings: &[Vec<Ending>]) -> Vec<(usize, usize)> {
-    let same =
-        |one: &&Ending| one.impact.is_none() && one.guard.sign_of_ratio(&ending.guard) == Some(1.0);
-    let others = endings
-        .iter()
-        .enumerate()
-        .filter(|(other, _)| *other != contact);
-    let found = others.filter_map(|(other, all)| Some((other, all.iter().find(same)?.to)));
-    found.collect()
 }
