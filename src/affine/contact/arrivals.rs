@@ -125,6 +125,16 @@ impl Instant<'_> {
         let Law::Friction { slip, .. } = &self.forms.laws[friction] else {
             return;
         };
+        let gives = |contact: &usize| matches!(contact, &GIVES_FORWARD | &GIVES_BACKWARD);
+        if !self
+            .forms
+            .laws
+            .iter()
+            .zip(self.before)
+            .any(|(law, digit)| matches!(law, Law::Jenkins { .. }) && gives(digit))
+        {
+            return;
+        }
         // two slips are one where others that stick hold their difference
         let mut others = self.before.to_vec();
         others[friction] = FORWARD;

@@ -26,10 +26,11 @@ impl ContactForms {
             .collect::<Result<Vec<_>, _>>()
             .map_err(failed)?;
         let mut switches = Vec::new();
+        let ends = Ends::new(&endings, &self.reduced(own, &digits));
         let all = endings.iter().enumerate();
         let all = all.flat_map(|(contact, own)| own.iter().map(move |one| (contact, one)));
         for (group, (contact, ending)) in all.enumerate() {
-            let together = self.together((own, &digits), contact, &endings, ending);
+            let together = self.together((own, &digits), &ends, (contact, ending), group);
             let jump = match ending.impact {
                 Some(_) => self.jump(own, contact).map_err(failed)?,
                 None => Vec::new(),
@@ -100,15 +101,18 @@ impl ContactForms {
         held.collect()
     }
 
-    /// A form where what is held in a mode is zero: two that are the same there are so in all that follows.
-    pub(super) fn where_held(&self, own: usize, digits: &[usize], form: &Form) -> Form {
+    /// What is held in a mode, each without those before.
+    fn reduced(&self, own: usize, digits: &[usize]) -> Vec<Form> {
         let mut known: Vec<Form> = Vec::new();
         for held in self.held(own, digits) {
-            let held = known.iter().fold(held, |held, known| held.without(known));
-            known.push(held);
+            known.push(where_zero(held, &known));
         }
-        let form = form.clone();
-        known.iter().fold(form, |form, held| form.without(held))
+        known
+    }
+
+    /// A form where what is held in a mode is zero: two that are the same there are so in all that follows.
+    pub(super) fn where_held(&self, own: usize, digits: &[usize], form: &Form) -> Form {
+        where_zero(form.clone(), &self.reduced(own, digits))
     }
 
     /// Whether a slip is zero all along in a mode.
@@ -121,23 +125,11 @@ impl ContactForms {
     fn together(
         &self,
         (own, digits): (usize, &[usize]),
-        contact: usize,
-        endings: &[Vec<Ending>],
-        ending: &Ending,
+        ends: &Ends,
+        (contact, ending): (usize, &Ending),
+        group: usize,
     ) -> Vec<(usize, usize)> {
-        let others = |same: &dyn Fn(&Form) -> bool| -> Vec<(usize, usize)> {
-            let same = |one: &&Ending| one.impact.is_none() && same(&one.guard);
-            let others = endings.iter().enumerate();
-            let others = others.filter(|(other, _)| *other != contact);
-            let found = others.filter_map(|(other, all)| Some((other, all.iter().find(same)?.to)));
-            found.collect()
-        };
-        let guard = self.where_held(own, digits, &ending.guard);
-        let held = |other: &Form| {
-            let other = self.where_held(own, digits, other);
-            other.sign_of_ratio(&guard) == Some(1.0)
-        };
-        let found = others(&held);
+        let found = ends.beside(contact, &ends.within[group], &ends.within);
         let mut beyond = digits.to_vec();
         beyond[contact] = ending.to;
         for (other, to) in &found {
@@ -145,7 +137,7 @@ impl ContactForms {
         }
         match found.is_empty() || self.forces(own, &beyond).is_ok() {
             true => found,
-            false => others(&|other: &Form| other.sign_of_ratio(&ending.guard) == Some(1.0)),
+            false => ends.beside(contact, &ends.guards[group], &ends.guards),
         }
     }
 
@@ -284,5 +276,49 @@ impl ContactForms {
             group: Some(group),
             name: Some(self.names[contact].clone()),
         }
+    }
+}
+
+/// A form where others are zero.
+fn where_zero(form: Form, zero: &[Form]) -> Form {
+    zero.iter().fold(form, Form::without)
+}
+
+/// The ends of a mode, in the order of its guards.
+struct Ends {
+    /// The contact of each, the state that it leads to, and whether it is an impact.
+    of: Vec<(usize, usize, bool)>,
+    /// The guard of each.
+    guards: Vec<Form>,
+    /// The same where what contacts hold is zero.
+    within: Vec<Form>,
+}
+
+impl Ends {
+    fn new(endings: &[Vec<Ending>], held: &[Form]) -> Ends {
+        let all = endings.iter().enumerate();
+        let all = all.flat_map(|(contact, own)| own.iter().map(move |one| (contact, one)));
+        let of = |(contact, one): (usize, &Ending)| (contact, one.to, one.impact.is_some());
+        let guards = all.clone().map(|(_, one)| one.guard.clone());
+        let within = all
+            .clone()
+            .map(|(_, one)| where_zero(one.guard.clone(), held));
+        Ends {
+            guards: guards.collect(),
+            within: within.collect(),
+            of: all.map(of).collect(),
+        }
+    }
+
+    /// Contacts beside one that end by a guard, as these guards are, with their states beyond.
+    fn beside(&self, contact: usize, guard: &Form, guards: &[Form]) -> Vec<(usize, usize)> {
+        let mut found: Vec<(usize, usize)> = Vec::new();
+        for (other, (of, to, impact)) in guards.iter().zip(&self.of) {
+            let new = *of != contact && found.iter().all(|(known, _)| known != of);
+            if new && !impact && other.sign_of_ratio(guard) == Some(1.0) {
+                found.push((*of, *to));
+            }
+        }
+        found
     }
 }
