@@ -111,8 +111,7 @@ fn equilibria(arguments: &SteadyArguments, problem: SystemProblem) -> Result<Exi
         })?;
         values[index] = *value;
     }
-    let system = problem.system.at(&values, &[]).map_err(Usage::NoSystem)?;
-    let text = output::steady::equilibria(&problem.system, &system);
+    let text = output::steady::equilibria(&problem.system, &values).map_err(Usage::NoSystem)?;
     if let Some(path) = &arguments.out {
         let existing = Existing::of(false, arguments.force);
         let inputs = [arguments.problem.clone()];

@@ -6,9 +6,8 @@ use super::layout::{self, STEADY};
 use super::origin::Origin;
 use super::render::Format;
 use super::store::{Kind, Store, StoreError};
-use crate::affine::mode::AffineSystem;
 use crate::affine::steady::{Isolation, Place};
-use crate::affine::system::System;
+use crate::affine::system::{System, SystemError};
 use crate::problem::{Problem, SystemProblem};
 use crate::table::{line_of, number};
 
@@ -46,12 +45,21 @@ pub(crate) const AFTER_STATES: [&str; 4] = ["stable", "re", "im", "why"];
 /// The equilibria of every mode as a table: `equilibrium` is `admissible`, `virtual`, `boundary` or `none`; eigenvalues
 /// are separated by blanks, and say `stable` where more than rounding decides it; `why` says what makes an equilibrium
 /// virtual or degenerate, or what stands in its place.
-pub(crate) fn equilibria(system: &System, at: &AffineSystem) -> String {
+///
+/// # Errors
+/// The system makes no sense at these values of its parameters.
+pub(crate) fn equilibria(system: &System, values: &[f64]) -> Result<String, SystemError> {
+    /// Modes that contacts make are forgotten after so many: ten frictions have 59 049, of a quarter of a megabyte each.
+    const TOGETHER: usize = 500;
+    let mut at = system.at(values, &[])?;
     let states = &system.source.states;
     let names = |list: &[&str]| list.iter().map(|name| (*name).to_owned()).collect();
     let header: [Vec<String>; 3] = [names(&BEFORE_STATES), states.clone(), names(&AFTER_STATES)];
     let mut text = line_of(&header.concat());
     for mode in 0..at.modes.len() {
+        if mode % TOGETHER == TOGETHER - 1 && at.modes.written().is_empty() {
+            at = system.at(values, &[])?;
+        }
         let name = system.mode_name(mode).into_owned();
         let all = at.equilibria(mode);
         for found in all.iter().flatten() {
@@ -118,5 +126,5 @@ pub(crate) fn equilibria(system: &System, at: &AffineSystem) -> String {
             text.push_str(&line_of(&cells));
         }
     }
-    text
+    Ok(text)
 }

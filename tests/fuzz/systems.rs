@@ -56,7 +56,7 @@ const WORDS: [&str; 36] = [
 
 /// What comes of one input within this, or it does not end.
 const PATIENCE: Duration = Duration::from_secs(60);
-/// Samples, section samples and switches after which a motion is left.
+/// Modes, and samples, section samples and switches after which a motion is left.
 const SEEN: usize = 500;
 /// Pieces of the fastest mode, of which each is a matrix times a vector, that a motion lasts.
 const PIECES: f64 = 200.0;
@@ -66,7 +66,7 @@ fn simulated(problem: &SystemProblem) -> usize {
     let Ok(affine) = problem.system.at(&problem.values(), &[]) else {
         panic!("accepted, but no system");
     };
-    for mode in 0..affine.modes.len() {
+    for mode in 0..affine.modes.len().min(SEEN) {
         // there may be none, which is data as well
         let _ = affine.equilibria(mode);
     }

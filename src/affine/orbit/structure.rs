@@ -3,14 +3,13 @@
 //! A zone ends where its guard is zero, and what is zero there may stay so through the reset and along the next
 //! flow. From nothing round the cycle to a fixed point all of these facts are found.
 
-use std::cell::OnceCell;
-
 use super::conserved::Conserved;
 use super::forms::{Forms, Rates, Units};
 use super::generic::Points;
 use super::signature::{Sequence, ZonePoint, exit_of};
 use crate::affine::flow::ModeFlow;
 use crate::affine::mode::{AffineMode, AffineSystem, Exit, Guard, Row};
+use crate::affine::slots::Slots;
 
 /// What is known of a zone.
 #[derive(Clone, Debug, PartialEq)]
@@ -116,7 +115,7 @@ struct Zeros<'a> {
     conserved: &'a Conserved,
     units: &'a Units<'a>,
     /// Of every mode, once it is asked for.
-    rates: Vec<OnceCell<Rates>>,
+    rates: Slots<Rates>,
     entries: Vec<Forms>,
     ends: Vec<Forms>,
 }
@@ -135,7 +134,7 @@ impl<'a> Zeros<'a> {
             sequence,
             conserved,
             units,
-            rates: vec![OnceCell::new(); system.modes.len()],
+            rates: Slots::new(system.modes.len()),
             entries: vec![Forms::default(); count],
             ends: vec![Forms::default(); count],
         };
@@ -148,8 +147,9 @@ impl<'a> Zeros<'a> {
     }
 
     fn rates(&self, zone: usize) -> &Rates {
-        let rates = &self.rates[self.sequence.zone(zone).mode];
-        rates.get_or_init(|| Rates::new(&self.mode(zone).matrix))
+        let mode = self.sequence.zone(zone).mode;
+        let make = || Rates::new(&self.mode(zone).matrix);
+        self.rates.get_or_make(mode, make)
     }
 
     fn of_surface(&self, zone: usize) -> Forms {
