@@ -74,12 +74,12 @@ impl System {
         let names = self.source.modes.names();
         if let Some(products) = &self.products {
             let modes = ContactModes::new(self, &evaluation, (products, omega), monitors)?;
-            let Some(mut all) = modes.all_at_once()? else {
+            let Some(all) = modes.all_at_once()? else {
                 return modes.on_demand(asked);
             };
             let laid_out = self.laid_out(&all.modes, omega, &[], &all.observed);
             let mut system = laid_out.map_err(|(error, _)| error)?;
-            for (number, mistake) in all.obstructions.drain(..) {
+            for (number, mistake) in all.obstructions {
                 system.system.modes.written_mut()[number].obstruction = Some(mistake);
             }
             return Ok(system);

@@ -90,36 +90,18 @@ impl AffineMode {
     /// Leads it to a value of the parameter in which the same mode, `origin`, is affine, from any other value; that is it where
     /// the parameter is zero. False where an entry that changes is zero by chance, or not finite.
     pub(super) fn lead(&mut self, origin: &AffineMode, value: f64) -> bool {
-        let mut regular = true;
-        let mut to = |at: &mut [f64], origin: &[f64], by: &[f64]| {
-            for ((at, origin), by) in at.iter_mut().zip(origin).zip(by) {
-                if *by != 0.0 {
-                    *at = origin + value * by;
-                    regular &= *at != 0.0 && at.is_finite();
-                }
-            }
-        };
-        let (own, by) = (&mut self.matrix.at, &origin.matrix.by[0]);
-        to(
-            own.as_mut_slice(),
-            origin.matrix.at.as_slice(),
-            by.as_slice(),
-        );
+        let mut regular = self.matrix.lead(&origin.matrix, value);
         for (guard, known) in self.guards.iter_mut().zip(&origin.guards) {
-            let (own, by) = (&mut guard.row.at, &known.row.by[0]);
-            to(own.as_mut_slice(), known.row.at.as_slice(), by.as_slice());
+            regular &= guard.row.lead(&known.row, value);
             for (exit, known) in guard.exits.iter_mut().zip(&known.exits) {
-                let (own, by) = (&mut exit.reset.at, &known.reset.by[0]);
-                to(own.as_mut_slice(), known.reset.at.as_slice(), by.as_slice());
+                regular &= exit.reset.lead(&known.reset, value);
                 for (row, known) in exit.conditions.iter_mut().zip(&known.conditions) {
-                    let (own, by) = (&mut row.at, &known.by[0]);
-                    to(own.as_mut_slice(), known.at.as_slice(), by.as_slice());
+                    regular &= row.lead(known, value);
                 }
             }
         }
         for (row, known) in self.held.iter_mut().zip(&origin.held) {
-            let (own, by) = (&mut row.at, &known.by[0]);
-            to(own.as_mut_slice(), known.at.as_slice(), by.as_slice());
+            regular &= row.lead(known, value);
         }
         regular
     }
@@ -253,15 +235,13 @@ impl Modes {
     /// Leads all of them to a value of the parameter in which those of the origin are affine, those that are made when they are
     /// asked for one by one: `anew` makes what cannot be led. False where that is one of those that are laid out.
     pub(super) fn lead(&mut self, origin: &Modes, value: f64, anew: &Anew) -> bool {
-        let known = match (&mut self.0, &origin.0) {
+        let (own, known) = match (&mut self.0, &origin.0) {
+            (Kind::Made(own), Kind::Made(known)) => (own, known.clone()),
             (Kind::Written(modes), Kind::Written(known)) => {
                 let mut modes = modes.iter_mut().zip(known);
                 return modes.all(|(mode, known)| mode.lead(known, value));
             }
-            (_, known) => known.clone(),
-        };
-        let Kind::Made(known) = known else {
-            return false;
+            _ => return false,
         };
         let (of, anew, other) = (known.clone(), anew.clone(), OnceLock::new());
         let make = Box::new(move |number: usize| {
@@ -277,14 +257,13 @@ impl Modes {
             mode.leads = false;
             mode
         });
-        if let Kind::Made(own) = &mut self.0
-            && let Some(own) = Arc::get_mut(own)
-        {
-            own.make = make;
-            own.slots
-                .retain(|number, mode| mode.leads && mode.lead(known.mode(number), value));
-        } else {
-            *self = Modes::made(known.count, make);
+        match Arc::get_mut(own) {
+            Some(own) => {
+                own.make = make;
+                own.slots
+                    .retain(|number, mode| mode.leads && mode.lead(known.mode(number), value));
+            }
+            None => *self = Modes::made(known.count, make),
         }
         true
     }

@@ -28,6 +28,13 @@ impl Row {
         row
     }
 
+    /// Leads it to a value of the parameter in which it is affine; `origin` is it at zero. False where an entry that changes
+    /// is zero by chance, or not finite.
+    pub(super) fn lead(&mut self, origin: &Row, value: f64) -> bool {
+        let entries = (origin.at.as_slice(), origin.by[0].as_slice());
+        led(self.at.as_mut_slice(), entries, value)
+    }
+
     pub(super) fn set(&mut self, column: usize, value: Dual) {
         self.at[column] = value.value;
         for (by, derivative) in self.by.iter_mut().zip(value.by) {
@@ -127,7 +134,25 @@ pub struct MatrixBy {
     pub by: [Matrix; VARYING],
 }
 
+/// Leads entries from those at zero by their slopes.
+fn led(at: &mut [f64], (origin, by): (&[f64], &[f64]), value: f64) -> bool {
+    let mut regular = true;
+    for ((at, origin), by) in at.iter_mut().zip(origin).zip(by) {
+        if *by != 0.0 {
+            *at = origin + value * by;
+            regular &= *at != 0.0 && at.is_finite();
+        }
+    }
+    regular
+}
+
 impl MatrixBy {
+    /// See [`Row::lead`].
+    pub(super) fn lead(&mut self, origin: &MatrixBy, value: f64) -> bool {
+        let entries = (origin.at.as_slice(), origin.by[0].as_slice());
+        led(self.at.as_mut_slice(), entries, value)
+    }
+
     pub(super) fn zero(rows: usize, columns: usize) -> MatrixBy {
         let zero = Matrix::zeros(rows, columns);
         MatrixBy {

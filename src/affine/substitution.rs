@@ -140,9 +140,14 @@ impl Form {
         Ok(self.lie(&unit, Dual::default())?.trimmed())
     }
 
+    /// The form where others are zero, each of which has no state that those before are without.
+    pub(super) fn where_zero(self, zero: &[Form]) -> Form {
+        zero.iter().fold(self, Form::without)
+    }
+
     /// The form where another one is zero: nothing where it is a multiple of that, or else without the state of which that has
     /// most.
-    pub(super) fn without(self, zero: &Form) -> Form {
+    fn without(self, zero: &Form) -> Form {
         if self.sign_of_ratio(zero).is_some() {
             return Form::default();
         }

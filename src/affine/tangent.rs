@@ -18,8 +18,8 @@
 use super::exponential::plain_propagator;
 use super::mode::{AffineMode, AffineSystem, Row};
 use super::motion::{Place, Switching};
-use super::orbit::multipliers::{CONTINUOUS, NOTHING, rank, sizes_of_product};
 use super::orbit::passage::{Integrated, Passage, derivative};
+use super::orbit::saltation::{NOTHING, Saltation, rank};
 use super::slots::Slots;
 use crate::linalg::{Matrix, Vector, balance, product};
 
@@ -77,8 +77,8 @@ pub struct TangentFrame<'a> {
     flows: Slots<LinearFlow>,
 }
 
-/// The linear map of a switch.
-struct Saltation {
+/// The linear map of a switch, in units of the states.
+struct Crossing {
     /// Rₓ.
     reset: Matrix,
     /// f⁺ − Rẋ⁻.
@@ -293,13 +293,12 @@ impl<'a> TangentFrame<'a> {
             return Ok(());
         }
         let n = self.system.states;
-        let saltation = self.saltation(switching, elapsed)?;
-        let Saltation {
+        let Crossing {
             reset,
             shift,
             delay,
             bounds,
-        } = saltation;
+        } = self.crossing(switching, elapsed)?;
         let own = delay.as_ref();
         let whole = match own {
             Some(delay) => &reset - &shift * delay.transpose(),
@@ -334,7 +333,7 @@ impl<'a> TangentFrame<'a> {
     }
 
     /// Rₓ, f⁺ − Rẋ⁻ and −g/ġ of a switch, in the units of the states.
-    fn saltation(&self, switching: &Switching, elapsed: f64) -> Result<Saltation, NotResolved> {
+    fn crossing(&self, switching: &Switching, elapsed: f64) -> Result<Crossing, NotResolved> {
         let Switching { from, to, .. } = *switching;
         let (system, n) = (self.system, self.system.states);
         let mode = &system.modes[from];
@@ -348,15 +347,7 @@ impl<'a> TangentFrame<'a> {
             .copy_from(&Vector::from_column_slice(&switching.after));
         system.modes[to].field.complete(&mut entry);
         let matrix = &system.modes[to].matrix.at;
-        let after = product(matrix, &entry).rows(0, n).into_owned();
-        let sizes = sizes_of_product(matrix, &entry);
-        let mut shift = after - product(&exit.reset.at, &passage.rate);
-        // fields that meet without a jump differ by rounding, which a graze would magnify without bound
-        for (shift, size) in shift.iter_mut().zip(&sizes) {
-            if shift.abs() <= CONTINUOUS * size {
-                *shift = 0.0;
-            }
-        }
+        let saltation = Saltation::new(&passage, &exit.reset.at, &passage.rate, (matrix, &entry));
         let fall = guard.row.at.dot(&passage.rate);
         let normal = passage.gradient(&guard.row).rows(0, n).into_owned();
         // a guard of one state has no other terms where that is zero
@@ -364,23 +355,18 @@ impl<'a> TangentFrame<'a> {
         let is_zero = guard.row.value(&passage.end) >= -ROUNDING * terms;
         let delay = match (fall < 0.0, elapsed > 0.0) {
             (true, crossed) if crossed || is_zero => Some(-normal / fall),
-            (_, true) if shift.amax() > 0.0 => return Err(NotResolved),
+            (_, true) if saltation.shift.amax() > 0.0 => return Err(NotResolved),
             _ => None,
         };
-        let reset = passage.slopes(&exit.reset.at);
-        let of_reset = sizes_of_product(&exit.reset.at, &passage.rate);
         let by_delay = |j: usize| delay.as_ref().map_or(0.0, |delay| delay[j].abs());
-        let bounds = Matrix::from_fn(n, n, |i, j| {
-            let known = of_reset[i] + sizes[i];
-            (reset[(i, j)].abs() + known * by_delay(j)) * NOTHING
-        });
+        let bounds = saltation.bounds(by_delay);
         let units = &self.units;
         let scaled =
             |matrix: &Matrix| Matrix::from_fn(n, n, |i, j| matrix[(i, j)] * units[j] / units[i]);
-        Ok(Saltation {
-            reset: scaled(&reset),
+        Ok(Crossing {
+            reset: scaled(&saltation.reset),
             bounds: scaled(&bounds),
-            shift: shift.component_div(units),
+            shift: saltation.shift.component_div(units),
             delay: delay.map(|delay| delay.component_mul(units)),
         })
     }

@@ -33,10 +33,8 @@ fn numbers(folder: &Path) -> Vec<String> {
 /// states: two attractors, of which the second is one orbit at either of its two phases.
 #[test]
 fn the_oscillator_has_two_attractors() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = mapped(IMPACT);
     let path = folder.path();
-    fs::write(path.join("p.ron"), IMPACT).unwrap();
-    succeed(path, &["map", "p.ron", "--out", "m", "--quiet"]);
     let (header, rows) = table(&path.join("m"), "attractors.csv");
     let names = "attractor,regimes,period,periods,stable,share,x,v";
     assert_eq!(header.join(","), names);
@@ -92,6 +90,15 @@ fn the_oscillator_has_two_attractors() {
     }
 }
 
+/// A folder with a problem, and its map in `m`.
+fn mapped(text: &str) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    fs::write(path.join("p.ron"), text).unwrap();
+    succeed(path, &["map", "p.ron", "--out", "m", "--quiet"]);
+    folder
+}
+
 /// A cycle of radius 2 around a point of rest, with the circle of radius 1 between their basins. The cycle has neither
 /// switches nor a forcing: wherever a motion comes to it, it is the same.
 #[test]
@@ -109,10 +116,8 @@ fn a_cycle_is_one_attractor_from_all_sides() {
         points: Grid(rows: 4, columns: 4),
     ),
 )"#;
-    let folder = tempfile::tempdir().unwrap();
+    let folder = mapped(text);
     let path = folder.path();
-    fs::write(path.join("p.ron"), text).unwrap();
-    succeed(path, &["map", "p.ron", "--out", "m", "--quiet"]);
     let (_, rows) = table(&path.join("m"), "attractors.csv");
     assert_eq!(rows.len(), 2, "{rows:?}");
     let cycle = &rows[0];
@@ -143,10 +148,8 @@ fn points_of_rest_of_a_family_are_one_attractor() {
         points: Grid(rows: 3, columns: 3),
     ),
 )"#;
-    let folder = tempfile::tempdir().unwrap();
+    let folder = mapped(text);
     let path = folder.path();
-    fs::write(path.join("p.ron"), text).unwrap();
-    succeed(path, &["map", "p.ron", "--out", "m", "--quiet"]);
     let (_, rows) = table(&path.join("m"), "attractors.csv");
     assert_eq!(rows.len(), 1, "{rows:?}");
     assert_eq!((&*rows[0][1], number(&rows[0][5])), ("stick", 1.0));
@@ -172,10 +175,8 @@ fn a_motion_begins_in_the_mode_of_its_state() {
         shares: (parameter: "a", values: Linear(0.5, 1.0, 2), draws: 40, seed: 1, within: {"x": (-3.0, 1.0)}),
     ),
 )"#;
-    let folder = tempfile::tempdir().unwrap();
+    let folder = mapped(text);
     let path = folder.path();
-    fs::write(path.join("p.ron"), text).unwrap();
-    succeed(path, &["map", "p.ron", "--out", "m", "--quiet"]);
     let (_, rows) = table(&path.join("m"), "attractors.csv");
     let modes: Vec<&str> = rows.iter().map(|row| &*row[1]).collect();
     assert_eq!(modes, ["left", "right"]);

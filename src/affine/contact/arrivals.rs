@@ -125,31 +125,23 @@ impl Instant<'_> {
         let Law::Friction { slip, .. } = &self.forms.laws[friction] else {
             return;
         };
-        let gives = |contact: &usize| matches!(contact, &GIVES_FORWARD | &GIVES_BACKWARD);
-        if !self
-            .forms
-            .laws
-            .iter()
-            .zip(self.before)
-            .any(|(law, digit)| matches!(law, Law::Jenkins { .. }) && gives(digit))
-        {
+        let sliders = self.forms.laws.iter().zip(self.before).enumerate();
+        let sliders = sliders.filter_map(|(contact, (law, digit))| match (law, *digit) {
+            (Law::Jenkins { slip, .. }, GIVES_FORWARD) => Some((contact, slip, 1.0)),
+            (Law::Jenkins { slip, .. }, GIVES_BACKWARD) => Some((contact, slip, -1.0)),
+            _ => None,
+        });
+        let sliders: Vec<(usize, &Form, f64)> = sliders.collect();
+        if sliders.is_empty() {
             return;
         }
         // two slips are one where others that stick hold their difference
         let mut others = self.before.to_vec();
         others[friction] = FORWARD;
-        let within = |slip: &Form| self.forms.where_held(self.own, &others, slip);
-        let slip = within(slip);
-        for (contact, law) in self.forms.laws.iter().enumerate() {
-            let Law::Jenkins { slip: own, .. } = law else {
-                continue;
-            };
-            let gives = match self.before[contact] {
-                GIVES_FORWARD => 1.0,
-                GIVES_BACKWARD => -1.0,
-                _ => continue,
-            };
-            let Some(along) = within(own).sign_of_ratio(&slip) else {
+        let held = self.forms.reduced(self.own, &others);
+        let slip = slip.clone().where_zero(&held);
+        for (contact, own, gives) in sliders {
+            let Some(along) = own.clone().where_zero(&held).sign_of_ratio(&slip) else {
                 continue;
             };
             let back = match digits[friction] {

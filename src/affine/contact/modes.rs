@@ -102,22 +102,18 @@ impl ContactForms {
     }
 
     /// What is held in a mode, each without those before.
-    fn reduced(&self, own: usize, digits: &[usize]) -> Vec<Form> {
+    pub(super) fn reduced(&self, own: usize, digits: &[usize]) -> Vec<Form> {
         let mut known: Vec<Form> = Vec::new();
         for held in self.held(own, digits) {
-            known.push(where_zero(held, &known));
+            known.push(held.where_zero(&known));
         }
         known
     }
 
-    /// A form where what is held in a mode is zero: two that are the same there are so in all that follows.
-    pub(super) fn where_held(&self, own: usize, digits: &[usize], form: &Form) -> Form {
-        where_zero(form.clone(), &self.reduced(own, digits))
-    }
-
     /// Whether a slip is zero all along in a mode.
     fn is_held(&self, own: usize, digits: &[usize], slip: &Form) -> bool {
-        self.where_held(own, digits, slip).is_zero()
+        let held = self.reduced(own, digits);
+        slip.clone().where_zero(&held).is_zero()
     }
 
     /// Other contacts that end by the same guard as one, with their states beyond. Those whose guard is the same by what others hold
@@ -279,11 +275,6 @@ impl ContactForms {
     }
 }
 
-/// A form where others are zero.
-fn where_zero(form: Form, zero: &[Form]) -> Form {
-    zero.iter().fold(form, Form::without)
-}
-
 /// The ends of a mode, in the order of its guards.
 struct Ends {
     /// The contact of each, the state that it leads to, and whether it is an impact.
@@ -302,7 +293,7 @@ impl Ends {
         let guards = all.clone().map(|(_, one)| one.guard.clone());
         let within = all
             .clone()
-            .map(|(_, one)| where_zero(one.guard.clone(), held));
+            .map(|(_, one)| one.guard.clone().where_zero(held));
         Ends {
             guards: guards.collect(),
             within: within.collect(),

@@ -6,7 +6,7 @@
 //! whatever the parameter, as [`forms`] tell, or [`generic`] points, and `conserved` which sums never change. [`margin`] measures the
 //! inequalities, [`examine`] decides them, by what [`turning`] tells of smooth functions; [`candidates`] finds what lies beyond an
 //! event, [`ends`] why nothing does, by the motions beside it as [`discontinuity`] has them; [`multipliers`] has the stability, with
-//! what `surface` tells of sliding; [`start`] finds the first orbit, or says by [`behaviour`] what a motion looks like that comes to
+//! the `saltation` of every switch and what `surface` tells of sliding; [`start`] finds the first orbit, or says by [`behaviour`] what a motion looks like that comes to
 //! none, [`switch`] that of the other branch at an event, [`hopf`] that at which orbits shrink to nothing, [`homoclinic`] that at
 //! which they take for ever, and [`row`] has what results keep of one, `monitor` the numbers of it that a problem asks for, those of
 //! them that are integrals by `integral`; `bifurcation` names the changes of a sequence by sliding.
@@ -33,6 +33,7 @@ pub(in crate::affine) mod passage;
 mod posed;
 mod residual;
 pub mod row;
+pub(super) mod saltation;
 mod section;
 pub mod setting;
 pub mod signature;

@@ -9,6 +9,7 @@ use nalgebra::Complex;
 
 use super::layout::{AffineOrbit, OrbitAt};
 use super::passage::Passage;
+use super::saltation::{NOTHING, Saltation, rank, sizes_of_product};
 use super::setting::OrbitFailure;
 
 use super::signature::exit_of;
@@ -98,64 +99,6 @@ pub struct Monodromy {
 /// Error of a factor relative to its norm: the rounding of an exponential, or of a series.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
-/// Rates on both sides of a switch are the same to this part of the terms of one of them: those of states that are known
-/// to a few roundings.
-pub(in crate::affine) const CONTINUOUS: f64 = 16.0 * f64::EPSILON;
-
-/// An entry is zero where it is less than this part of the terms it is made of.
-pub(in crate::affine) const NOTHING: f64 = 16.0 * f64::EPSILON;
-
-/// Rank of a square matrix whose entries are known to bounds, whatever the units of its rows and columns: what is
-/// eliminated first is known best, and what is left at the end may be zero.
-pub(in crate::affine) fn rank(mut matrix: Matrix, mut bounds: Matrix) -> usize {
-    let n = matrix.nrows();
-    for step in 0..n {
-        let places = (step..n).flat_map(|j| (step..n).map(move |i| (i, j)));
-        let known = |&(i, j): &(usize, usize)| matrix[(i, j)].abs() / bounds[(i, j)];
-        let told = places.filter(|place| matrix[*place].abs() > bounds[*place]);
-        let Some((row, column)) = told.max_by(|one, other| known(one).total_cmp(&known(other)))
-        else {
-            return step;
-        };
-        for all in [&mut matrix, &mut bounds] {
-            all.swap_rows(step, row);
-            all.swap_columns(step, column);
-        }
-        let (pivot, off) = (
-            matrix[(step, step)],
-            bounds[(step, step)] / matrix[(step, step)].abs(),
-        );
-        for i in step + 1..n {
-            let part = matrix[(i, step)] / pivot;
-            let part_off = bounds[(i, step)] / pivot.abs() + part.abs() * off;
-            // most jumps move few states
-            if part_off == 0.0 {
-                continue;
-            }
-            for j in step + 1..n {
-                let by = matrix[(step, j)];
-                bounds[(i, j)] += part.abs() * bounds[(step, j)]
-                    + part_off * by.abs()
-                    + f64::EPSILON * (part * by).abs();
-                matrix[(i, j)] -= part * by;
-            }
-        }
-    }
-    n
-}
-
-/// Sums of the sizes of the terms of a product.
-pub(in crate::affine) fn sizes_of_product(matrix: &Matrix, vector: &Vector) -> Vector {
-    let rows = matrix.nrows();
-    let mut sizes = Vector::zeros(rows);
-    let columns = matrix.as_slice().chunks_exact(rows);
-    for (column, factor) in columns.zip(vector.as_slice()) {
-        let pairs = sizes.as_mut_slice().iter_mut().zip(column);
-        pairs.for_each(|(sum, entry)| *sum += (entry * factor).abs());
-    }
-    sizes
-}
-
 /// ż at the end of a zone: by the law there or, where what it adds up cancels, as near rest, that at the entry as the flow
 /// takes it along; every component by what tells it better.
 fn rate_at_end(passage: &Passage, matrix: &Matrix) -> Vector {
@@ -211,23 +154,16 @@ impl OrbitAt<'_> {
             .rows_mut(0, n)
             .copy_from(&product(&exit.reset.at, &passage.end));
         self.mode(next).field.complete(&mut entry);
-        let matrix = &self.mode(next).matrix.at;
-        let after = product(matrix, &entry).rows(0, n).into_owned();
-        let mut shift = &after - product(&exit.reset.at, rate);
-        // fields that meet without a jump differ by rounding, which a graze would magnify without bound
-        let sizes = sizes_of_product(matrix, &entry);
-        for (shift, size) in shift.iter_mut().zip(&sizes) {
-            if shift.abs() <= CONTINUOUS * size {
-                *shift = 0.0;
-            }
-        }
         let normal = passage.gradient(row);
-        let reset = passage.slopes(&exit.reset.at);
-        let of_reset = sizes_of_product(&exit.reset.at, rate);
-        let bounds = Matrix::from_fn(n, n, |i, j| {
-            let known = of_reset[i] + sizes[i];
-            (reset[(i, j)].abs() + known * (normal[j] / fall).abs()) * NOTHING
-        });
+        let next_matrix = &self.mode(next).matrix.at;
+        let saltation = Saltation::new(passage, &exit.reset.at, rate, (next_matrix, &entry));
+        let bounds = saltation.bounds(|j| (normal[j] / fall).abs());
+        let Saltation {
+            reset,
+            after,
+            shift,
+            ..
+        } = saltation;
         let speed = -fall * self.orbit.setting.scales.time / self.orbit.size(row);
         let surface = self.onto_surface(zone + 1);
         let (jump, lost, fall) = match surface {

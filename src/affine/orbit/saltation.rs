@@ -1,0 +1,109 @@
+//! What a switch makes of perturbations, compared at equal time: S = Rₓ + (f⁺ − Rż⁻)gᵀ/ġ.
+
+use super::passage::Passage;
+use crate::linalg::{Matrix, Vector, product};
+
+/// Rates on both sides of a switch are the same to this part of the terms of one of them: those of states that are known
+/// to a few roundings.
+const CONTINUOUS: f64 = 16.0 * f64::EPSILON;
+
+/// An entry is zero where it is less than this part of the terms it is made of.
+pub(in crate::affine) const NOTHING: f64 = 16.0 * f64::EPSILON;
+
+/// The parts of the linear map of a switch.
+pub(in crate::affine) struct Saltation {
+    /// Rₓ.
+    pub reset: Matrix,
+    /// f⁺.
+    pub after: Vector,
+    /// f⁺ − Rż⁻.
+    pub shift: Vector,
+    /// Sizes of the terms that the last is made of.
+    terms: Vector,
+}
+
+impl Saltation {
+    /// Of the switch at the end of a passage with this reset and this rate there, into a mode with this matrix at its entry.
+    pub fn new(
+        passage: &Passage,
+        reset: &Matrix,
+        rate: &Vector,
+        (matrix, entry): (&Matrix, &Vector),
+    ) -> Saltation {
+        let after = product(matrix, entry).rows(0, reset.nrows()).into_owned();
+        let mut shift = &after - product(reset, rate);
+        // fields that meet without a jump differ by rounding, which a graze would magnify without bound
+        let sizes = sizes_of_product(matrix, entry);
+        for (shift, size) in shift.iter_mut().zip(&sizes) {
+            if shift.abs() <= CONTINUOUS * size {
+                *shift = 0.0;
+            }
+        }
+        let of_reset = sizes_of_product(reset, rate);
+        Saltation {
+            reset: passage.slopes(reset),
+            terms: Vector::from_fn(reset.nrows(), |i, _| of_reset[i] + sizes[i]),
+            after,
+            shift,
+        }
+    }
+
+    /// Errors of the entries of the whole map, where a perturbation of a state comes to the switch by so much later.
+    pub fn bounds(&self, delay: impl Fn(usize) -> f64) -> Matrix {
+        let n = self.reset.nrows();
+        Matrix::from_fn(n, n, |i, j| {
+            (self.reset[(i, j)].abs() + self.terms[i] * delay(j)) * NOTHING
+        })
+    }
+}
+
+/// Rank of a square matrix whose entries are known to bounds, whatever the units of its rows and columns: what is
+/// eliminated first is known best, and what is left at the end may be zero.
+pub(in crate::affine) fn rank(mut matrix: Matrix, mut bounds: Matrix) -> usize {
+    let n = matrix.nrows();
+    for step in 0..n {
+        let places = (step..n).flat_map(|j| (step..n).map(move |i| (i, j)));
+        let known = |&(i, j): &(usize, usize)| matrix[(i, j)].abs() / bounds[(i, j)];
+        let told = places.filter(|place| matrix[*place].abs() > bounds[*place]);
+        let Some((row, column)) = told.max_by(|one, other| known(one).total_cmp(&known(other)))
+        else {
+            return step;
+        };
+        for all in [&mut matrix, &mut bounds] {
+            all.swap_rows(step, row);
+            all.swap_columns(step, column);
+        }
+        let (pivot, off) = (
+            matrix[(step, step)],
+            bounds[(step, step)] / matrix[(step, step)].abs(),
+        );
+        for i in step + 1..n {
+            let part = matrix[(i, step)] / pivot;
+            let part_off = bounds[(i, step)] / pivot.abs() + part.abs() * off;
+            // most jumps move few states
+            if part_off == 0.0 {
+                continue;
+            }
+            for j in step + 1..n {
+                let by = matrix[(step, j)];
+                bounds[(i, j)] += part.abs() * bounds[(step, j)]
+                    + part_off * by.abs()
+                    + f64::EPSILON * (part * by).abs();
+                matrix[(i, j)] -= part * by;
+            }
+        }
+    }
+    n
+}
+
+/// Sums of the sizes of the terms of a product.
+pub(in crate::affine) fn sizes_of_product(matrix: &Matrix, vector: &Vector) -> Vector {
+    let rows = matrix.nrows();
+    let mut sizes = Vector::zeros(rows);
+    let columns = matrix.as_slice().chunks_exact(rows);
+    for (column, factor) in columns.zip(vector.as_slice()) {
+        let pairs = sizes.as_mut_slice().iter_mut().zip(column);
+        pairs.for_each(|(sum, entry)| *sum += (entry * factor).abs());
+    }
+    sizes
+}
