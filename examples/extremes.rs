@@ -2,7 +2,7 @@
 //!
 //!     cargo run --release --example extremes
 //!
-//! prints the table of docs/extremes.md. Each wave is solved, or refused with a reason, and its error
+//! prints the table of docs/accuracy.md. Each wave is solved, or refused with a reason, and its error
 //! measured by something that does not share its difficulty: the closed form in 200 binary digits
 //! where the wave is slip-stick, the exact scaling of the model, or a second method.
 

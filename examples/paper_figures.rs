@@ -4,7 +4,7 @@
 //!
 //! Writes to DIR (default `figures`) the problem of each figure, runs it with the binary beside this example,
 //! and gathers each picture, a table of it, and `captions.md`. The paper prints no parameters, so those here
-//! are chosen; for its figures 6 and 7 they are fitted to the zone that it shows. docs/paper.md compares.
+//! are chosen; for its figures 6 and 7 they are fitted to the zone that it shows. docs/theory.md compares.
 
 use std::error::Error;
 use std::fmt::Write;

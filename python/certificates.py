@@ -1,4 +1,4 @@
-"""Prints the two tables of docs/certificates.md for every problem file with `certify: true`, or those given:
+"""Prints the tables of docs/proofs.md for every problem file with `certify: true`, or those given:
 uncertainties beside widths of proofs, and times.
 
     BRAKEWAVE=target/release/brakewave python3 python/certificates.py [problems/relay.ron ...]

@@ -41,12 +41,12 @@ impl Landing {
         match self {
             Landing::Impact(Impact::Frictionless) => {
                 "the law of the 2008 paper, which is not the limit of any damped model; \
-                 `impact: Coulomb` is (docs/impact.md)"
+                 `impact: Coulomb` is (docs/waves.md)"
             }
             Landing::Impact(Impact::Coulomb) => {
-                "the limit of small material damping (docs/impact.md)"
+                "the limit of small material damping (docs/waves.md)"
             }
-            Landing::Damped => "with material damping there is no impact (docs/impact.md)",
+            Landing::Damped => "with material damping there is no impact (docs/waves.md)",
         }
     }
 }

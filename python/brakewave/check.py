@@ -6,7 +6,7 @@ It takes nothing from the program but the statements and, as a first guess, the 
 equations of docs/theory.md again from the decimals of the problem, solves them in balls of Arb (python-flint) and
 prints a line for every statement: `proven again`, `refused: reason` or `not covered: reason`. Exit code: 0 if everything
 that is stated was proven again, 1 if a statement is refused, 2 if the certificate cannot be read, 3 if none is refused but
-something is not covered. docs/certify.md says what is covered, and how.
+something is not covered. docs/proofs.md says what is covered, and how.
 """
 
 import csv

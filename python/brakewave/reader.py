@@ -226,7 +226,7 @@ def zones(table):
 
 @dataclass
 class Tube:
-    """A tube on a shaft in SI units, and the dimensionless numbers of a problem file. docs/units.md derives them."""
+    """A tube on a shaft in SI units, and the dimensionless numbers of a problem file. docs/waves.md derives them."""
 
     young: float
     """Young's modulus E, Pa."""

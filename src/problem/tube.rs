@@ -121,7 +121,7 @@ mod tests {
         parse(&TUBE.replace(from, to), "p.ron")
     }
 
-    /// The formulas of docs/units.md, whichever way the rotation is written.
+    /// The formulas of docs/waves.md, whichever way the rotation is written.
     #[test]
     fn a_tube_is_its_model() {
         let problem = read(

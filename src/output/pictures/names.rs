@@ -37,7 +37,7 @@ pub(super) fn quantity(column: &str) -> Quantity {
     (word, symbol, unit).into()
 }
 
-// Units of the tables; docs/units.md derives them.
+// Units of the tables; docs/waves.md has them.
 
 /// Of lengths: the inner radius.
 pub(super) const LENGTH: &str = "R";
