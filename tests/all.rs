@@ -8,6 +8,7 @@ mod certify;
 mod chebyshev;
 mod cli;
 mod curve;
+mod docs;
 mod fuzz;
 mod map;
 mod methods;
