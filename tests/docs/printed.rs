@@ -40,8 +40,7 @@ pub fn missing<'a>(page: &'a str, printed: &str) -> Option<&'a str> {
 
 /// Whether two lines have the same words. `…` on the page stands for any words.
 fn same_line(line: &str, wanted: &str) -> bool {
-    let line: Vec<&str> = line.split_whitespace().collect();
-    let wanted: Vec<&str> = wanted.split_whitespace().collect();
+    let (line, wanted) = (words(line), words(wanted));
     let same = |some: &[&str], others: &[&str]| {
         some.iter()
             .zip(others)
@@ -56,9 +55,17 @@ fn same_line(line: &str, wanted: &str) -> bool {
         && same(&line[line.len() - tail.len()..], tail)
 }
 
+/// What blanks and commas separate: columns of CSV, too.
+fn words(line: &str) -> Vec<&str> {
+    let separates = |c: char| c.is_whitespace() || c == ',';
+    line.split(separates)
+        .filter(|word| !word.is_empty())
+        .collect()
+}
+
 /// Whether two words are the same, or numbers in the same punctuation that agree.
 fn same_word(word: &str, wanted: &str) -> bool {
-    let punctuation = |c: char| matches!(c, ',' | ';' | ':' | '(' | ')' | '[' | ']');
+    let punctuation = |c: char| matches!(c, ';' | ':' | '(' | ')' | '[' | ']');
     let bare = |word: &'_ str| word.trim_matches(punctuation).replace('−', "-");
     let (number, expected) = (bare(word), bare(wanted));
     let shape = |word: &str, number: &str| word.replace('−', "-").replacen(number, "0", 1);
@@ -71,10 +78,14 @@ fn agree(number: &str, expected: &str) -> bool {
         return false;
     };
     let (mantissa, exponent) = expected.split_once('e').unwrap_or((expected, "0"));
-    let Some((_, decimals)) = mantissa.split_once('.') else {
-        // counts are exact; what has an exponent but no decimals is an estimate
+    let digits = mantissa.chars().filter(char::is_ascii_digit).count();
+    if expected.contains('e') && digits <= 2 {
         let ratio = value / exact;
-        return expected.contains('e') && ratio < ESTIMATE && ratio > 1.0 / ESTIMATE;
+        return ratio < ESTIMATE && ratio > 1.0 / ESTIMATE;
+    }
+    // counts are exact
+    let Some((_, decimals)) = mantissa.split_once('.') else {
+        return value == exact;
     };
     let place = exponent.parse::<i32>().unwrap_or(0) - decimals.len() as i32;
     (value - exact).abs() <= NUMBER * exact.abs() + 1.5 * 10f64.powi(place)
