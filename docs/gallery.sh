@@ -33,6 +33,7 @@ picture sliding_cycle phase_x_y.svg run cycle.ron
 picture scan scan.svg scan problems/impact_scan.ron
 picture impact_map map.svg map problems/impact_scan.ron
 picture basins map.svg map problems/impact_basin.ron
+picture doubling_curve curve.svg curve problems/ball_curve.ron
 picture brake_wave diagram.svg run problems/mode4_stability.ron
 picture pressure pressure.svg run problems/mode4_mismatch.ron
 picture take_off_curve curve.svg curve problems/mode4_curve.ron

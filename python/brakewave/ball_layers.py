@@ -1,4 +1,4 @@
-"""Waves with material damping β > 0 that stay in contact, in balls of Arb, from section 8 of docs/theory.md.
+"""Waves with material damping β > 0 that stay in contact, in balls of Arb, from "Material damping" of docs/theory.md.
 
 Sliding is βã V⃛ = m V̈ + s V̇ + h(V − V*), ã = a/c², m = 1 − ã − βσfD/c, s = α + βh − σfD/c, hV* = σfgδ. With a root R of
 βãr³ − mr² − sr − h = βã(r − R)(r² + Br + C) the number q = V̈ + BV̇ + C(V − V*) obeys q̇ = Rq, and v = V − q/(R² + BR + C)
