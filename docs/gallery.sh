@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Makes the pictures of docs/gallery.md again, all of them or those named: docs/gallery.sh [NAME…]
-# BRAKEWAVE is the program, with the feature `raster` for the one picture that is a PNG.
+# BRAKEWAVE is the program: target/release/brakewave unless given.
 set -euo pipefail
 root="$(cd "$(dirname "$0")/.." && pwd)"
 brakewave="${BRAKEWAVE:-$root/target/release/brakewave}"
@@ -17,7 +17,6 @@ picture() {
   if [ ${#named[@]} -gt 0 ] && [[ ! " ${named[*]} " = *" $name "* ]]; then return; fi
   echo "$name: brakewave $*"
   "$brakewave" "$@" --out "$name" >"$name.log" 2>&1 || { cat "$name.log" >&2; exit 1; }
-  if [[ "$file" = *.png ]]; then "$brakewave" plot "$name" --format png >"$name.log" 2>&1; fi
   cp "$name/$file" "$root/docs/gallery/$name.${file##*.}"
 }
 
@@ -40,5 +39,6 @@ picture take_off_curve curve.svg curve problems/mode4_curve.ron
 picture cusp curve.svg curve problems/mode2_cusp.ron
 picture map map.svg map problems/mode4_map.ron
 picture steady steady.svg steady problems/mode4_mismatch.ron --at mass_damping=0.05 --at stiffness_damping=0.003
-picture irregular_wave space_time.png simulate problems/ring_mode4_circle.ron
+picture irregular_wave velocity.svg simulate problems/ring_mode4_circle.ron
+picture ring_separation space_time.svg simulate problems/ring_material_separation.ron
 picture accuracy accuracy.svg accuracy problems/mode4_mismatch.ron
