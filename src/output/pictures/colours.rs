@@ -7,7 +7,7 @@
 use plotters::style::RGBColor;
 
 use crate::output::render::{
-    BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILLION, WHITE, hexadecimal, mix,
+    BLACK, BLUE, CATEGORIES, GREEN, ORANGE, PURPLE, SKY, VERMILLION, WHITE, hexadecimal, mix,
 };
 use crate::tube::model::signature::Regime;
 
@@ -48,20 +48,55 @@ pub(super) fn of_zone(regime: Option<Regime>) -> RGBColor {
 /// Background of the page of a report in its dark theme.
 const DARK: RGBColor = RGBColor(22, 24, 27);
 
-/// The colours of zones as style sheets of a page: the light theme, the dark one.
-pub(crate) fn style_sheets() -> [String; 2] {
-    let dark = |regime| match regime {
-        Regime::Stick => mix(DARK, WHITE, 0.35),
-        other => mix(DARK, of_regime(Some(other)), 0.4),
+/// A zone on the page of a report.
+pub(crate) struct ZoneColours {
+    /// Of its area in the light theme, and in the dark one.
+    areas: [RGBColor; 2],
+    /// The same of its line.
+    lines: [RGBColor; 2],
+}
+
+/// The colours of a zone of a wave.
+pub(crate) fn of_wave_zone(regime: Option<Regime>) -> ZoneColours {
+    let line = of_regime(regime);
+    let dark = match regime {
+        Some(Regime::Stick) => mix(DARK, WHITE, 0.35),
+        _ => mix(DARK, line, 0.4),
     };
-    let sheet = |colour: &dyn Fn(Regime) -> RGBColor| {
-        let rule = |regime: Regime| {
-            let fill = hexadecimal(colour(regime));
-            format!(".zone-{} {{ fill: {fill}; }}", regime.name())
+    ZoneColours {
+        areas: [of_zone(regime), dark],
+        lines: [line, mix(line, WHITE, 0.4)],
+    }
+}
+
+/// The colours of a mode of a user's own by its place.
+pub(crate) fn of_mode_zone(place: usize) -> ZoneColours {
+    let line = distinct(place);
+    ZoneColours {
+        areas: [mix(WHITE, line, 0.22), mix(DARK, line, 0.45)],
+        lines: [line, mix(line, WHITE, 0.4)],
+    }
+}
+
+/// The colours of zones as style sheets of a page, by their places: the light theme, the dark one.
+pub(crate) fn style_sheets(zones: &[ZoneColours]) -> [String; 2] {
+    [0, 1].map(|theme| {
+        let rule = |(place, zone): (usize, &ZoneColours)| {
+            let [area, line] = [zone.areas, zone.lines].map(|colours| hexadecimal(colours[theme]));
+            format!(".zone-{place} {{ fill: {area}; }}\n.line-{place} {{ stroke: {line}; }}\n")
         };
-        Regime::ALL.map(rule).join("\n")
-    };
-    [sheet(&|regime| of_zone(Some(regime))), sheet(&dark)]
+        zones.iter().enumerate().map(rule).collect()
+    })
+}
+
+/// Colours of what has no colour of its own, modes and sequences of a user's system, in the order of use.
+pub(crate) fn distinct(place: usize) -> RGBColor {
+    let colours = CATEGORIES.iter().chain(&RARE);
+    colours
+        .copied()
+        .cycle()
+        .nth(place % (CATEGORIES.len() + RARE.len()))
+        .unwrap_or(BLACK)
 }
 
 /// Colour of a sequence of regimes, the same in every picture of every run. Beyond the commonest ones it follows

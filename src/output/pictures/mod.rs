@@ -4,6 +4,7 @@
 //! after the run. A description turns columns into layers; [`render`](super::render) draws them.
 
 mod accuracy;
+pub(crate) mod codes;
 pub(crate) mod colours;
 pub(crate) mod curve;
 mod diagram;

@@ -37,6 +37,23 @@ pub(super) fn quantity(column: &str) -> Quantity {
     (word, symbol, unit).into()
 }
 
+/// The quantity in a column of the branch of a system: states and parameters have the names of the file.
+pub(super) fn own_quantity(column: &str) -> Quantity {
+    let words = match column {
+        "multiplier_re" => ("leading", "Re μ"),
+        "multiplier_im" => ("leading", "Im μ"),
+        other => {
+            let extreme = |ending| other.strip_prefix(ending);
+            return match (extreme("max_"), extreme("min_")) {
+                (Some(state), _) => (&*format!("max {state}"), "").into(),
+                (_, Some(state)) => (&*format!("min {state}"), "").into(),
+                _ => (other, "").into(),
+            };
+        }
+    };
+    words.into()
+}
+
 // Units of the tables; docs/waves.md has them.
 
 /// Of lengths: the inner radius.

@@ -149,7 +149,7 @@ fn describe(
 
 /// The column that a diagram shows: the greatest value of the first state, unless it stays the same along most of
 /// the branch, as at a stop; then the first of its least value and those of the other states that does not.
-fn ordinate(source: &Source, branch: &Table) -> String {
+pub(super) fn ordinate(source: &Source, branch: &Table) -> String {
     // those of equilibria have the states themselves
     let rests = |state: &String| branch.columns().any(|column| column == state.as_str());
     let columns = |state: &String| match rests(state) {

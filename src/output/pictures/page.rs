@@ -3,12 +3,16 @@
 
 use std::path::Path;
 
+use super::codes::Codes;
 use super::diagram::{parameter_axis, pattern_between, same_leg};
-use super::names::quantity;
+use super::names::{event, event_mark, own_quantity, quantity};
+use super::orbits::ordinate;
 use super::simulation;
 use super::tables::{Tables, column, kind};
-use crate::output::layout;
-use crate::output::render::{Extent, Format, Pattern, number, range};
+use crate::branch::row::WORD_COLUMNS;
+use crate::orbit::EventType;
+use crate::output::layout::{self, EIGENVALUES, MULTIPLIERS, SPECTRUM};
+use crate::output::render::{Extent, Format, Pattern, number, path, range};
 use crate::output::store::{Kind, StoreError};
 use crate::problem::{Any, Plot, Problem, SystemPlot, SystemProblem, drawable_columns};
 use crate::table::Table;
@@ -17,44 +21,160 @@ use crate::tube::model::Parameter;
 /// A branch as the page draws it.
 pub(crate) struct Drawn {
     pub branch: Table,
-    /// Columns that can be drawn, the parameter first and then the speed, each with its caption.
-    pub columns: Vec<(String, String)>,
+    /// Columns that can be drawn, the parameter first and then the one that is shown first.
+    pub columns: Vec<Column>,
     /// Whether the axis of the parameter is logarithmic.
     pub logarithmic: bool,
     /// How the line from each point to the next is drawn.
     pub lines: Vec<&'static str>,
     /// Mark of each point: none where a branch that is left both ways begins.
     pub marks: Vec<String>,
+    /// Short names of its sequences.
+    pub codes: Codes,
+    pub subject: Subject,
+}
+
+/// A column of a branch.
+pub(crate) struct Column {
+    pub name: String,
+    pub caption: String,
+    /// What stands for it in a sentence.
+    pub symbol: String,
+}
+
+/// What the points of a branch are, and what is shown of one beside the diagram.
+pub(crate) struct Subject {
+    /// A point in a word.
+    pub noun: &'static str,
+    /// Columns of its profile: the place along it, what is drawn over that, the regime or mode.
+    pub profile: Vec<String>,
+    /// The table of its eigenvalues or multipliers.
+    pub values: &'static str,
+    pub beside: Vec<Beside>,
+}
+
+/// A picture beside the diagram.
+pub(crate) struct Beside {
+    pub name: &'static str,
+    /// `along` a profile, a `phase` plane, a plane of values with the unit `circle` or the imaginary `axis`.
+    pub shows: &'static str,
+    pub x: String,
+    /// One or more columns, with spaces between them.
+    pub y: String,
+    /// Columns that may be shown instead, in the same form.
+    pub choices: String,
+    pub captions: [&'static str; 2],
+    /// In units of the page, where the width is 420.
+    pub height: u16,
+}
+
+impl Beside {
+    fn new(name: &'static str, shows: &'static str, [x, y]: [&str; 2], height: u16) -> Beside {
+        Beside {
+            name,
+            shows,
+            x: x.to_owned(),
+            y: y.to_owned(),
+            choices: String::new(),
+            captions: ["", ""],
+            height,
+        }
+    }
+
+    fn captioned(self, captions: [&'static str; 2]) -> Beside {
+        Beside { captions, ..self }
+    }
+}
+
+impl Subject {
+    /// What a problem follows.
+    fn of(problem: &Any) -> Subject {
+        let words = |names: &[&str]| names.iter().map(ToString::to_string).collect();
+        match problem {
+            Any::Tube(_) => Subject {
+                noun: "wave",
+                profile: words(&["theta", "U", "V", "P", "regime"]),
+                values: SPECTRUM,
+                beside: vec![
+                    Beside::new("wave", "along", ["theta", "U V"], 170)
+                        .captioned(["θ", "displacement U (blue), V"]),
+                    Beside::new("pressure", "along", ["theta", "P"], 130)
+                        .captioned(["θ", "pressure P"]),
+                    Beside::new("eigenvalues", "axis", ["re", "im"], 190)
+                        .captioned(["Re λ", "Im λ"]),
+                ],
+            },
+            Any::System(problem) if problem.equilibrium.is_some() => Subject {
+                noun: "equilibrium",
+                profile: Vec::new(),
+                values: EIGENVALUES,
+                beside: vec![
+                    Beside::new("eigenvalues", "axis", ["re", "im"], 300)
+                        .captioned(["Re λ", "Im λ"]),
+                ],
+            },
+            Any::System(problem) => Subject::orbit(problem),
+        }
+    }
+
+    /// A periodic orbit, with the states that the problem's own pictures show.
+    fn orbit(problem: &SystemProblem) -> Subject {
+        let states = &problem.system.source.states;
+        let choices = states.join(" ");
+        let plots = &problem.output.plots;
+        let first = states.first().map_or("", String::as_str);
+        let series = plots.iter().find_map(|plot| match plot {
+            SystemPlot::Time(state) => Some(state.as_str()),
+            _ => None,
+        });
+        let plane = plots.iter().find_map(|plot| match plot {
+            SystemPlot::Phase(x, y) if states.contains(x) && states.contains(y) => {
+                Some([x.as_str(), y.as_str()])
+            }
+            _ => None,
+        });
+        // one state alone has no phase plane
+        let plane = plane.or(states.get(1).map(|second| [first, second]));
+        let phase = plane.map(|plane| Beside::new("phase", "phase", plane, 260));
+        let time = Beside::new("time", "along", ["time", series.unwrap_or(first)], 150);
+        let chosen = phase.into_iter().chain([time]);
+        let chosen = chosen.map(|picture| Beside {
+            choices: choices.clone(),
+            ..picture
+        });
+        let multipliers =
+            Beside::new("multipliers", "circle", ["re", "im"], 260).captioned(["Re μ", "Im μ"]);
+        let ends = ["time".to_owned(), "mode".to_owned()];
+        let [time, mode] = ends;
+        Subject {
+            noun: "orbit",
+            profile: [time]
+                .into_iter()
+                .chain(states.clone())
+                .chain([mode])
+                .collect(),
+            values: MULTIPLIERS,
+            beside: chosen.chain([multipliers]).collect(),
+        }
+    }
 }
 
 /// Reads a branch.
 ///
 /// # Errors
 /// When a table is damaged.
-pub(crate) fn drawn(folder: &Path, problem: &Problem) -> Result<Drawn, StoreError> {
-    let parameter = problem.parameter().column();
-    let tables = Tables::read(folder, parameter)?;
+pub(crate) fn drawn(folder: &Path, problem: &Any) -> Result<Drawn, StoreError> {
+    let followed = match problem {
+        Any::Tube(problem) => problem.parameter().column().to_owned(),
+        Any::System(problem) => {
+            let section = problem.continuation.as_ref();
+            section.map_or_else(String::new, |section| section.parameter.clone())
+        }
+    };
+    let tables = Tables::read(folder, &followed)?;
     let axis = parameter_axis(&tables);
-    let caption = |name: &str| {
-        let mut quantity = quantity(name);
-        quantity.dimensional = problem.output.rotation.is_some();
-        (name.to_owned(), quantity.caption())
-    };
     let branch = &tables.branch;
-    let varies = |name: &String| {
-        let values = || {
-            column(branch, name)
-                .into_iter()
-                .filter(|value| value.is_finite())
-        };
-        let first = values().next();
-        values().any(|value| Some(value) != first) && range(values()).is_some()
-    };
-    let others = drawable_columns().into_iter().filter(|name| {
-        !["speed", parameter, "point", "label", "leg"].contains(&name.as_str()) && varies(name)
-    });
-    let columns = [parameter, "speed"].map(caption).into_iter();
-    let columns = columns.chain(others.map(|name| caption(&name))).collect();
+    let columns = columns(problem, &tables);
     let line = |row| match same_leg(branch, row).then(|| pattern_between(branch, row)) {
         Some(Pattern::Solid) => "solid",
         Some(Pattern::Dashed) => "dashed",
@@ -71,8 +191,75 @@ pub(crate) fn drawn(folder: &Path, problem: &Problem) -> Result<Drawn, StoreErro
         marks: (0..branch.len()).map(mark).collect(),
         columns,
         logarithmic: matches!(axis.extent, Extent::Logarithmic(_)),
+        codes: Codes::of((0..branch.len()).map(|row| branch.text(row, "regimes"))),
+        subject: Subject::of(problem),
         branch: tables.branch,
     })
+}
+
+/// The columns that can be drawn over the parameter, which comes first: after it the one that a diagram shows, then the others that
+/// are not the same at all points.
+fn columns(problem: &Any, tables: &Tables) -> Vec<Column> {
+    let branch = &tables.branch;
+    let parameter = &tables.parameter;
+    let (shown, all) = match problem {
+        Any::Tube(_) => ("speed".to_owned(), drawable_columns()),
+        Any::System(problem) => {
+            let all = branch.columns().filter(|name| !WORD_COLUMNS.contains(name));
+            let all = all.filter(|name| *name != "switches").map(str::to_owned);
+            (ordinate(&problem.system.source, branch), all.collect())
+        }
+    };
+    let varies = |name: &String| {
+        let values = || {
+            column(branch, name)
+                .into_iter()
+                .filter(|value| value.is_finite())
+        };
+        let first = values().next();
+        values().any(|value| Some(value) != first) && range(values()).is_some()
+    };
+    let placed = |name: &String| [&shown, parameter].contains(&name);
+    let others = all.into_iter().filter(|name| {
+        !placed(name) && !["point", "label", "leg"].contains(&name.as_str()) && varies(name)
+    });
+    let named = [parameter.clone(), shown.clone()].into_iter().chain(others);
+    let described = named.map(|name| match problem {
+        Any::Tube(problem) => {
+            let mut quantity = quantity(&name);
+            quantity.dimensional = problem.output.rotation.is_some();
+            let symbol = if name == "speed" { "c" } else { &name };
+            Column {
+                caption: quantity.caption(),
+                symbol: symbol.to_owned(),
+                name,
+            }
+        }
+        Any::System(_) => Column {
+            caption: own_quantity(&name).caption(),
+            symbol: name.clone(),
+            name,
+        },
+    });
+    described.collect()
+}
+
+/// The marks among these of points, each with its type, words, path and look, in the order of the types.
+pub(crate) fn marks(present: &[String]) -> Vec<[String; 4]> {
+    let drawn = EventType::ALL.into_iter().filter(|kind| {
+        let name = kind.to_string();
+        present.contains(&name)
+    });
+    let described = drawn.map(|kind| {
+        let (path, look) = path(event_mark(kind));
+        [
+            kind.to_string(),
+            event(kind).to_owned(),
+            path,
+            look.to_owned(),
+        ]
+    });
+    described.collect()
 }
 
 /// What a picture of a folder shows.

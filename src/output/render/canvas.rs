@@ -245,3 +245,24 @@ fn outline((x, y): Place, shape: Shape, size: f64) -> Vec<Place> {
         .map(|(dx, dy)| (x + size * dx, y + size * dy));
     placed.collect()
 }
+
+/// The path of a mark around the origin as SVG writes it, and how it is painted: `solid`, `hollow`, or as strokes, `ink`.
+pub(crate) fn path(mark: Mark) -> (String, &'static str) {
+    let corners = outline((0.0, 0.0), mark.shape, mark.size);
+    let corners: Vec<String> = corners
+        .iter()
+        .map(|(x, y)| format!("{x:.1} {y:.1}"))
+        .collect();
+    let (parts, end, look) = match mark.shape {
+        Shape::Dot | Shape::Disc | Shape::Square | Shape::Up | Shape::Diamond | Shape::Star => {
+            (corners.len(), "z", "solid")
+        }
+        Shape::Circle | Shape::OpenSquare | Shape::OpenDown | Shape::OpenDiamond => {
+            (corners.len(), "z", "hollow")
+        }
+        Shape::Plus | Shape::Cross | Shape::Tick => (2, "", "ink"),
+    };
+    let parts = corners.chunks(parts);
+    let parts = parts.map(|part| format!("M{}{end}", part.join("L")));
+    (parts.collect(), look)
+}

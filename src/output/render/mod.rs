@@ -30,6 +30,7 @@ mod tex;
 mod text;
 
 pub(crate) use axis::{Axis, Extent, Quantity, Tick, drawable, range};
+pub(crate) use canvas::path;
 pub(crate) use format::Format;
 pub(crate) use legend::{Key, Legend};
 pub(crate) use mark::{Mark, Shape};

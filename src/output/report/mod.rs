@@ -1,35 +1,30 @@
 //! A result folder as one page of HTML, which opens without a network.
 //!
-//! The page holds the tables and pictures of the folder. That of a run has a diagram besides, in which
-//! pointing at a point shows its wave, its pressure, its spectrum and the sentence of its event: the
-//! numbers stand in the page as CSV, thinned out to what a screen can show, and a script draws them. The
-//! page says what it leaves out.
+//! The page holds the tables and pictures of the folder. That of a run has a diagram besides, in which pointing at a point shows
+//! its wave, orbit or eigenvalues and the sentence of its event ([`branch`]). The page says what it leaves out.
+
+mod branch;
 
 use std::fmt::Write;
-use std::path::Path;
 
-use super::layout::{
-    ACCURACY, BRANCH, CERTIFICATES, CURVE, EVENTS, MAP, SCAN, SERIES, SPECTRUM, STEADY,
-    profile_file,
-};
+use super::layout::{ACCURACY, BRANCH, CERTIFICATES, CURVE, MAP, SCAN, SERIES, STEADY};
 use super::origin;
-use super::pictures::{colours, page};
+use super::pictures::page;
 use super::run::RunFolder;
 use super::store::{self, Kind, SOURCE, Store, StoreError, VERSION, damaged, unfinished};
 use crate::branch::run::Runner;
-use crate::problem::{Any, Problem};
-use crate::table::{self, Table};
+use crate::problem::Any;
+use crate::table::Table;
+use branch::Explorer;
 
 pub(crate) const PAGE: &str = "report.html";
 
-/// The page around its content: style and script, with `{{name}}` where content goes.
+/// The page around its content, with `{{name}}` where content goes, and what draws on it.
 const FRAME: &str = include_str!("page.html");
+const SCRIPT: &str = include_str!("page.js");
 
-/// What the page shows of each kind, at most: together about a megabyte.
-/// Points times columns.
-const CELLS: usize = 40_000;
-const SAMPLES: usize = 8_000;
-const EIGENVALUES: usize = 4_000;
+/// What the page shows at most, with what [`branch`] does: together about a megabyte.
+/// Rows of a table.
 const ROWS: usize = 400;
 /// Bytes of pictures, small ones first.
 const PICTURES: usize = 600_000;
@@ -47,18 +42,14 @@ pub(crate) fn page(store: &Store) -> Result<String, StoreError> {
     let title = problem.as_ref().and_then(|problem| problem.title());
     let title = title.map(str::to_owned);
     let shown = |picture: &str| page::description(picture, store.kind(), problem.as_ref());
-    let tube = match &problem {
-        Some(Any::Tube(problem)) => Some(&**problem),
-        _ => None,
-    };
     let kind = store.kind().map_or("", Kind::name);
     let title = title.unwrap_or_else(|| format!("Results of {kind}"));
     let mut left = Vec::new();
-    let mut data = String::new();
     let mut tables = String::new();
-    if let (true, Some(problem)) = (there(BRANCH), tube) {
-        data = branch(folder, problem, &there, &mut left)?;
-    }
+    let explorer = match (there(BRANCH), &problem) {
+        (true, Some(problem)) => branch::explorer(folder, problem, &there, &mut left)?,
+        _ => Explorer::default(),
+    };
     for name in &names {
         let shown = name.ends_with(".csv") && !name.contains('/') && name != BRANCH;
         if shown && there(name) {
@@ -71,7 +62,7 @@ pub(crate) fn page(store: &Store) -> Result<String, StoreError> {
             "Problem file, as it was written",
             store::read(&folder.join(SOURCE))?,
         ),
-        false => ("Problem, with all its settings", settings(tube)),
+        false => ("Problem, with all its settings", settings(problem.as_ref())),
     };
     let left = match left.is_empty() {
         true => String::new(),
@@ -80,14 +71,15 @@ pub(crate) fn page(store: &Store) -> Result<String, StoreError> {
             left.join(" ")
         ),
     };
-    let [zones, dark] = colours::style_sheets();
+    let [zones, dark] = explorer.style_sheets;
     let content = [
         ("title", escaped(&title)),
         ("kind", kind.to_owned()),
         ("version", VERSION.to_owned()),
         ("zones", zones),
         ("dark", dark),
-        ("data", data),
+        ("data", explorer.data),
+        ("script", SCRIPT.to_owned()),
         ("left", left),
         ("pictures", pictures),
         ("tables", tables),
@@ -136,145 +128,16 @@ fn complete(store: &Store, saved: bool) -> Result<(), StoreError> {
 }
 
 /// A problem with all its settings, where its file was not kept.
-fn settings(problem: Option<&Problem>) -> String {
+fn settings(problem: Option<&Any>) -> String {
     let pretty = ron::ser::PrettyConfig::default();
     let text = problem.and_then(|problem| {
-        ron::ser::to_string_pretty(problem as &dyn erased_serde::Serialize, pretty).ok()
+        let problem: &dyn erased_serde::Serialize = match problem {
+            Any::Tube(problem) => &**problem,
+            Any::System(problem) => &**problem,
+        };
+        ron::ser::to_string_pretty(problem, pretty).ok()
     });
     text.unwrap_or_default()
-}
-
-/// The numbers of a branch, as the script reads them; adds to what is left out.
-fn branch(
-    folder: &Path,
-    problem: &Problem,
-    there: &impl Fn(&str) -> bool,
-    left: &mut Vec<String>,
-) -> Result<String, StoreError> {
-    let drawn = page::drawn(folder, problem)?;
-    let points = &drawn.branch;
-    let every = (points.len() * drawn.columns.len()).div_ceil(CELLS).max(1);
-    let labelled = |row: usize| !points.text(row, "label").is_empty();
-    let kept = |row: &usize| row.is_multiple_of(every) || labelled(*row);
-    let rows: Vec<usize> = (0..points.len()).filter(kept).collect();
-    if rows.len() < points.len() {
-        let (shown, all) = (rows.len(), points.len());
-        left.push(format!(
-            "The diagram has {shown} of {all} points, all labelled ones among them."
-        ));
-    }
-    let words = [
-        "point", "leg", "label", "regimes", "stable", "unstable", "why",
-    ];
-    let numbers = drawn.columns.iter().map(|(name, _)| name.as_str());
-    let numbers = numbers.filter(|name| !words.contains(name));
-    let columns: Vec<&str> = numbers.chain(words).collect();
-    let header = [&columns[..], &["line", "mark"]].concat();
-    let body = rows.iter().map(|&row| {
-        let cells = columns.iter().map(|column| short(points.text(row, column)));
-        let look = [drawn.lines[row].to_owned(), drawn.marks[row].clone()];
-        cells.chain(look).collect()
-    });
-    let mut text = block("points", &header, body);
-    let axes = drawn
-        .columns
-        .iter()
-        .enumerate()
-        .map(|(index, (name, caption))| {
-            let logarithmic = if index == 0 && drawn.logarithmic {
-                "yes"
-            } else {
-                "no"
-            };
-            vec![name.clone(), caption.clone(), logarithmic.to_owned()]
-        });
-    text.push_str(&block(
-        "columns",
-        &["column", "caption", "logarithmic"],
-        axes,
-    ));
-    let others: [(&str, &str, &[&str]); 2] = [
-        ("sentences", EVENTS, &["label", "type", "what"]),
-        ("spectrum", SPECTRUM, &["label", "sector", "re", "im"]),
-    ];
-    for (id, name, columns) in others {
-        if there(name) {
-            let table = store::table(&folder.join(name))?;
-            let shown = table.len().min(EIGENVALUES);
-            if shown < table.len() {
-                let all = table.len();
-                left.push(format!("It has the first {shown} of {all} rows of {name}."));
-            }
-            text.push_str(&block(id, columns, cells(&table, 0..shown, columns)));
-        }
-    }
-    let mut profiles = Vec::new();
-    for row in (0..points.len()).filter(|row| labelled(*row)) {
-        let label: usize = points.field(row, "label").unwrap_or_default();
-        let name = profile_file(label);
-        if there(&name) {
-            profiles.push((label, store::table(&folder.join(&name))?));
-        }
-    }
-    let samples: usize = profiles.iter().map(|(_, table)| table.len()).sum();
-    let every = samples.div_ceil(SAMPLES).max(1);
-    if every > 1 {
-        left.push(format!("Of the profiles one sample in {every} is here."));
-    }
-    for (label, profile) in profiles {
-        let last = profile.len().saturating_sub(1);
-        let kept = |row: &usize| row.is_multiple_of(every) || *row == last;
-        let rows = (0..profile.len()).filter(kept);
-        let columns = ["theta", "U", "V", "P", "regime"];
-        let id = format!("profile-{label}");
-        text.push_str(&block(&id, &columns, cells(&profile, rows, &columns)));
-    }
-    Ok(text)
-}
-
-/// Some rows and columns of a table, with as many digits as can be seen.
-fn cells(
-    table: &Table,
-    rows: impl Iterator<Item = usize>,
-    columns: &[&str],
-) -> impl Iterator<Item = Vec<String>> {
-    let cells = move |row| {
-        columns
-            .iter()
-            .map(|column| short(table.text(row, column)))
-            .collect()
-    };
-    rows.map(cells)
-}
-
-/// Rows as a block of CSV in the page.
-fn block(id: &str, columns: &[&str], rows: impl Iterator<Item = Vec<String>>) -> String {
-    let mut text = format!("<script type=\"text/csv\" id=\"{id}\">\n");
-    let names: Vec<String> = columns.iter().map(ToString::to_string).collect();
-    text.push_str(&table::line_of(&names));
-    for row in rows {
-        text.push_str(&table::line_of(&row));
-    }
-    // nothing inside may end the element
-    let end = text.len().min(id.len() + 33);
-    let body = text.split_off(end).replace("</", "<\\/");
-    text + &body + "</script>\n"
-}
-
-/// A cell with seven significant digits, if it is a number of more.
-fn short(cell: &str) -> String {
-    match cell.parse::<f64>() {
-        Ok(value) if cell.len() > 9 && value.is_finite() => {
-            let rounded: f64 = format!("{value:.6e}").parse().unwrap_or(value);
-            let (plain, scientific) = (format!("{rounded}"), format!("{rounded:e}"));
-            if plain.len() <= scientific.len() {
-                plain
-            } else {
-                scientific
-            }
-        }
-        _ => cell.to_owned(),
-    }
 }
 
 fn listed(name: &str, table: &Table) -> String {
@@ -387,23 +250,14 @@ mod tests {
     /// No text of a folder can end the element it stands in.
     #[test]
     fn texts_stay_where_they_are_put() {
-        let hostile = "a,b\n1,</script><b>\n";
-        let table = Table::parse(hostile.as_bytes()).unwrap();
-        let columns = ["a", "b"];
-        let text = block("points", &columns, cells(&table, 0..1, &columns));
-        assert_eq!(text.matches("</").count(), 1);
-        assert!(text.ends_with("</script>\n"));
+        let table = Table::parse("a,b\n1,</script><b>\n".as_bytes()).unwrap();
         assert!(!listed("<i>", &table).contains("<b>"));
         assert!(!encoded("<svg fill=\"#fff\"/>").contains(['<', '"', '#']));
     }
 
-    /// Seven digits are kept of a number, and what is no number stays as it is.
+    /// A number in a table has all its digits.
     #[test]
-    fn numbers_are_shortened_to_what_is_seen() {
-        assert_eq!(short("-1.2465331234567890e0"), "-1.246533");
-        assert_eq!(short("2.0000000000000000e-12"), "2e-12");
-        assert_eq!(short("slip-stick"), "slip-stick");
-        assert_eq!(short("17"), "17");
+    fn numbers_of_tables_keep_their_digits() {
         assert_eq!(digits("5.0228410362756751e-2"), "0.05022841036275675");
     }
 }
