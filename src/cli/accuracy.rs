@@ -10,7 +10,7 @@ use super::failure::{Exit, Failure, Usage};
 use super::options::{Task, format, positive, read_any};
 use super::prepare::{Source, ready, ready_system};
 use super::progress::{Progress, drive};
-use super::warn;
+use super::{interrupt, warn};
 use crate::accuracy::{Course, Limits, Missed, Orbits, Row, Subject, Waves};
 use crate::hybrid::NoStart;
 use crate::output::accuracy::{AccuracyFolder, Interrupted};
@@ -82,6 +82,9 @@ fn measure<S: Subject>(
     let task = &arguments.task;
     let (ladder, reference, remark) = (subject.ladder(), subject.reference(), subject.remark());
     let earlier = AccuracyFolder::interrupted(&store, &ladder)?;
+    if earlier.is_some() {
+        interrupt::progress_is_kept();
+    }
     let measured = |earlier: &Interrupted| earlier.rows.clone();
     let mut rows: Vec<Row> = earlier.as_ref().map(measured).unwrap_or_default();
     let mut course = None;
@@ -103,6 +106,7 @@ fn measure<S: Subject>(
         })?);
     }
     let mut folder = AccuracyFolder::open(store, problem, arguments.format, earlier.as_ref())?;
+    interrupt::progress_is_kept();
     if let Some(course) = &mut course {
         drive(task.quiet, || {
             if let Some(row) = course.measure_next() {

@@ -16,11 +16,11 @@ use crate::orbit::legs::Run;
 use crate::output::certify::Certified;
 use crate::output::store::Offers;
 use crate::problem::compare::{Compared, Comparison, Occurrence, compare};
-use crate::problem::{Any, Problem, SystemProblem};
+use crate::problem::{self, Any, Problem, SystemProblem};
 
 #[derive(Debug, Args)]
 pub(crate) struct CheckArguments {
-    /// Problem files
+    /// Problem files; - reads standard input
     #[arg(required = true)]
     problems: Vec<PathBuf>,
     /// Also write the outcome as JUnit XML
@@ -60,7 +60,7 @@ pub(crate) fn check(arguments: &CheckArguments) -> Result<Exit, Failure> {
     let mut outcomes = Vec::with_capacity(arguments.problems.len());
     for file in &arguments.problems {
         let outcome = check_file(file).unwrap_or_else(|failure| Outcome {
-            file: file.display().to_string(),
+            file: problem::name_of(file),
             found: Vec::new(),
             exit: failure.exit(),
             trouble: Some(format!("{failure}{}", failure.cure(Offers::default()))),
@@ -101,7 +101,7 @@ fn simulates_only(problem: &Problem) -> bool {
 }
 
 fn check_file(path: &Path) -> Result<Outcome, Failure> {
-    let file = path.display().to_string();
+    let file = problem::name_of(path);
     let (problem, text) = match read_any(path)? {
         (Any::Tube(problem), text) => (*problem, text),
         (Any::System(problem), text) => return check_system(path, *problem, text),
@@ -127,7 +127,7 @@ fn check_file(path: &Path) -> Result<Outcome, Failure> {
 
 /// The same of a problem with a system of one's own.
 fn check_system(path: &Path, problem: SystemProblem, text: String) -> Result<Outcome, Failure> {
-    let file = path.display().to_string();
+    let file = problem::name_of(path);
     if problem.continuation.is_none() && problem.expect.is_empty() {
         return Ok(skipped(file));
     }

@@ -7,7 +7,7 @@ use super::failure::{Exit, Failure};
 use super::options::{Task, format, read_any};
 use super::prepare::{Source, named, named_equilibrium, ready, ready_system};
 use super::progress::{Progress, drive};
-use super::{summary, titled, warn};
+use super::{interrupt, summary, titled, warn};
 use crate::branch::run::Runner;
 use crate::curve::start::{self, NoCurve, Start};
 use crate::curve::{
@@ -48,14 +48,14 @@ pub(crate) fn curve(arguments: &CurveArguments) -> Result<Exit, Failure> {
 }
 
 fn of_tube(task: &Task, problem: &Problem, text: String, format: Format) -> Result<Exit, Failure> {
-    let name = task.problem.display().to_string();
+    let name = task.name();
     let section = problem.curve(&text, &name)?;
     let store = task.open(&task.folder("_curve"), Kind::Curve, problem)?;
     let begin = || start(task, problem, text, section);
     let draw = |store: &Store, found: &Curve, ranges| {
         let picture = (
             Kind::Curve.name().to_owned(),
-            Ok(pictures::curve::picture(found, ranges)),
+            Ok(pictures::curve::of_waves(found, ranges, Some(problem))),
         );
         pictures::put(store, Some(problem), format, [picture]).map(|_| ())
     };
@@ -76,7 +76,7 @@ fn of_system(
     text: String,
     format: Format,
 ) -> Result<Exit, Failure> {
-    let name = task.problem.display().to_string();
+    let name = task.name();
     let section = problem.curve(&text, &name)?;
     let source = Source::new(name, text.clone());
     let store = task.open_system(&task.folder("_curve"), Kind::Curve, problem)?;
@@ -108,7 +108,7 @@ fn of_equilibria(
     text: String,
     format: Format,
 ) -> Result<Exit, Failure> {
-    let name = task.problem.display().to_string();
+    let name = task.name();
     let section = problem.curve(&text, &name)?;
     let source = Source::new(name, text.clone());
     let store = task.open_system(&task.folder("_curve"), Kind::Curve, problem)?;
@@ -177,6 +177,7 @@ fn follow<P: Plane>(
     let singular = |reason| refuse(NoCurve::Singular(reason));
     let (mut run, mut folder) = match CurveFolder::interrupted(&store)? {
         Some(interrupted) => {
+            interrupt::progress_is_kept();
             let folder = CurveFolder::reopen(store, &interrupted)?;
             (interrupted.run, folder)
         }
@@ -185,6 +186,7 @@ fn follow<P: Plane>(
             let run = Run::begin(&start.system, start.event, &start.point, start.limits);
             let run = run.map_err(singular)?;
             let folder = CurveFolder::create(store, &run, problem, format)?;
+            interrupt::progress_is_kept();
             (run, folder)
         }
     };
@@ -193,7 +195,7 @@ fn follow<P: Plane>(
             return Ok(None);
         };
         folder.write(&step)?;
-        Ok(Some((f64::NAN, run.position())))
+        Ok(Some((run.part(), run.position())))
     })?;
     let ranges = run.head().limits.ranges;
     let found = run.curve();
@@ -222,7 +224,7 @@ fn start(
     section: &problem::Curve,
 ) -> Result<Start, Failure> {
     if let CurveEvent::Label { dir, label } = &section.event {
-        let source = Source::new(task.problem.display().to_string(), text);
+        let source = Source::new(task.name(), text);
         let earlier = source.restart(dir, problem.wave.mode)?;
         let (event, wave) = (labelled(dir, *label)?, earlier.labelled(dir, *label)?);
         return Ok(start::labelled(problem, wave, event, section)?);

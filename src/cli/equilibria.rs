@@ -5,7 +5,7 @@ use std::path::Path;
 use super::failure::{Exit, Failure};
 use super::prepare::{Source, named_equilibrium, ways};
 use crate::hybrid::equilibrium::{EquilibriumRunner, NamedEquilibrium, NoEquilibriumStart};
-use crate::problem::{Continuation, EquilibriumStart, SystemProblem};
+use crate::problem::{self, Continuation, EquilibriumStart, SystemProblem};
 
 /// A problem with equilibria of a system, read and ready to run.
 pub(crate) struct PreparedEquilibrium {
@@ -37,7 +37,7 @@ pub(crate) fn ready(
     text: String,
     path: &Path,
 ) -> Result<PreparedEquilibrium, Failure> {
-    let source = Source::new(path.display().to_string(), text);
+    let source = Source::new(problem::name_of(path), text);
     let section = problem.continuation(source.text(), source.name())?;
     let mut continuation = section.clone();
     let start = problem.equilibrium.as_ref().map(|section| &section.start);

@@ -17,7 +17,7 @@ use crate::problem::SystemProblem;
 
 /// Computes the motion and writes it as it goes on.
 pub(super) fn simulate(task: &Task, problem: &SystemProblem, text: &str) -> Result<Exit, Failure> {
-    let name = task.problem.display().to_string();
+    let name = task.name();
     let section = problem.simulation(text, &name)?;
     let system = &problem.system;
     let affine = system.at(&problem.values(), &[]).map_err(Usage::NoSystem)?;

@@ -9,14 +9,16 @@ use super::failure::{Failure, Usage};
 use super::{print, warn};
 use crate::output::render::Format;
 use crate::output::store::{Existing, Kind, Store, io_error};
-use crate::problem::{self, Any, CurveEvent, Problem, SystemCurveEvent, SystemProblem};
+use crate::problem::{
+    self, Any, CurveEvent, Problem, STANDARD_INPUT, SystemCurveEvent, SystemProblem,
+};
 use crate::simulation::task::SimulationStart;
 use crate::tube::model::Parameter;
 
 /// A problem file, and the folder of its results.
 #[derive(Debug, Args)]
 pub(crate) struct Task {
-    /// Problem file
+    /// Problem file; - reads standard input
     pub problem: PathBuf,
     /// Result folder [default: results/ and the name of the problem file, plus `_VERB`, except for `run`]
     #[arg(long, value_name = "DIR")]
@@ -28,7 +30,7 @@ pub(crate) struct Task {
     #[arg(long)]
     pub force: bool,
     /// Print nothing but errors
-    #[arg(long)]
+    #[arg(short, long)]
     pub quiet: bool,
 }
 
@@ -36,7 +38,12 @@ impl Task {
     /// The problem, its text and its name for messages.
     pub(crate) fn read(&self) -> Result<(Problem, String, String), Failure> {
         let (problem, text) = read(&self.problem)?;
-        Ok((problem, text, self.problem.display().to_string()))
+        Ok((problem, text, self.name()))
+    }
+
+    /// What messages call the problem file.
+    pub(crate) fn name(&self) -> String {
+        problem::name_of(&self.problem)
     }
 
     /// Where the results go: by default `results/` and the name of the problem file with an ending, once.
@@ -47,7 +54,11 @@ impl Task {
             .file_stem()
             .filter(|stem| *stem != "." && *stem != "..");
         let name = stem.or(self.problem.file_name());
-        let mut name = name.map_or_else(|| "problem".into(), |name| name.to_owned());
+        let mut name = match name {
+            Some(given) if given == STANDARD_INPUT => "stdin".into(),
+            Some(name) => name.to_owned(),
+            None => "problem".into(),
+        };
         if !name.to_string_lossy().ends_with(ending) {
             name.push(ending);
         }

@@ -171,7 +171,7 @@ pub(crate) fn prepare(path: &Path) -> Result<Prepared, Failure> {
 
 /// The branch of a problem that was read, and the wave it restarts from if it does.
 pub(crate) fn ready(problem: Problem, text: String, path: &Path) -> Result<Prepared, Failure> {
-    let source = Source::new(path.display().to_string(), text);
+    let source = Source::new(problem::name_of(path), text);
     let mut continuation = problem.continuation(&source.text, &source.name)?.clone();
     let mut restart = None;
     if let Some((dir, label)) = problem.wave.start.label() {
@@ -243,7 +243,7 @@ pub(crate) fn ready_system(
     text: String,
     path: &Path,
 ) -> Result<PreparedSystem, Failure> {
-    let source = Source::new(path.display().to_string(), text);
+    let source = Source::new(problem::name_of(path), text);
     let mut continuation = problem.continuation(&source.text, &source.name)?.clone();
     let start = &problem.orbit.start;
     let named = match start {

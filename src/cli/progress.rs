@@ -25,6 +25,10 @@ const SETTLED: Duration = Duration::from_millis(100);
 /// When the last line was written, or the first work began: standard error is one for all stages.
 static SPOKEN: Mutex<Option<Instant>> = Mutex::new(None);
 
+/// Part of the work whose pace tells that of the rest: the first steps after a start or a resume are short, and a branch is slow around
+/// an event.
+const TELLING: f64 = 0.002;
+
 /// What is shown until the first look.
 const BEGINNING: &str = "at the first step";
 
@@ -54,26 +58,41 @@ pub(crate) fn each<T: Sync, R: Send, C: FromParallelIterator<R>>(
     what: &str,
     work: impl Fn(&T) -> R + Sync,
 ) -> C {
-    tallied(quiet, list, (list.len(), what), |one, done| {
+    let tally = Tally {
+        before: 0,
+        all: list.len(),
+        what,
+    };
+    tallied(quiet, list, tally, |one, done| {
         let outcome = work(one);
         done();
         outcome
     })
 }
 
-/// The same where each of the list is more than one of what is counted: `work` says when one of `all` is done.
+/// What is counted of some work.
+pub(crate) struct Tally<'a> {
+    /// How many an earlier run has done.
+    pub before: usize,
+    /// How many there are with those.
+    pub all: usize,
+    /// What they are, in a word.
+    pub what: &'a str,
+}
+
+/// The same where each of the list is more than one of what is counted: `work` says when one is done.
 pub(crate) fn tallied<T: Sync, R: Send, C: FromParallelIterator<R>>(
     quiet: bool,
     list: &[T],
-    (all, what): (usize, &str),
+    Tally { before, all, what }: Tally<'_>,
     work: impl Fn(&T, &(dyn Fn() + Sync)) -> R + Sync,
 ) -> C {
-    let (progress, done) = (Progress::new(quiet), AtomicUsize::new(0));
+    let (progress, done) = (Progress::new(quiet), AtomicUsize::new(before));
     let show = |done: usize| {
         let words = format!("{done} of {all} {what}");
         progress.show(done as f64 / all as f64, words);
     };
-    show(0);
+    show(before);
     let one_more = || show(done.fetch_add(1, Ordering::Relaxed) + 1);
     let outcomes = list.par_iter().map(|one| work(one, &one_more));
     outcomes.collect()
@@ -209,10 +228,11 @@ fn pause(since: Duration) -> Duration {
     EVERY.saturating_sub(since).clamp(SETTLED, FIRST)
 }
 
-/// Seconds left at the pace since the first look.
+/// Seconds left at the pace since the first look: what an earlier run has done took none of the time. Of less than [`TELLING`] of
+/// the work nothing is concluded.
 fn left(elapsed: Duration, first: f64, part: f64) -> Option<f64> {
     let left = elapsed.as_secs_f64() * (1.0 - part) / (part - first);
-    (part > first && left.is_finite()).then_some(left.max(0.0))
+    (part - first >= TELLING && left.is_finite()).then_some(left.max(0.0))
 }
 
 fn line(part: f64, left: Option<f64>, words: &str) -> String {
@@ -260,6 +280,8 @@ mod tests {
         // a run resumed at one half has done half of what it had left
         assert_eq!(left(elapsed, 0.5, 0.75), Some(30.0));
         assert_eq!(left(elapsed, 0.0, 1.0), Some(0.0));
+        // one short step after a resume says nothing of hours
+        assert_eq!(left(elapsed, 0.5, 0.5001), None);
         for unknown in [f64::NAN, 0.0] {
             assert_eq!(left(elapsed, 0.0, unknown), None);
         }

@@ -9,8 +9,8 @@ use clap::{Args, Subcommand};
 
 use super::failure::{Exit, Failure, Usage};
 use super::options::{Task, Threads, cores, picture, read_any};
-use super::progress::{Progress, tallied};
-use super::{print, stopped};
+use super::progress::{Progress, Tally, tallied};
+use super::{interrupt, print, stopped};
 use crate::hybrid::scan::{Scanner, Settled};
 use crate::map::{self, Attractors, Cell, CellRow, Draws, Motions, Outcome};
 use crate::messages::AWAY;
@@ -62,7 +62,7 @@ struct MergeArguments {
     #[arg(long)]
     force: bool,
     /// Print nothing but errors
-    #[arg(long)]
+    #[arg(short, long)]
     quiet: bool,
     /// Draw the picture here too: FILE.svg, .png, .pdf or .tex
     #[arg(long, value_name = "FILE")]
@@ -186,36 +186,47 @@ fn run<P: Verb>(arguments: &RowsArguments, task: &Task) -> Result<Exit, Failure>
     let is_open = |row: &usize| finished.binary_search(row).is_err();
     let sweeps = problem.sweeps().into_iter();
     let sweeps = sweeps.skip(shard.number - 1).step_by(shard.of);
-    let sweeps: Vec<Range<usize>> = sweeps
+    let own: Vec<Range<usize>> = sweeps.collect();
+    let all = own.iter().map(ExactSizeIterator::len).sum();
+    let sweeps: Vec<Range<usize>> = own
+        .into_iter()
         .filter(|rows| rows.clone().any(|row| is_open(&row)))
         .collect();
     let rows: Vec<usize> = sweeps.iter().cloned().flatten().filter(is_open).collect();
+    if task.resume && !finished.is_empty() {
+        interrupt::progress_is_kept();
+    }
     let most = sweeps.len().min(MOST_THREADS);
     arguments.threads.install(cores(), most, || {
         if rows.is_empty() {
             return Ok(());
         }
         let work = problem.work(task.quiet)?;
-        let written: Result<(), Failure> =
-            tallied(task.quiet, &sweeps, (rows.len(), "rows"), |sweep, done| {
-                let mut before = None;
-                for row in sweep.clone() {
-                    if !is_open(&row) {
-                        before = None;
-                        continue;
-                    }
-                    if before.is_none() && row > sweep.start {
-                        before = Some(folder.row(row - 1)?);
-                    }
-                    let cells = work(row, before.as_deref())?;
-                    // the first row that is there replaces earlier results
-                    folder.begin(&rows)?;
-                    folder.write(row, &cells)?;
-                    before = Some(cells);
-                    done();
+        let tally = Tally {
+            before: all - rows.len(),
+            all,
+            what: "rows",
+        };
+        let written: Result<(), Failure> = tallied(task.quiet, &sweeps, tally, |sweep, done| {
+            let mut before = None;
+            for row in sweep.clone() {
+                if !is_open(&row) {
+                    before = None;
+                    continue;
                 }
-                Ok::<(), Failure>(())
-            });
+                if before.is_none() && row > sweep.start {
+                    before = Some(folder.row(row - 1)?);
+                }
+                let cells = work(row, before.as_deref())?;
+                // the first row that is there replaces earlier results
+                folder.begin(&rows)?;
+                folder.write(row, &cells)?;
+                interrupt::progress_is_kept();
+                before = Some(cells);
+                done();
+            }
+            Ok::<(), Failure>(())
+        });
         written
     })?;
     folder.begin(&rows)?;
@@ -393,7 +404,7 @@ impl Verb for Mapped<SystemProblem> {
 /// The problem of a file with a system, its text and its name for messages.
 fn of_system(task: &Task) -> Result<(SystemProblem, String, String), Failure> {
     let (problem, text) = read_any(&task.problem)?;
-    let name = task.problem.display().to_string();
+    let name = task.name();
     match problem {
         Any::System(problem) => Ok((*problem, text, name)),
         Any::Tube(_) => {
@@ -437,7 +448,7 @@ impl Verb for SystemProblem {
     }
 
     fn picture(&self, folder: &Path) -> Result<Picture, StoreError> {
-        pictures::scan::picture(folder, self, None)
+        pictures::scan::picture(folder, self, None, None)
     }
 
     /// A motion that ends early is told; what there is of it is kept. One that stays away from the section is no failure.

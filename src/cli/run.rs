@@ -7,7 +7,7 @@ use clap::Args;
 use super::failure::{Exit, Failure, Usage};
 use super::options::{Task, Threads, read_any};
 use super::prepare::{early_end, follow, ready, ready_system};
-use super::{stopped, summary, titled, warn};
+use super::{interrupt, stopped, summary, titled, warn};
 use crate::branch::run::Runner;
 use crate::hybrid;
 use crate::hybrid::equilibrium::EquilibriumRunner;
@@ -164,6 +164,7 @@ impl<R: Recorded> Followed<R> {
     ) -> Result<Followed<R>, Failure> {
         let saved = RunFolder::<R>::interrupted(&store, problem)?;
         let mut branch = if let Some(saved) = &saved {
+            interrupt::progress_is_kept();
             resume(saved)?
         } else {
             let begun = begin();
@@ -176,6 +177,7 @@ impl<R: Recorded> Followed<R> {
             begun?
         };
         let mut folder = RunFolder::open(store, problem, &branch, saved)?;
+        interrupt::progress_is_kept();
         let finished = branch.progress().end.is_some();
         follow(task.quiet, &mut branch, |items, branch| {
             folder.write(&items, branch)?;

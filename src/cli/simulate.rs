@@ -11,7 +11,7 @@ use super::motion;
 use super::options::{Task, Threads, cores, read_any};
 use super::prepare::ready;
 use super::progress::{Progress, drive};
-use super::{stopped, titled, warn};
+use super::{interrupt, stopped, titled, warn};
 use crate::branch::run::RunError;
 use crate::output::layout::{END, GROWTH, MEASURES, START, profile_file};
 use crate::output::pictures;
@@ -133,7 +133,7 @@ fn simulate_with(task: &Task) -> Result<Exit, Failure> {
 }
 
 fn simulate_tube(task: &Task, problem: Problem, text: String) -> Result<Exit, Failure> {
-    let name = task.problem.display().to_string();
+    let name = task.name();
     let section = problem.simulation(&text, &name)?;
     let (model, wave) = beginning(task, &problem, &text, section)?;
     let out = task.folder("_simulation");
@@ -150,6 +150,7 @@ fn simulate_tube(task: &Task, problem: Problem, text: String) -> Result<Exit, Fa
     })?;
     let store = task.open(&out, Kind::Simulation, &problem)?;
     let mut folder = open(store, &problem, &mut course)?;
+    interrupt::progress_is_kept();
     let bytes = disk_space(course.motion(), course.count(), section.snapshots);
     if bytes > MUCH && !task.quiet {
         warn(&format!("the files will take about {:.0} GB", 1e-9 * bytes));

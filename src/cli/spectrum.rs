@@ -27,7 +27,7 @@ use crate::tube::stability::spectrum::{Request, spectrum as compute};
 
 #[derive(Debug, Args)]
 pub(crate) struct SpectrumArguments {
-    /// Problem file
+    /// Problem file; - reads standard input
     problem: PathBuf,
     /// Parameter value by its column, e.g. mismatch=0.045; the continuation parameter is reached
     /// along the branch, any other replaces the value in the file [default: the first wave]

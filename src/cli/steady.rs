@@ -43,7 +43,7 @@ const SHOWN: [&str; 13] = [
 
 #[derive(Debug, Args)]
 pub(crate) struct SteadyArguments {
-    /// Problem file
+    /// Problem file; - reads standard input
     problem: PathBuf,
     /// Parameter value by its column instead of that of the file, e.g. stiffness_damping=0.003
     #[arg(long, value_name = "NAME=VALUE", value_parser = named)]

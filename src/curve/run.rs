@@ -182,6 +182,33 @@ impl<P: Plane> Run<P> {
         )
     }
 
+    /// Share of the way to both ends that lies behind, for progress: a side of the curve ends where it leaves the ranges of the
+    /// parameters, or earlier.
+    #[cfg_attr(not(feature = "cli"), allow(dead_code))]
+    pub(crate) fn part(&self) -> f64 {
+        let side = self.ends.len().min(1);
+        let (Some(first), Some(last)) = (self.halves[side].first(), self.halves[side].last())
+        else {
+            return self.ends.len() as f64 / 2.0;
+        };
+        let parts = [0, 1].map(|index| {
+            let (low, high) = self.head.limits.ranges[index];
+            let [from, towards, here] =
+                [&self.head.point, &first.point, &last.point].map(|point| point.parameters[index]);
+            // the edge that this parameter set out for
+            let edge = if towards < from { low } else { high };
+            (here - from) / (edge - from)
+        });
+        let [one, other] = parts.map(|part| {
+            if part.is_finite() {
+                part.clamp(0.0, 1.0)
+            } else {
+                0.0
+            }
+        });
+        (self.ends.len() as f64 + one.max(other)).min(2.0) / 2.0
+    }
+
     /// The points in the order in which they were found.
     #[cfg_attr(not(feature = "cli"), allow(dead_code))]
     pub(crate) fn so_far(&self) -> impl Iterator<Item = &Point> {

@@ -20,12 +20,11 @@ mod scan;
 mod system;
 #[cfg(test)]
 mod tests;
+mod text;
 mod tube;
 mod validation;
 mod written;
 
-use std::fs::File;
-use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
 use ron::extensions::Extensions;
@@ -43,6 +42,9 @@ pub use system::{
     Beginning, Equilibrium, EquilibriumStart, Multipliers, Orbit, OrbitStart, SystemPlot,
     SystemProblem, SystemSimulation,
 };
+#[cfg(feature = "cli")]
+pub(crate) use text::as_written;
+pub use text::{STANDARD_INPUT, name_of};
 pub use tube::{Rotation, Tube};
 
 use crate::interval::Decimal;
@@ -52,6 +54,7 @@ use crate::tube::model::{Model, Parameter, Sectors};
 use crate::tube::stability::spectrum::Request;
 use error::Flaw;
 use outline::{Outline, Subject};
+use text::text_of;
 use tube::place_of;
 use written::Written;
 
@@ -445,58 +448,13 @@ pub fn read(path: &Path) -> Result<(Problem, String), ProblemError> {
 
 /// Reads and checks a problem file of either kind; returns its text as well.
 ///
-/// Only regular files are read: a pipe or a device may have no end, and a pipe can be read but once.
+/// Only regular files are read, for a pipe or a device may have no end, and the standard input as [`STANDARD_INPUT`].
 ///
 /// # Errors
 /// A file that cannot be read, and everything that is wrong with it.
 pub fn read_any(path: &Path) -> Result<(Any, String), ProblemError> {
     let (name, text) = text_of(path)?;
     Ok((parse_any(&text, &name)?, text))
-}
-
-/// The name of a problem file for messages, and its text.
-fn text_of(path: &Path) -> Result<(String, String), ProblemError> {
-    let name = path.display().to_string();
-    let refuse = |reason: &str| {
-        ProblemError::in_file(
-            &name,
-            format!("cannot read the problem file: {reason}"),
-            "give the path of a problem file that exists and may be read; \
-             `brakewave new` prints one to start from",
-        )
-    };
-    let failed = |error: std::io::Error| {
-        let reason = error.to_string();
-        refuse(reason.split(" (os error").next().unwrap_or_default())
-    };
-    // asked before it is opened, which waits for ever at a pipe without a writer
-    let about = std::fs::metadata(path).map_err(failed)?;
-    if about.is_dir() {
-        return Err(refuse("it is a folder"));
-    }
-    if !about.is_file() {
-        return Err(refuse("it is a pipe or a device, not a file"));
-    }
-    let mut bytes = Vec::new();
-    // files that the system makes up tell no length, hence the limit on what is read
-    File::open(path)
-        .and_then(|file| file.take(MAX_BYTES as u64 + 1).read_to_end(&mut bytes))
-        .map_err(failed)?;
-    if bytes.len() > MAX_BYTES {
-        return Err(too_large(&name));
-    }
-    let text = String::from_utf8(bytes).map_err(|error| {
-        let valid = error.utf8_error().valid_up_to();
-        let byte = error.as_bytes()[valid];
-        let lossy = String::from_utf8_lossy(error.as_bytes());
-        let flaw = Flaw::new(
-            valid..valid + '\u{FFFD}'.len_utf8(),
-            format!("the file is not UTF-8 text: unexpected byte 0x{byte:02X}"),
-            "save the file as plain text in the encoding UTF-8",
-        );
-        ProblemError::in_text(&name, &lossy, flaw)
-    })?;
-    Ok((name, text))
 }
 
 /// Parses and checks the text of a problem file with waves of a tube; `name` is what messages call the file.

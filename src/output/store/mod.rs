@@ -26,6 +26,8 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use serde::Serialize;
 
+use crate::problem;
+
 pub(crate) use admit::Existing;
 pub(crate) use checkpoint::Checkpoint;
 pub use error::{Offers, StoreError};
@@ -98,9 +100,7 @@ impl Store {
             manifest: Mutex::new(manifest),
             path,
             header,
-            source: inputs
-                .first()
-                .and_then(|file| fs::read_to_string(file).ok()),
+            source: inputs.first().and_then(|file| problem::as_written(file)),
         };
         store.sweep()?;
         if !store.results {
