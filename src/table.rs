@@ -474,6 +474,18 @@ impl Table {
         self.rows.push(self.ends.len());
     }
 
+    /// The same table with other cells in a column.
+    pub(crate) fn with(&self, column: &str, cell: impl Fn(usize) -> String) -> Table {
+        let mut table = Table::default();
+        table.push(self.columns());
+        for row in 0..self.len() {
+            let own = cell(row);
+            let cells = self.columns().zip(self.row(row));
+            table.push(cells.map(|(name, text)| if name == column { &*own } else { text }));
+        }
+        table
+    }
+
     /// The cells of a row.
     fn row(&self, row: usize) -> impl Iterator<Item = &str> {
         let first = row.checked_sub(1).map_or(0, |before| self.rows[before]);

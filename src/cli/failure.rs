@@ -185,7 +185,7 @@ pub(crate) enum Usage {
     Passage(&'static str),
     #[error("{} holds no branch", .0.display())]
     NoBranch(PathBuf),
-    #[error("{} holds no branch: --x, --y, --log and --range draw columns of one", .0.display())]
+    #[error("{} holds no branch: --x, --y, --log and --range draw columns of one, and --y a state of a scan", .0.display())]
     NoView(PathBuf),
     #[error("{} is a shard of a {verb}: join all of them first with `brakewave {verb} merge`", folder.display())]
     Unjoined { folder: PathBuf, verb: &'static str },

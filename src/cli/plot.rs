@@ -27,7 +27,7 @@ pub(crate) struct PlotArguments {
     /// Draw one diagram instead, view.svg, with this column of branch.csv on the horizontal axis
     #[arg(long, value_name = "COLUMN")]
     x: Option<String>,
-    /// The column on its vertical axis [default: speed]
+    /// The column on its vertical axis [default: speed]; of a scan, a state
     #[arg(long, value_name = "COLUMN")]
     y: Option<String>,
     /// A logarithmic axis: x, which is assumed, or y; give it twice for both
@@ -57,8 +57,13 @@ enum Side {
 impl PlotArguments {
     /// Whether one view is asked for instead of all pictures.
     fn view(&self) -> bool {
+        self.y.is_some() || self.view_of_branch()
+    }
+
+    /// Whether it is one that only a branch has.
+    fn view_of_branch(&self) -> bool {
         let ranges = self.range.is_some() || self.range_y.is_some();
-        self.x.is_some() || self.y.is_some() || !self.log.is_empty() || ranges
+        self.x.is_some() || !self.log.is_empty() || ranges
     }
 }
 
@@ -81,7 +86,8 @@ pub(crate) fn plot(arguments: &PlotArguments) -> Result<Exit, Failure> {
     let store = Store::visit(folder);
     let kind = store.as_ref().ok().and_then(Store::kind);
     let run = kind.is_none_or(|kind| kind == Kind::Run);
-    if !run && arguments.view() {
+    let viewed = run || kind == Some(Kind::Scan) && !arguments.view_of_branch();
+    if !viewed && arguments.view() {
         return Err(Usage::NoView(folder.clone()).into());
     }
     if arguments.over.is_some() && kind != Some(Kind::Scan) {
@@ -112,7 +118,12 @@ pub(crate) fn plot(arguments: &PlotArguments) -> Result<Exit, Failure> {
                         if let Some(run) = over {
                             of_parameter(run, &problem)?;
                         }
-                        list(&pictures::scan::draw(&store, &problem, over, format)?)
+                        let state = arguments.y.as_deref();
+                        if state.is_some() {
+                            refuse_drawn(arguments, &store, format)?;
+                        }
+                        let shown = (over, state);
+                        list(&pictures::scan::draw(&store, &problem, shown, format)?)
                     }
                     Some(Kind::Map) => {
                         let picture = pictures::map::of_system(store.path(), &problem);

@@ -34,7 +34,7 @@ fn a_report_is_one_page_by_itself() {
         "prefers-color-scheme: dark",
         "user point mismatch = 0.195",
         "id=\"profile-1\"",
-        "id=\"spectrum\"",
+        "id=\"values\"",
         "events.csv",
     ] {
         assert!(page.contains(part), "{part}");

@@ -233,6 +233,27 @@ fn exponents_are_columns_of_their_own() {
     assert!((sum - expected).abs() < 1e-12, "{sum} {expected}");
 }
 
+/// A view of a scan shows any of its states, and nothing that only a branch has.
+#[test]
+fn a_scan_is_drawn_in_any_state() {
+    let bench = Bench::new();
+    bench.put("p.ron", problem(SWEEP));
+    scanned(&bench, "out", &[]);
+    bench.run(&["plot", "out", "--y", "v"]).expect(0);
+    let drawn = |name: &str| fs::read_to_string(bench.path("out").join(name)).unwrap();
+    assert!(drawn("view.svg").contains(">\nv\n<") && !drawn("view.svg").contains(">\nx\n<"));
+    assert!(drawn("scan.svg").contains(">\nx\n<"));
+    // it was drawn already
+    bench.run(&["plot", "out", "--y", "v"]).expect(2);
+    bench.run(&["plot", "out", "--y", "v", "--force"]).expect(0);
+    let refused = bench.run(&["plot", "out", "--y", "phase", "--force"]);
+    assert!(refused.expect(2).stderr.contains("samples have x, v"));
+    for option in ["--x", "--range"] {
+        let value = if option == "--x" { "v" } else { "0,1" };
+        bench.run(&["plot", "out", option, value]).expect(2);
+    }
+}
+
 #[test]
 fn bad_scans_are_told_with_their_place() {
     let bench = Bench::new();

@@ -288,6 +288,12 @@ fn a_branch_of_orbits_is_followed_through_its_graze() {
     // the mass is held at the stop: its greatest x says nothing
     let diagram = std::fs::read_to_string(bench.path("out/diagram.svg")).unwrap();
     assert!(diagram.contains("min x") && !diagram.contains("max x"));
+    // the orbit beyond the graze has the same mode all the time and never switches; the unstable piece between fold and graze is hidden
+    // by their marks
+    assert!(diagram.contains("free, no switch"));
+    assert!(!diagram.contains("unstable"));
+    let drawn = std::fs::read_to_string(bench.path("out/multipliers.svg")).unwrap();
+    assert!(drawn.contains("along the branch, the leading one") && drawn.contains("|μ|"));
 }
 
 /// Another run, a resumed run, and one on from a label: the same orbits.

@@ -1,12 +1,13 @@
 //! The curve of an event in the plane of its parameters, with the regions on either side named.
 
-use super::names::{event, quantity, short_signature};
+use super::names::{constant_parameters, event, quantity, short_signature};
 use crate::curve::{self, Curve, Plane, PointType, Region};
 use crate::orbit::{EventType, Orbit};
 use crate::output::render::{
-    Axis, BLACK, BLUE, Extent, Key, Layer, Legend, Mark, Name, Panel, Pen, Picture, Point, Shape,
-    VERMILLION,
+    Axis, BLACK, BLUE, Extent, Key, Layer, Legend, Mark, Name, Panel, Pen, Picture, Point,
+    Quantity, Shape, VERMILLION,
 };
+use crate::problem::Problem;
 
 /// Size of the marks of special points.
 const MARK: f64 = 4.6;
@@ -20,8 +21,25 @@ const SHAPES: [Shape; 5] = [
     Shape::Circle,
 ];
 
+/// The picture of a curve of waves over these ranges of its parameters, with those that stay as they are.
+pub(crate) fn of_waves(
+    curve: &Curve,
+    ranges: [(f64, f64); 2],
+    problem: Option<&Problem>,
+) -> Picture {
+    let drawn = picture(curve, ranges, quantity);
+    match problem {
+        Some(problem) => drawn.subtitled(&constant_parameters(problem, &curve.parameters)),
+        None => drawn,
+    }
+}
+
 /// The picture of a curve over these ranges of its parameters.
-pub(crate) fn picture<P: Plane>(curve: &Curve<P>, ranges: [(f64, f64); 2]) -> Picture {
+pub(super) fn picture<P: Plane>(
+    curve: &Curve<P>,
+    ranges: [(f64, f64); 2],
+    quantity: fn(&str) -> Quantity,
+) -> Picture {
     let [x, y] = [0, 1].map(|index: usize| {
         let quantity = quantity(P::Orbit::column(&curve.parameters[index]));
         Axis::new(quantity, Extent::Fixed(ranges[index].0, ranges[index].1))

@@ -2,19 +2,19 @@
 
 use crate::output::render::{
     Axis, BLACK, Cell, Extent, GREY, HEIGHT, Heading, Key, Layer, Legend, Mark, Panel, Pattern,
-    Pen, Picture, Point, Shape, VERMILLION, WHITE, mix, range,
+    Pen, Picture, Point, Shape, VERMILLION, WHITE, mix,
 };
 use plotters::style::RGBColor;
 
-use super::colours::RARE;
-use super::names::{event, event_mark, quantity, sequence, short_signature, signature_colour};
-use super::tables::{Tables, column, kind, number};
+use super::codes::Codes;
+use super::colours::distinct;
+use super::names::{event, event_mark, sequence, short_signature, signature_colour};
+use super::tables::{Tables, kind, number};
+use super::view::View;
 use crate::orbit::EventType;
 use crate::orbit::Stability;
 use crate::output::store::StoreError;
-use crate::problem::{Plot, Problem};
 use crate::table::Table;
-use crate::tube::model::Parameter;
 
 /// Most signatures in the legend.
 const MOST_NAMED: usize = 9;
@@ -23,6 +23,9 @@ const MOST_NAMED: usize = 9;
 const BAND: f64 = 0.16;
 
 const CURVE: f64 = 2.2;
+
+/// Part of an axis below which a stretch of a line is hidden by a mark on it: half of one.
+const SEEN: f64 = 0.005;
 
 /// What an empty picture says.
 pub(super) const NONE: &str = "the branch has no points";
@@ -95,146 +98,23 @@ impl Stretch<'_> {
     fn extends(&self) -> bool {
         self.points.windows(2).any(|pair| pair[0].0 != pair[1].0)
     }
-}
 
-/// What of a column of `branch.csv` is drawn.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct View {
-    pub column: String,
-    /// Part of the horizontal axis.
-    pub range: (f64, f64),
-    /// Whether the horizontal axis is logarithmic; where nothing is said the values decide.
-    pub logarithmic: Option<bool>,
-    /// Part of the vertical axis.
-    pub height: (f64, f64),
-    /// Whether the vertical axis is logarithmic.
-    pub logarithmic_height: bool,
-}
-
-/// Why a view would show nothing, or not what was asked for.
-#[derive(Debug, thiserror::Error)]
-pub(crate) enum NoView {
-    /// The column has no numbers.
-    #[error("column `{column}` of branch.csv has no values{}", needed.as_ref().map_or(String::new(), |(needed, cure)| format!(" without {needed}: {cure}, and run anew")))]
-    Empty {
-        column: String,
-        /// What it needs, and how the problem file asks for it.
-        needed: Option<(&'static str, String)>,
-    },
-    #[error("no point has `{column}` from {} to {}: it goes from {} to {}", asked.0, asked.1, there.0, there.1)]
-    Outside {
-        column: String,
-        /// Ends of the axis that are asked for.
-        asked: (f64, f64),
-        there: (f64, f64),
-    },
-    /// A logarithmic axis has no place for a value.
-    #[error("`{column}` is {value} at a point, which a logarithmic axis cannot show")]
-    NotPositive {
-        column: String,
-        /// A value that is not greater than 0.
-        value: f64,
-    },
-}
-
-/// Ratio of the ends of a branch from which on its axis is logarithmic, for else all that happens at
-/// small values is one blob.
-const WIDE: f64 = 100.0;
-
-/// The same for ε of a smoothed friction law, a scale that goes to zero.
-const WIDE_SCALE: f64 = 2.0;
-
-impl View {
-    /// All of the horizontal axis.
-    pub(crate) const EVERYWHERE: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
-
-    /// A column over the whole branch.
-    pub(super) fn whole(column: &str) -> View {
-        View {
-            column: column.to_owned(),
-            range: View::EVERYWHERE,
-            logarithmic: None,
-            height: View::EVERYWHERE,
-            logarithmic_height: false,
-        }
-    }
-
-    /// Refuses a view of nothing, and a logarithmic axis for what is not positive.
-    pub(super) fn check(&self, problem: &Problem, tables: &Tables) -> Result<(), NoView> {
-        let axes = [
-            (
-                &tables.parameter,
-                self.range,
-                self.logarithmic == Some(true),
-            ),
-            (&self.column, self.height, self.logarithmic_height),
-        ];
-        for (name, asked, logarithmic) in axes {
-            let name = name.clone();
-            let values = column(&tables.branch, &name);
-            let Some(there) = range(values.iter().copied()) else {
-                let needed = problem.lacks(&Plot::Column(name.clone()));
-                return Err(NoView::Empty {
-                    column: name,
-                    needed,
-                });
-            };
-            let shown = |value: &&f64| (asked.0..=asked.1).contains(*value);
-            let mut shown = values.iter().filter(shown).peekable();
-            if shown.peek().is_none() {
-                return Err(NoView::Outside {
-                    column: name,
-                    asked,
-                    there,
-                });
-            }
-            if let Some(&value) = shown.find(|value| logarithmic && **value <= 0.0) {
-                return Err(NoView::NotPositive {
-                    column: name,
-                    value,
-                });
-            }
-        }
-        Ok(())
-    }
-
-    /// The view with its axis decided.
-    fn decided(&self, tables: &Tables) -> View {
-        let values = column(&tables.branch, &tables.parameter);
-        let wide = match Parameter::from_column(&tables.parameter) {
-            Some(Parameter::Smoothing) => WIDE_SCALE,
-            Some(_) => WIDE,
-            None => f64::INFINITY,
-        };
-        let logarithmic = range(values).is_some_and(|(low, high)| low > 0.0 && high > wide * low);
-        View {
-            logarithmic: self.logarithmic.or(Some(logarithmic)),
-            ..self.clone()
-        }
-    }
-
-    fn shows(&self, (x, y): &Point) -> bool {
-        let (low, high) = self.height;
-        self.shows_at(*x) && (low..=high).contains(y) && (*y > 0.0 || !self.logarithmic_height)
-    }
-
-    fn shows_at(&self, x: f64) -> bool {
-        let (low, high) = self.range;
-        (low..=high).contains(&x) && (x > 0.0 || self.logarithmic != Some(true))
-    }
-
-    fn axis(&self, parameter: &str) -> Axis {
-        let extent = match self.logarithmic {
-            Some(true) => Extent::Logarithmic(0.04),
-            _ => Extent::Data(0.04),
-        };
-        Axis::new(quantity(parameter), extent)
+    /// Whether it is long enough to be seen in a panel over so much of both axes; the figures of a logarithmic axis are others,
+    /// so that there a short one counts as seen.
+    fn is_seen(&self, all: [f64; 2]) -> bool {
+        let own = extent(self.points.iter());
+        let mut parts = own.into_iter().zip(all);
+        parts.any(|(own, all)| own >= SEEN * all)
     }
 }
 
-/// The horizontal axis of pictures over the whole branch.
-pub(super) fn parameter_axis(tables: &Tables) -> Axis {
-    View::whole("").decided(tables).axis(&tables.parameter)
+/// Width and height of what points cover.
+fn extent<'a>(points: impl Iterator<Item = &'a Point> + Clone) -> [f64; 2] {
+    let width = |values: Option<(f64, f64)>| values.map_or(0.0, |(low, high)| high - low);
+    [
+        width(ends(points.clone().map(|point| point.0))),
+        width(ends(points.map(|point| point.1))),
+    ]
 }
 
 /// Height of the panel with the count of growing eigenvalues.
@@ -287,7 +167,7 @@ pub(super) fn diagram(tables: &Tables, view: &View) -> Result<Picture, StoreErro
             let words = "in the lower panel: grows at high frequency only";
             picture.legend = picture.legend.with("", [(Key::Line(pen), words)]);
         }
-        let panel = Panel::new(view.axis(&tables.parameter), y, layers);
+        let panel = Panel::new(view.axis(tables), y, layers);
         picture.panels.push(panel.high(COUNT_HEIGHT));
     }
     Ok(picture)
@@ -331,6 +211,7 @@ fn bands<'a>(stretches: &[Stretch<'a>]) -> Vec<Band<'a>> {
 fn named_bands(
     bands: &[Band<'_>],
     signatures: &[&str],
+    codes: &Codes,
     colour: &dyn Fn(&str) -> RGBColor,
 ) -> Vec<Layer> {
     if bands.is_empty() {
@@ -341,7 +222,8 @@ fn named_bands(
         Cell::upright(band.ends[0], band.ends[1], colour)
     };
     let heading = |band: &Band<'_>| {
-        let names = [band.signature.to_owned(), short_signature(band.signature)];
+        let short = codes.name(&short_signature(band.signature));
+        let names = [band.signature.to_owned(), short];
         let names = names.map(|name| numbered(band.signature, signatures, name));
         let number = numeral(band.signature, signatures);
         Heading {
@@ -397,11 +279,13 @@ pub(super) fn picture(tables: &Tables, view: &View) -> Result<Picture, StoreErro
         // modes of a user's own have no colour of their own
         of_modes if sequence(of_modes).contains(&None) => {
             let place = signatures.iter().position(|known| *known == of_modes);
-            RARE[place.unwrap_or(0) % RARE.len()]
+            distinct(place.unwrap_or(0))
         }
         of_regimes => signature_colour(of_regimes),
     };
-    let mut layers = named_bands(&bands, &signatures, &colour);
+    let short: Vec<String> = signatures.iter().map(|one| short_signature(one)).collect();
+    let codes = Codes::of(short.iter().map(String::as_str));
+    let mut layers = named_bands(&bands, &signatures, &codes, &colour);
     for stretch in &stretches {
         let pen = stretch.standing.pen(colour(stretch.signature));
         let points = stretch.points.clone();
@@ -420,15 +304,16 @@ pub(super) fn picture(tables: &Tables, view: &View) -> Result<Picture, StoreErro
         layers = vec![Layer::Remark(remark.to_owned())];
     }
 
+    let size = extent(stretches.iter().flat_map(|one| &one.points));
     let drawn = |standing: Standing| {
         let mut all = stretches.iter();
-        all.any(|one| one.standing == standing && one.extends())
+        all.any(|one| one.standing == standing && one.extends() && one.is_seen(size))
     };
     let kinds = EventType::ALL.into_iter();
     let present = kinds.filter(|kind| marks.iter().any(|mark| mark.0 == *kind));
     let named = signatures.iter().take(MOST_NAMED).map(|signature| {
         let key = Key::Line(Pen::solid(colour(signature), CURVE + 0.6));
-        let name = short_signature(signature);
+        let name = codes.name(&short_signature(signature));
         (
             key,
             if banded {
@@ -456,13 +341,14 @@ pub(super) fn picture(tables: &Tables, view: &View) -> Result<Picture, StoreErro
                 )
             }),
         )
-        .with("", coloured);
-    let x = view.axis(&tables.parameter);
+        .with("", coloured)
+        .with("", codes.key().into_iter().map(|words| (Key::Word, words)));
+    let x = view.axis(tables);
     let height = match view.logarithmic_height {
         true => Extent::Logarithmic(0.05),
         false => Extent::Data(0.05),
     };
-    let y = Axis::new(quantity(column), height);
+    let y = Axis::new(tables.quantity(column), height);
     Ok(Picture::new(vec![Panel::new(x, y, layers)], legend))
 }
 

@@ -14,6 +14,7 @@ use plotters::style::RGBColor;
 use super::colours::RARE;
 use super::names::{quantity, short_signature, signature_colour};
 use super::orbits::constants;
+use super::tables::NO_SWITCH;
 use crate::map::{self, NOT_REACHED, UNDECIDED};
 use crate::output::layout::MAP;
 use crate::output::store::{StoreError, resumable, unfinished};
@@ -237,7 +238,7 @@ pub(super) fn orbit_name(kind: &str) -> String {
         (times, 1) => format!("{times} {signature}"),
         (times, _) => format!("{times} ({signature})"),
     };
-    let never = if never == "0" { ", no switch" } else { "" };
+    let never = if never == "0" { NO_SWITCH } else { "" };
     match periods {
         "" => format!("{signature}{never}"),
         "1" => format!("T: {signature}{never}"),
@@ -330,10 +331,12 @@ impl Plane {
             panels.push(panel(Vec::new(), "", HEIGHT).unless(true, empty));
         }
 
+        // in the colour of most points: greys are what is no orbit
+        let example = kinds.first().map_or(BLACK, |(_, (colour, _))| *colour);
         let shades = SHADES
             .into_iter()
             .filter(|(verdict, _)| waves.iter().any(|wave| wave.stable == *verdict))
-            .map(|(verdict, share)| (Key::Area(mix(WHITE, BLACK, 0.75 * share)), verdict));
+            .map(|(verdict, share)| (Key::Area(mix(WHITE, example, share)), verdict));
         let coloured = kinds
             .iter()
             .map(|(_, (colour, name))| (Key::Area(*colour), name.clone()));

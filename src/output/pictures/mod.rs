@@ -23,6 +23,7 @@ mod spectrum;
 pub(crate) mod steady;
 mod switches;
 mod tables;
+mod view;
 mod waves;
 
 use std::fs;
@@ -39,10 +40,10 @@ use super::waves::separates;
 use crate::curve::Tube;
 use crate::problem::{Plot, Problem};
 use crate::tube::model::{Landing, Parameter};
-pub(crate) use diagram::{NoView, View};
 use names::constant_parameters;
 use profile::Profiles;
 use tables::Tables;
+pub(crate) use view::{NoView, View};
 
 /// Failure to draw a picture.
 #[derive(Debug, thiserror::Error)]
@@ -77,7 +78,7 @@ pub(crate) fn draw(
         (Some(Kind::Map), Some(problem)) => map::picture(folder, problem),
         (Some(Kind::Curve), _) => CurveFolder::saved::<Tube>(store).map(|saved| {
             let ranges = saved.head().limits.ranges;
-            curve::picture(&saved.curve(), ranges)
+            curve::of_waves(&saved.curve(), ranges, problem)
         }),
         (Some(Kind::Accuracy), _) => rows(folder).map(|rows| accuracy::picture(&rows)),
         (Some(Kind::Steady), _) => {
@@ -176,7 +177,7 @@ pub(crate) fn draw_view(
 
 /// The constant parameters of a branch, and what its landings are.
 fn caption(problem: &Problem, axis: Parameter, tables: &Tables) -> String {
-    let mut words = constant_parameters(problem, axis);
+    let mut words = constant_parameters(problem, &[axis]);
     // a restart brings its own model
     if separates(&tables.branch) && problem.wave.start.label().is_none() {
         words.push_str(", ");

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use super::orbits::constants;
 use super::tables::{column, read};
 use super::{Named, PlotError, put};
 use crate::output::layout::{OF_MOTION, SERIES, SWITCHES};
@@ -54,8 +55,9 @@ pub(crate) fn draw(
     let states = &problem.system.source.states;
     let zones = zones(store.path(), states)?;
     let title = problem.title.as_deref();
+    let subtitle = constants(&problem.system.source, &[]);
     let pictures = [time_series(&zones, states), phase_plane(&zones, states)];
-    let pictures = pictures.map(|picture| Ok(picture.titled(title)));
+    let pictures = pictures.map(|picture| Ok(picture.titled(title).subtitled(&subtitle)));
     let named = OF_MOTION.into_iter().zip(pictures);
     put(
         store,

@@ -93,16 +93,117 @@ pub(crate) fn discretised(
     plane(&multipliers, legend, period, &format!("{points} k|c|"))
 }
 
-/// Multipliers of an orbit, which `words` name, or why there are none.
-pub(super) fn of_orbit(places: &[Point], words: &str, none: &str) -> Picture {
-    let mark = Mark::new(Shape::Circle, 4.4, BLUE);
-    let multipliers: Vec<Multiplier> = places.iter().map(|place| (*place, mark)).collect();
-    let Some(near) = Window::foremost(&multipliers, 1.0) else {
+/// The multipliers along a branch of orbits.
+pub(super) struct Along {
+    /// Values of the parameter and the leading multiplier, point by point; gaps between legs and where it is unknown.
+    pub leading: Vec<(f64, Point)>,
+    /// All multipliers of labelled orbits.
+    pub labelled: Vec<(f64, Point)>,
+}
+
+/// Multipliers along a branch: in the plane, and their moduli over the parameter. `none` says why there are none.
+pub(super) fn of_branch(along: &Along, parameter: Axis, none: &str) -> Picture {
+    let size = |(_, (re, im)): &(f64, Point)| re.hypot(*im);
+    let known = along.leading.iter().chain(&along.labelled).map(size);
+    let known: Vec<f64> = known.filter(|size| size.is_finite()).collect();
+    if known.is_empty() {
         return blank(none);
+    }
+    let largest = known.iter().copied().fold(1.0, f64::max);
+    let path = Pen::solid(VERMILLION, 1.6);
+    let mark = Mark::new(Shape::Circle, 3.4, BLUE);
+    let all = Window {
+        centre: (0.0, 0.0),
+        half: 1.12 * largest.min(FAR),
     };
-    let all = Window::of_all(&multipliers, near);
-    let keys = [(Key::Mark(mark), words), (Key::Mark(CROSS), "μ = 1")];
-    beside(&multipliers, [all, near], Legend::default().with("", keys))
+    let mut left = all.layers(&[]);
+    // that of a pair and its conjugate
+    let mirrored = |sign: f64| {
+        let places = along.leading.iter().map(|(_, (re, im))| (*re, sign * im));
+        all.cut_line(&unjumped(places))
+    };
+    let sides = if along.leading.iter().any(|(_, (_, im))| *im != 0.0) {
+        2
+    } else {
+        1
+    };
+    left.extend(
+        [1.0, -1.0]
+            .into_iter()
+            .take(sides)
+            .map(|sign| Layer::Line(mirrored(sign), path)),
+    );
+    let places = along.labelled.iter().map(|(_, place)| *place);
+    let inside = places.filter(|place| all.contains(*place)).collect();
+    left.push(Layer::Marks(inside, mark));
+    let logarithmic = largest > FAR;
+    let over = |list: &[(f64, Point)]| -> Vec<Point> {
+        let shown = |size: f64| {
+            if logarithmic && size <= 0.0 {
+                f64::NAN
+            } else {
+                size
+            }
+        };
+        list.iter().map(|one| (one.0, shown(size(one)))).collect()
+    };
+    let marks = over(&along.labelled)
+        .into_iter()
+        .filter(|place| place.1.is_finite());
+    let right = vec![
+        Layer::Across(1.0, Pen::solid(BLACK, 1.2)),
+        Layer::Line(over(&along.leading), path),
+        Layer::Marks(marks.collect(), mark),
+    ];
+    let extent = match logarithmic {
+        true => Extent::Logarithmic(0.06),
+        false => Extent::Fixed(0.0, 1.08 * largest),
+    };
+    let mut keys = vec![(Key::Mark(mark), "at the labels, all".to_owned())];
+    if along.leading.iter().any(|one| size(one).is_finite()) {
+        keys.insert(
+            0,
+            (
+                Key::Line(path),
+                "along the branch, the leading one".to_owned(),
+            ),
+        );
+    }
+    keys.push((Key::Mark(CROSS), "μ = 1".to_owned()));
+    if logarithmic {
+        let words = format!("those with |μ| > {FAR} are on the right only");
+        keys.push((Key::Word, words));
+    }
+    let panels = vec![
+        all.panel("Im μ", left),
+        Panel::new(parameter, Axis::new(("", "|μ|"), extent), right),
+    ];
+    Picture {
+        beside: true,
+        ..Picture::new(panels, Legend::default().with("", keys))
+    }
+}
+
+/// Modulus up to which a plane shows multipliers: beyond it the unit circle is a dot.
+const FAR: f64 = 2.5;
+
+/// Distance of two neighbours in the plane from which on they are two multipliers, of which one leads before the other: steps along
+/// a branch are a hundredth of its length.
+const JUMP: f64 = 0.3;
+
+/// A path with gaps where it passes from one multiplier to another.
+fn unjumped(places: impl Iterator<Item = Point>) -> Vec<Point> {
+    let mut path: Vec<Point> = Vec::new();
+    for place in places {
+        if let Some(last) = path.last() {
+            let distance = (place.0 - last.0).hypot(place.1 - last.1);
+            if distance > JUMP * last.0.hypot(last.1).max(1.0) {
+                path.push((f64::NAN, f64::NAN));
+            }
+        }
+        path.push(place);
+    }
+    path
 }
 
 /// The unit circle with all multipliers on the left, a part of it enlarged on the right.
@@ -204,6 +305,15 @@ impl Window {
         (re - self.centre.0).abs() <= self.half && (im - self.centre.1).abs() <= self.half
     }
 
+    /// A line with gaps where it is outside the window.
+    fn cut_line(self, line: &[Point]) -> Vec<Point> {
+        let shown = |place: &Point| match self.contains(*place) {
+            true => *place,
+            false => (f64::NAN, f64::NAN),
+        };
+        line.iter().map(shown).collect()
+    }
+
     fn corners(self) -> [Point; 4] {
         let ((re, im), half) = (self.centre, self.half);
         [(-half, -half), (half, -half), (half, half), (-half, half)].map(|(x, y)| (re + x, im + y))
@@ -254,11 +364,7 @@ impl Window {
                 (cosine, sine)
             })
             .collect();
-        let gap = |place: &Point| match self.contains(*place) {
-            true => *place,
-            false => (f64::NAN, f64::NAN),
-        };
-        let arc = circle.iter().map(gap).collect();
+        let arc = self.cut_line(&circle);
         let mut layers = vec![
             Layer::Cells(vec![unstable(f64::NEG_INFINITY)]),
             Layer::Area(self.cut(circle), WHITE),

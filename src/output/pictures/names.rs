@@ -74,16 +74,18 @@ pub(super) const DISPLACEMENT: Named = ("tangential displacement", "V", LENGTH);
 
 pub(super) const VELOCITY: Named = ("velocity", "V\u{307}", "RΩ");
 
-/// The mode and the parameters that differ from zero, but for the one on the axis.
-pub(super) fn constant_parameters(problem: &Problem, axis: Parameter) -> String {
+/// The mode and the parameters that differ from zero, but for those on the axes.
+pub(super) fn constant_parameters(problem: &Problem, axes: &[Parameter]) -> String {
     let mode = format!("k = {}", problem.wave.mode);
-    format!("{mode}, {}", parameters(problem, axis))
+    format!("{mode}, {}", parameters(problem, axes))
 }
 
-/// The parameters that differ from zero, but for one, and the unit of rates where it is known.
-pub(super) fn parameters(problem: &Problem, except: Parameter) -> String {
+/// The parameters that differ from zero, but for some, and the unit of rates where it is known.
+pub(super) fn parameters(problem: &Problem, except: &[Parameter]) -> String {
     let word = |symbol, value| format!("{symbol} = {}", number::significant(value, 4));
-    let others = Parameter::ALL.into_iter().filter(|one| *one != except);
+    let others = Parameter::ALL
+        .into_iter()
+        .filter(|one| !except.contains(one));
     let values = others.filter_map(|one| Some((one, problem.model.value(one)?)));
     let values = values.filter(|(_, value)| *value != 0.0);
     let mut words: Vec<String> = values

@@ -2,12 +2,16 @@
 
 use std::path::PathBuf;
 
-use super::diagram::{self, View};
+use super::diagram::{self, same_leg};
+use super::multipliers::{self, Along};
+use super::names::own_quantity;
 use super::profile::evenly;
 use super::tables::{self, Tables, column, read, read_if_there};
-use super::{Named, PlotError, multipliers, put};
+use super::view::{View, parameter_axis};
+use super::{Named, PlotError, put};
 use crate::affine::system::Source;
 use crate::curve::{self, Curve, Plane};
+use crate::orbit::Orbit;
 use crate::output::curve::CurveFolder;
 use crate::output::layout::{self, MULTIPLIERS, profile_file};
 use crate::output::render::{
@@ -118,8 +122,10 @@ pub(crate) fn draw_curve<P: Plane>(
     ranges: [(f64, f64); 2],
     format: Format,
 ) -> Result<Vec<PathBuf>, PlotError> {
-    let drawn = super::curve::picture(curve, ranges);
-    let drawn = drawn.titled(problem.title.as_deref());
+    let drawn = super::curve::picture(curve, ranges, own_quantity);
+    let followed = curve.parameters.each_ref().map(P::Orbit::column);
+    let subtitle = constants(&problem.system.source, &varying(problem, &followed));
+    let drawn = drawn.titled(problem.title.as_deref()).subtitled(&subtitle);
     let name = Kind::Curve.name().to_owned();
     put(store, None, format, [(name, Ok(drawn))])
 }
@@ -142,7 +148,12 @@ fn describe(
         SystemPlot::Multipliers => {
             let path = store.path().join(MULTIPLIERS);
             let table = read_if_there(&path, &["label", "re", "im"])?;
-            Ok(circle(table.as_ref(), tables))
+            let along = along(table.as_ref(), tables);
+            Ok(multipliers::of_branch(
+                &along,
+                parameter_axis(tables),
+                UNKNOWN,
+            ))
         }
     }
 }
@@ -191,8 +202,13 @@ pub(super) fn constants(source: &Source, followed: &[&str]) -> String {
 
 /// Orbits of the labels that have a profile, evenly spread.
 fn sampled(store: &Store, tables: &Tables) -> Result<Vec<Sampled>, StoreError> {
+    // the orbit at which both legs begin has a label in each
+    let begun = tables.begun();
+    let again = |label: &&str| begun.iter().skip(1).any(|begun| begun == label);
     let labels: Vec<String> = (0..tables.branch.len())
-        .map(|row| tables.branch.text(row, "label").to_owned())
+        .map(|row| tables.branch.text(row, "label"))
+        .filter(|label| !again(label))
+        .map(str::to_owned)
         .filter(|label| {
             let file = label.parse().map(profile_file);
             file.is_ok_and(|file| store.path().join(file).exists())
@@ -233,7 +249,11 @@ fn curves(orbits: &[Sampled], x: &str, y: &str, parameter: &str) -> Picture {
         layers.push(Layer::Line(line, pen));
         keys.push((
             Key::Line(pen),
-            format!("{} ({parameter} = {:.6})", orbit.label, orbit.value),
+            format!(
+                "{} ({parameter} = {})",
+                orbit.label,
+                number::significant(orbit.value, 6)
+            ),
         ));
     }
     let axis = |name: &str| Axis::new((name, ""), Extent::Data(0.04));
@@ -241,26 +261,28 @@ fn curves(orbits: &[Sampled], x: &str, y: &str, parameter: &str) -> Picture {
     Picture::new(vec![panel], Legend::default().with("label:", keys))
 }
 
-/// Multipliers of the first label that has some, with the unit circle.
-fn circle(table: Option<&Table>, tables: &Tables) -> Picture {
-    let rows = table.into_iter().flat_map(|table| {
-        let first = table.text(0, "label").to_owned();
-        let of_first = move |row: &usize| table.text(*row, "label") == first;
-        (0..table.len())
-            .filter(of_first)
-            .map(move |row| (table, row))
-    });
-    let places = rows.filter_map(|(table, row)| {
+/// The multipliers of a branch: of every point that which leads, of every label all.
+fn along(table: Option<&Table>, tables: &Tables) -> Along {
+    let branch = &tables.branch;
+    let [values, re, im] =
+        [&*tables.parameter, "multiplier_re", "multiplier_im"].map(|name| column(branch, name));
+    let mut leading = Vec::with_capacity(branch.len());
+    for row in 0..branch.len() {
+        if row > 0 && !same_leg(branch, row - 1) {
+            leading.push((f64::NAN, (f64::NAN, f64::NAN)));
+        }
+        leading.push((values[row], (re[row], im[row])));
+    }
+    let rows = table
+        .into_iter()
+        .flat_map(|table| (0..table.len()).map(move |row| (table, row)));
+    let labelled = rows.filter_map(|(table, row)| {
         let number = |column| tables::number(table, row, column);
-        Some((number("re")?, number("im")?))
+        let value = tables.parameter_at(table.text(row, "label"))?;
+        Some((value, (number("re")?, number("im")?)))
     });
-    let places: Vec<Point> = places.collect();
-    let label = table
-        .filter(|table| !table.is_empty())
-        .map(|table| table.text(0, "label"));
-    let words = label.map(|label| {
-        let value = tables.parameter_at(label).unwrap_or(f64::NAN);
-        format!("label {label}: {} = {value:.6}", tables.parameter)
-    });
-    multipliers::of_orbit(&places, &words.unwrap_or_default(), UNKNOWN)
+    Along {
+        leading,
+        labelled: labelled.collect(),
+    }
 }

@@ -4,11 +4,12 @@
 use std::path::Path;
 
 use super::codes::Codes;
-use super::diagram::{parameter_axis, pattern_between, same_leg};
-use super::names::{event, event_mark, own_quantity, quantity};
+use super::diagram::{pattern_between, same_leg};
+use super::names::{event, event_mark, quantity};
 use super::orbits::ordinate;
 use super::simulation;
 use super::tables::{Tables, column, kind};
+use super::view::parameter_axis;
 use crate::branch::row::WORD_COLUMNS;
 use crate::orbit::EventType;
 use crate::output::layout::{self, EIGENVALUES, MULTIPLIERS, SPECTRUM};
@@ -191,7 +192,11 @@ pub(crate) fn drawn(folder: &Path, problem: &Any) -> Result<Drawn, StoreError> {
         marks: (0..branch.len()).map(mark).collect(),
         columns,
         logarithmic: matches!(axis.extent, Extent::Logarithmic(_)),
-        codes: Codes::of((0..branch.len()).map(|row| branch.text(row, "regimes"))),
+        codes: match problem {
+            // regimes have words that everybody knows
+            Any::Tube(_) => Codes::default(),
+            Any::System(_) => Codes::of((0..branch.len()).map(|row| branch.text(row, "regimes"))),
+        },
         subject: Subject::of(problem),
         branch: tables.branch,
     })
@@ -236,7 +241,7 @@ fn columns(problem: &Any, tables: &Tables) -> Vec<Column> {
             }
         }
         Any::System(_) => Column {
-            caption: own_quantity(&name).caption(),
+            caption: tables.quantity(&name).caption(),
             symbol: name.clone(),
             name,
         },
@@ -340,7 +345,10 @@ fn of_system(picture: &str, kind: Option<Kind>, problem: &SystemProblem) -> Stri
         Some(Kind::Scan) if is(layout::SCANNED[0]) => {
             format!("What motions settle on: samples of {first} against {scanned}")
         }
-        Some(Kind::Scan) => format!("Samples of {first} against {scanned}, and a branch over them"),
+        Some(Kind::Scan) if is(layout::SCANNED[1]) => {
+            format!("Samples of {first} against {scanned}, and a branch over them")
+        }
+        Some(Kind::Scan) => format!("Samples of a state against {scanned}"),
         Some(Kind::Map) => {
             let axes = problem.map.iter().flat_map(|map| [&map.second, &map.first]);
             let axes: Vec<&str> = axes.map(|axis| axis.name()).collect();
@@ -362,7 +370,9 @@ fn of_system(picture: &str, kind: Option<Kind>, problem: &SystemProblem) -> Stri
                 Some(SystemPlot::Column(name)) => format!("{name} against {parameter}"),
                 Some(SystemPlot::Phase(one, other)) => format!("{other} over {one} of some orbits"),
                 Some(SystemPlot::Time(state)) => format!("{state} over time of some orbits"),
-                Some(SystemPlot::Multipliers) => "Multipliers of an orbit".to_owned(),
+                Some(SystemPlot::Multipliers) => {
+                    format!("Multipliers and the unit circle, and their moduli against {parameter}")
+                }
                 None => "A view of the branch".to_owned(),
             }
         }

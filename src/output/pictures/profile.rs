@@ -8,8 +8,8 @@ use std::path::Path;
 
 use plotters::style::RGBColor;
 
-use super::diagram::parameter_axis;
 use super::tables::{Tables, read_if_there};
+use super::view::parameter_axis;
 use crate::output::layout::PROFILES;
 use crate::output::store::{self, StoreError};
 use crate::tube::model::signature::Regime;

@@ -3,16 +3,17 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-use super::diagram::{self, View};
+use super::diagram;
 use super::orbits::constants;
 use super::tables::{Tables, read};
+use super::view::View;
 use super::{Named, PlotError, put};
-use crate::output::layout::{SCAN, SCANNED};
+use crate::output::layout::{SCAN, SCANNED, VIEW};
 use crate::output::render::{
     Axis, BLACK, BLUE, Extent, Format, GREY, Key, Layer, Legend, Mark, Panel, Pen, Picture, Point,
     Shape, VERMILLION, range,
 };
-use crate::output::store::{Store, StoreError, unfinished};
+use crate::output::store::{Store, StoreError, refused, unfinished};
 use crate::problem::{Scan, ScanValues, Section, SystemProblem};
 use crate::table::Table;
 
@@ -28,18 +29,21 @@ const EXPONENT_DOT: f64 = 1.0;
 /// What an empty picture says.
 const NONE: &str = "no motion came to the section";
 
-/// Draws the picture of a folder, with the branch of a run over it where one is named.
+/// Draws the picture of a folder, with the branch of a run over it where one is named; as a view that of a state that is named.
 ///
 /// # Errors
 /// When a table cannot be read, the branch has other columns, or a file cannot be written.
 pub(crate) fn draw(
     store: &Store,
     problem: &SystemProblem,
-    over: Option<&Path>,
+    (over, state): (Option<&Path>, Option<&str>),
     format: Format,
 ) -> Result<Vec<PathBuf>, PlotError> {
-    let picture = picture(store.path(), problem, over);
-    let name = SCANNED[usize::from(over.is_some())];
+    let picture = picture(store.path(), problem, over, state);
+    let name = match state {
+        Some(_) => VIEW,
+        None => SCANNED[usize::from(over.is_some())],
+    };
     put(
         store,
         None,
@@ -48,7 +52,7 @@ pub(crate) fn draw(
     )
 }
 
-/// The first state of every sample over the parameter, a colour for each sweep. Of a branch over it the greatest and
+/// A state of every sample over the parameter, the first where none is named, a colour for each sweep. Of a branch over it the greatest and
 /// the least value of the state are shown: samples lie between the two, or on one of them.
 ///
 /// # Errors
@@ -57,12 +61,19 @@ pub(crate) fn picture(
     folder: &Path,
     problem: &SystemProblem,
     over: Option<&Path>,
+    state: Option<&str>,
 ) -> Result<Picture, StoreError> {
     let source = &problem.system.source;
-    let (Some(scan), Some(state)) = (&problem.scan, source.states.first()) else {
+    let state = state.or(source.states.first().map(String::as_str));
+    let (Some(scan), Some(state)) = (&problem.scan, state) else {
         return Err(unfinished(folder, "scan", "there is no section `scan`"));
     };
     let path = folder.join(SCAN);
+    if !source.states.iter().any(|known| known == state) {
+        let known = source.states.join(", ");
+        let reason = format!("`{state}` is no state: samples have {known}");
+        return Err(refused(&path, reason));
+    }
     if !path.exists() {
         return Err(unfinished(folder, "scan", "its pieces are not joined yet"));
     }
@@ -117,7 +128,7 @@ pub(crate) fn picture(
     }
     let caption = match over {
         Some(_) => format!("{state}; branch: greatest and least {state}"),
-        None => state.clone(),
+        None => state.to_owned(),
     };
     let x = || Axis::new((scan.parameter.as_str(), ""), Extent::Data(0.02));
     let y = Axis::new((caption.as_str(), ""), Extent::Data(0.04));

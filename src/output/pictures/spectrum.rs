@@ -1,6 +1,6 @@
 //! Eigenvalues in the plane of λ.
 
-use super::names::{RATE, occurring, quantity};
+use super::names::{RATE, occurring};
 use super::profile::evenly;
 use super::tables::{Tables, number as value_of};
 use crate::output::render::{
@@ -132,7 +132,7 @@ impl<'a> Chosen<'a> {
                 None => format!("[{label}]"),
             }
         });
-        let parameter = quantity(&tables.parameter);
+        let parameter = tables.quantity(&tables.parameter);
         let symbol = parameter.short();
         let legend = Legend::default().with("sector", sectors);
         if !several {

@@ -87,7 +87,7 @@ pub(crate) fn picture(modes: &Table, problem: Option<&Problem>) -> Picture {
     let mut legend = Legend::default().with("", entries);
     if let Some(problem) = problem {
         // the mismatch changes nothing under Coulomb's law
-        legend = legend.with::<&str>(&parameters(problem, Parameter::Mismatch), []);
+        legend = legend.with::<&str>(&parameters(problem, &[Parameter::Mismatch]), []);
     }
     Picture::new(panels, legend).titled(Some("Perturbations of steady sliding, by mode"))
 }

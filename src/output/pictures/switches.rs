@@ -1,9 +1,10 @@
 //! All switching positions against the parameter, with the zones between them.
 
 use super::colours;
-use super::diagram::{NONE, joined, one_way, parameter_axis, same_leg, signature_between};
+use super::diagram::{NONE, joined, one_way, same_leg, signature_between};
 use super::names::{ANGLE, occurring, regime_name, sequence, zone_keys};
 use super::tables::{Tables, list, number};
+use super::view::parameter_axis;
 use crate::output::render::number::significant;
 use crate::output::render::{
     Axis, BLACK, Extent, Key, Layer, Legend, Mark, Panel, Pen, Picture, Point, Shape,

@@ -3,7 +3,8 @@
 //! A picture can be drawn long after the run, of tables that another version has written or that a
 //! killed run has left unfinished: what a picture does not need may be missing, and odd cells are gaps.
 
-use crate::output::render::{Point, drawable};
+use super::names::{own_quantity, quantity};
+use crate::output::render::{Point, Quantity, drawable};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
@@ -12,6 +13,7 @@ use crate::orbit::EventType;
 use crate::output::layout::{BRANCH, EVENTS, SPECTRUM};
 use crate::output::store::{self, StoreError, damaged, refused};
 use crate::table::Table;
+use crate::tube::model::Parameter;
 
 /// Reads a table, which must have these columns.
 pub(super) fn read(path: &Path, columns: &[&str]) -> Result<Table, StoreError> {
@@ -66,6 +68,27 @@ pub(super) fn kind(table: &Table, row: usize) -> Option<EventType> {
     table.field(row, "type")
 }
 
+/// A branch of orbits in which those that never switch are told from those that switch from their only mode to itself.
+fn told_apart(branch: &Table) -> Table {
+    let rows = || 0..branch.len();
+    let switches = |row: usize| !branch.text(row, "switches").is_empty();
+    let switching: HashSet<&str> = rows()
+        .filter(|row| switches(*row))
+        .map(|row| branch.text(row, "regimes"))
+        .collect();
+    let name = |row: usize| {
+        let own = branch.text(row, "regimes");
+        match switching.contains(own) && !switches(row) {
+            true => format!("{own}{NO_SWITCH}"),
+            false => own.to_owned(),
+        }
+    };
+    branch.with("regimes", name)
+}
+
+/// What is said of a sequence of one mode that never ends.
+pub(super) const NO_SWITCH: &str = ", no switch";
+
 /// The tables of a branch.
 pub(super) struct Tables {
     folder: PathBuf,
@@ -82,15 +105,39 @@ pub(super) type Marks = (EventType, Vec<Point>);
 impl Tables {
     /// Reads the tables of a folder.
     pub(crate) fn read(folder: &Path, parameter: &str) -> Result<Self, StoreError> {
+        let mut branch = read(&folder.join(BRANCH), &[])?;
+        if branch.has("period") {
+            branch = told_apart(&branch);
+        }
         let tables = Tables {
             folder: folder.to_owned(),
             parameter: parameter.to_owned(),
-            branch: read(&folder.join(BRANCH), &[])?,
+            branch,
             events: read_if_there(&folder.join(EVENTS), &[])?.unwrap_or_default(),
         };
         let [kind, regimes, stable, why] = WORD_COLUMNS;
         tables.check(parameter, &[kind, regimes, stable, why, "switches"])?;
         Ok(tables)
+    }
+
+    /// Whether the branch is of waves: a system has other columns.
+    fn of_waves(&self) -> bool {
+        let columns = ["speed", "min_pressure", "max_gap"];
+        columns.into_iter().all(|column| self.branch.has(column))
+    }
+
+    /// The parameter of a wave that the branch is followed in.
+    pub(crate) fn wave_parameter(&self) -> Option<Parameter> {
+        let parameter = Parameter::from_column(&self.parameter);
+        parameter.filter(|_| self.of_waves())
+    }
+
+    /// The quantity in a column of the branch.
+    pub(crate) fn quantity(&self, column: &str) -> Quantity {
+        match self.of_waves() {
+            true => quantity(column),
+            false => own_quantity(column),
+        }
     }
 
     /// Eigenvalues, where they were asked for.

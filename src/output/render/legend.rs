@@ -27,6 +27,8 @@ pub(crate) enum Key {
     Mark(Mark),
     Area(RGBColor),
     Hatched(Pen),
+    /// Nothing: the text begins with what it explains.
+    Word,
 }
 
 impl Key {
@@ -35,6 +37,7 @@ impl Key {
             Key::Line(_) => 32.0,
             Key::Mark(_) => 18.0,
             Key::Area(_) | Key::Hatched(_) => 24.0,
+            Key::Word => 0.0,
         }
     }
 }
@@ -108,7 +111,7 @@ impl Legend {
                     let corners = [from, (to.0, from.1), to, (from.0, to.1)];
                     on.outline(&corners, Pen::solid(BLACK, 0.8))?;
                 }
-                None => {}
+                Some(Key::Word) | None => {}
             }
             left += item.key.map_or(0.0, Key::width);
             let text = Text::new((left, base), item.text, SIZE, Align::Left);
@@ -132,7 +135,7 @@ impl Legend {
                     text: &group.heading,
                 });
                 start += width(&group.heading, SIZE) + GAP;
-                if start > 0.55 * WIDTH {
+                if start > 0.55 * WIDTH && !group.entries.is_empty() {
                     line += 1;
                     start = MARGIN;
                 }

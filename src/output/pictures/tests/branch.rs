@@ -250,6 +250,27 @@ fn sequences_of_modes_have_colours() {
     assert_eq!(colours.len(), names.len());
 }
 
+/// Sequences too long for the legend have letters there and above their bands, with a key below.
+#[test]
+fn long_sequences_have_a_key() {
+    let names =
+        ["backward.stick-", "stick.backward-"].map(|zones| format!("{}end.end", zones.repeat(4)));
+    let rows: Vec<String> = (0..4_u8)
+        .map(|place| {
+            let row = row("", "", 0.1 * f64::from(place), "yes", 1);
+            row.replace("slip-stick", &names[usize::from(place) / 2])
+        })
+        .collect();
+    let drawn = picture(&folder(&rows), Plot::Diagram);
+    let told = explanations(&drawn);
+    let has = |wanted: &str| told.contains(&wanted);
+    assert!(
+        has("1 bs-bs-bs-bs-ee") && has("2 sb-sb-sb-sb-ee"),
+        "{told:?}"
+    );
+    assert!(has("b = backward") && has("s = stick") && has("e = end"));
+}
+
 /// Values far apart get a logarithmic axis, unless one is asked for or not.
 #[test]
 fn wide_branches_have_a_logarithmic_axis() {
