@@ -198,7 +198,13 @@ fn follow<P: Plane>(
         Ok(Some((run.part(), run.position())))
     })?;
     let ranges = run.head().limits.ranges;
+    let progress = Progress::new(task.quiet);
+    progress.show(
+        f64::NAN,
+        "the names of the regions beside the curve".to_owned(),
+    );
     let found = run.curve();
+    drop(progress);
     folder.finish(&found)?;
     // to read it back and name its regions again takes as long once more
     draw(folder.store(), &found, ranges)?;

@@ -3,8 +3,8 @@
 //! motions settle on.
 
 use crate::output::render::{
-    Axis, BLACK, CATEGORIES, Cell, Extent, GREY, HEIGHT, Key, Layer, Legend, Mark, Panel, Pen,
-    Picture, Point, Quantity, Shape, WHITE, mix,
+    Axis, BLACK, CATEGORIES, Cell, Extent, GREY, HEIGHT, Key, Layer, Legend, Mark, Panel, Pattern,
+    Pen, Picture, Point, Quantity, Shape, WHITE, mix,
 };
 use std::collections::{BTreeMap, HashSet};
 use std::path::Path;
@@ -194,12 +194,19 @@ fn numbered(cell: Cells) -> String {
 
 /// Orbits beyond those that have colours of their own.
 const OTHERS: &str = "other orbits";
+/// What leaves every bound: its cells have lines, so that they are told from all greys.
+const UNBOUNDED: &str = "unbounded";
+const LIGHT_HATCHING: Pen = Pen {
+    colour: WHITE,
+    width: 1.2,
+    pattern: Pattern::Solid,
+};
 /// What is no orbit, the rest in black with this share.
 const WITHOUT_ORBIT: [(&str, f64); 6] = [
     ("not periodic", 0.2),
     ("chattering", 0.35),
     ("slides", 0.5),
-    ("unbounded", 0.65),
+    (UNBOUNDED, 0.65),
     ("stuck", 0.8),
     (OTHERS, 1.0),
 ];
@@ -316,7 +323,12 @@ impl Plane {
                     let cut = cut.map(|blank| (blank.row, blank.column)).collect();
                     let corner = (self.x.range.0 - half_width, self.y.range.0 - half_height);
                     let cell = (2.0 * half_width, 2.0 * half_height);
-                    layers.extend(hatched(&cut, (rows, columns), corner, cell));
+                    let grid = ((rows, columns), corner, cell);
+                    layers.extend(hatched(&cut, grid, hatching()));
+                    let kind = |wave: &&&Wave| wave.kind == UNBOUNDED;
+                    let unbounded = shown.iter().filter(kind);
+                    let unbounded = unbounded.map(|wave| (wave.row, wave.column)).collect();
+                    layers.extend(hatched(&unbounded, grid, LIGHT_HATCHING));
                     layers
                 }
             };
@@ -337,16 +349,21 @@ impl Plane {
             .into_iter()
             .filter(|(verdict, _)| waves.iter().any(|wave| wave.stable == *verdict))
             .map(|(verdict, share)| (Key::Area(mix(WHITE, example, share)), verdict));
-        let coloured = kinds
-            .iter()
-            .map(|(_, (colour, name))| (Key::Area(*colour), name.clone()));
+        let coloured = kinds.iter().map(|(kind, (colour, name))| {
+            let lined = *kind == UNBOUNDED && matches!(self.points, MapPoints::Grid { .. });
+            let key = match lined {
+                true => Key::Hatched(LIGHT_HATCHING, *colour),
+                false => Key::Area(*colour),
+            };
+            (key, name.clone())
+        });
         let blank = |cut: bool| {
             let of_panel = |one: &&Blank| one.cut == cut && starts.contains(&one.start.as_str());
             blanks.iter().find(of_panel)
         };
         let cut = match self.points {
             MapPoints::QuasiRandom { .. } => Key::Mark(Mark::new(Shape::Cross, 3.0, GREY)),
-            MapPoints::Grid { .. } => Key::Hatched(hatching()),
+            MapPoints::Grid { .. } => Key::Hatched(hatching(), WHITE),
         };
         let none = blank(false).map(|_| (Key::Area(WHITE), none.to_owned()));
         let cut = blank(true).map(|_| (cut, not_reached.to_owned()));
@@ -452,9 +469,8 @@ fn hatching() -> Pen {
 /// Leaning lines over these cells of a grid, whose lower left corner and size of a cell are given.
 fn hatched(
     cut: &HashSet<(usize, usize)>,
-    (rows, columns): (usize, usize),
-    corner: Point,
-    cell: Point,
+    ((rows, columns), corner, cell): ((usize, usize), Point, Point),
+    pen: Pen,
 ) -> Vec<Layer> {
     if cut.is_empty() {
         return Vec::new();
@@ -483,7 +499,7 @@ fn hatched(
                         corner.1 + up * rows as f64 * cell.1,
                     )
                 });
-                layers.push(Layer::Line(ends.to_vec(), hatching()));
+                layers.push(Layer::Line(ends.to_vec(), pen));
             }
         }
     }

@@ -26,7 +26,8 @@ pub(crate) enum Key {
     Line(Pen),
     Mark(Mark),
     Area(RGBColor),
-    Hatched(Pen),
+    /// Leaning lines over an area.
+    Hatched(Pen, RGBColor),
     /// Nothing: the text begins with what it explains.
     Word,
 }
@@ -36,7 +37,7 @@ impl Key {
         match self {
             Key::Line(_) => 32.0,
             Key::Mark(_) => 18.0,
-            Key::Area(_) | Key::Hatched(_) => 24.0,
+            Key::Area(_) | Key::Hatched(..) => 24.0,
             Key::Word => 0.0,
         }
     }
@@ -102,8 +103,9 @@ impl Legend {
                     let corners = [from, (to.0, from.1), to, (from.0, to.1)];
                     on.outline(&corners, Pen::solid(BLACK, 0.8))?;
                 }
-                Some(Key::Hatched(pen)) => {
+                Some(Key::Hatched(pen, colour)) => {
                     let (from, to) = ((left, middle - 6.0), (left + 18.0, middle + 6.0));
+                    on.area(from, to, colour)?;
                     for foot in [0.0, 6.0, 12.0] {
                         let foot = (left + foot, to.1);
                         on.line(&[foot, (foot.0 + 6.0, from.1)], pen)?;
