@@ -296,6 +296,25 @@ fn a_branch_of_orbits_is_followed_through_its_graze() {
     assert!(drawn.contains("along the branch, the leading one") && drawn.contains("|μ|"));
 }
 
+/// Pictures of orbits show the labels that are asked for.
+#[test]
+fn pictures_show_the_orbits_of_labels() {
+    let bench = Bench::new();
+    let text = changed(
+        &system("impact_oscillator"),
+        "profiles: 9",
+        "profiles: 9, labels: [5, 2]",
+    );
+    bench.put("impact.ron", text);
+    bench
+        .run(&["run", "impact.ron", "--out", "out", "-q"])
+        .expect(0);
+    let drawn = std::fs::read_to_string(bench.path("out/phase_x_v.svg")).unwrap();
+    let told = |label: usize| drawn.contains(&format!("\n{label} (A = "));
+    let told: Vec<usize> = (1..=12).filter(|label| told(*label)).collect();
+    assert_eq!(told, [2, 5]);
+}
+
 /// Another run, a resumed run, and one on from a label: the same orbits.
 #[test]
 fn branches_of_orbits_are_resumed_and_restarted() {

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use super::colours::distinct;
 use super::diagram::{self, same_leg};
 use super::multipliers::{self, Along};
 use super::names::own_quantity;
@@ -15,7 +16,7 @@ use crate::orbit::Orbit;
 use crate::output::curve::CurveFolder;
 use crate::output::layout::{self, MULTIPLIERS, profile_file};
 use crate::output::render::{
-    Axis, CATEGORIES, Extent, Format, Key, Layer, Legend, Panel, Pen, Picture, Point, number,
+    Axis, Extent, Format, Key, Layer, Legend, Panel, Pattern, Pen, Picture, Point, number,
 };
 use crate::output::store::{Kind, Store, StoreError};
 use crate::problem::{SystemPlot, SystemProblem};
@@ -25,8 +26,12 @@ use crate::table::Table;
 const MOST: usize = 6;
 
 const WIDTH: f64 = 1.8;
+const JUMP: f64 = 1.0;
 
-/// Points along a branch differ by less than this share of the largest value where a column stays the same: far
+/// Between two pieces of a line.
+const GAP: Point = (f64::NAN, f64::NAN);
+
+/// Points differ by less than this share of the largest value where a column stays the same along a branch, or an orbit closes: far
 /// above rounding, far below what a picture shows.
 const STILL: f64 = 1e-9;
 
@@ -61,7 +66,7 @@ pub(crate) fn draw(
     };
     let tables = Tables::read(store.path(), &section.parameter)?;
     let source = &problem.system.source;
-    let orbits = sampled(store, &tables)?;
+    let orbits = sampled(store, &tables, &problem.output.labels)?;
     let title = problem.title.as_deref();
     let picture = |plot: &SystemPlot| -> Named {
         let drawn = describe(store, source, plot, &tables, &orbits);
@@ -200,23 +205,32 @@ pub(super) fn constants(source: &Source, followed: &[&str]) -> String {
     words.join(", ")
 }
 
-/// Orbits of the labels that have a profile, evenly spread.
-fn sampled(store: &Store, tables: &Tables) -> Result<Vec<Sampled>, StoreError> {
+/// Orbits that have a profile: those of the labels that are asked for, or else some that are evenly spread.
+fn sampled(store: &Store, tables: &Tables, asked: &[usize]) -> Result<Vec<Sampled>, StoreError> {
     // the orbit at which both legs begin has a label in each
     let begun = tables.begun();
     let again = |label: &&str| begun.iter().skip(1).any(|begun| begun == label);
     let labels: Vec<String> = (0..tables.branch.len())
         .map(|row| tables.branch.text(row, "label"))
-        .filter(|label| !again(label))
+        .filter(|label| !asked.is_empty() || !again(label))
         .map(str::to_owned)
         .filter(|label| {
             let file = label.parse().map(profile_file);
             file.is_ok_and(|file| store.path().join(file).exists())
         })
         .collect();
-    let chosen = evenly(labels.len(), MOST).into_iter();
-    let read = chosen.map(|index| {
-        let label = labels[index].clone();
+    let chosen: Vec<&String> = match asked {
+        [] => evenly(labels.len(), MOST)
+            .into_iter()
+            .map(|index| &labels[index])
+            .collect(),
+        asked => labels
+            .iter()
+            .filter(|label| asked.iter().any(|one| one.to_string() == **label))
+            .collect(),
+    };
+    let read = chosen.into_iter().map(|label| {
+        let label = label.clone();
         let file = profile_file(label.parse().unwrap_or_default());
         Ok(Sampled {
             value: tables.parameter_at(&label).unwrap_or(f64::NAN),
@@ -227,25 +241,42 @@ fn sampled(store: &Store, tables: &Tables) -> Result<Vec<Sampled>, StoreError> {
     read.collect()
 }
 
-/// Columns of the orbits over one another, cut where a reset makes a state jump.
+/// Columns of the orbits over one another, dotted where a reset makes a state jump.
 fn curves(orbits: &[Sampled], x: &str, y: &str, parameter: &str) -> Picture {
     let mut layers = Vec::new();
     let mut keys = Vec::new();
-    for (orbit, colour) in orbits.iter().zip(CATEGORIES.into_iter().cycle()) {
+    for (place, orbit) in orbits.iter().enumerate() {
         let samples = &orbit.samples;
         let times = column(samples, "time");
         let pairs = column(samples, x).into_iter().zip(column(samples, y));
         let mut line: Vec<Point> = Vec::with_capacity(samples.len() + 8);
-        let mut before = f64::NAN;
+        let mut jumps: Vec<Point> = Vec::new();
+        let mut before: Option<(Point, f64)> = None;
         for (point, time) in pairs.zip(times) {
             // two samples at one time are the two sides of a switch
-            if time == before {
-                line.push((f64::NAN, f64::NAN));
+            if let Some((last, _)) = before.filter(|(_, before)| time == *before) {
+                line.push(GAP);
+                if last != point {
+                    jumps.extend([last, point, GAP]);
+                }
             }
-            before = time;
+            before = Some((point, time));
             line.push(point);
         }
-        let pen = Pen::solid(colour, WIDTH);
+        // an orbit that begins with a jump ends before it
+        if let (Some(&first), Some((last, _))) = (line.first(), before.filter(|_| x != "time")) {
+            let apart = (last.0 - first.0).hypot(last.1 - first.1);
+            if apart > STILL * last.0.hypot(last.1).max(first.0.hypot(first.1)) {
+                jumps.extend([last, first, GAP]);
+            }
+        }
+        let pen = Pen::solid(distinct(place), WIDTH);
+        let jump = Pen {
+            width: JUMP,
+            pattern: Pattern::Dotted,
+            ..pen
+        };
+        layers.push(Layer::Line(jumps, jump));
         layers.push(Layer::Line(line, pen));
         keys.push((
             Key::Line(pen),
