@@ -87,11 +87,8 @@ impl Codes {
             known.map_or_else(|| state.to_owned(), |(_, short)| short.clone())
         };
         let parts: Vec<String> = mode.split(WITHIN).map(short).collect();
-        let lettered = parts.len() > 1
-            && self
-                .states
-                .iter()
-                .all(|(_, short)| short.chars().count() == 1);
+        let mut letters = self.states.iter().map(|(_, short)| short.chars().count());
+        let lettered = !self.states.is_empty() && letters.all(|count| count == 1);
         parts.join(if lettered { "" } else { "." })
     }
 }
@@ -136,7 +133,9 @@ mod tests {
         let short = ["early-late", "free"];
         let codes = Codes::of(short.into_iter());
         assert_eq!(codes, Codes::default());
-        assert_eq!(codes.name("early-late"), "early-late");
+        for name in ["early-late", "open.closed-open.open"] {
+            assert_eq!(codes.name(name), name);
+        }
         let two = "backward.backward-backward.stick-stick.backward-stick.stick-backward.backward";
         let codes = Codes::of([two].into_iter());
         assert_eq!(codes.name(two), "bb-bs-sb-ss-bb");
