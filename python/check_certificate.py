@@ -2,7 +2,7 @@
 
 import sys
 
-from brakewave import check
+import brakewave.check as check
 
 if __name__ == "__main__":
     sys.exit(check.command(sys.argv))

@@ -9,7 +9,7 @@ not there the tests are skipped, and say so.
 import csv
 import io
 import os
-import shutil
+import re
 import subprocess
 import sys
 import tempfile
@@ -24,21 +24,14 @@ try:
     matplotlib.use("Agg")
     import matplotlib.pyplot
     import numpy
+    import pandas
 
     import brakewave
 except ImportError as error:
     print(f"tests of python/brakewave.py skipped: {error}")
     sys.exit(0)
 
-ROOT = Path(__file__).resolve().parent.parent
-
-
-def binary():
-    """The binary to test with, or None."""
-    built = (ROOT / "target" / profile / "brakewave" for profile in ["release", "debug"])
-    found = [os.environ.get("BRAKEWAVE"), *map(str, filter(Path.is_file, built)), shutil.which("brakewave")]
-    return next((str(Path(path).absolute()) for path in found if path), None)
-
+from testing import ROOT, binary, require_binary
 
 MODEL = "model: (coefficients: Geometry(nu: 0.3, xi: 1.5, gamma: 1.0), friction: 0.5, mismatch: 0.2),"
 WAVE = "wave: (mode: 4, start: Fast),"
@@ -83,6 +76,51 @@ SIMULATION = f"""({MODEL} {WAVE}
         duration: 4.0, snapshots: 2,
     ),
 )"""
+
+
+CONSTANT = re.compile(r"const (\w+): RGBColor = RGBColor\((\w+), (\w+), (\w+)\)")
+SEQUENCE = re.compile(r"Some\(\[([\w, ]+)\]\) => (\w+),")
+"""Colours in the source of the program, and the sequences that have them."""
+
+MARKERS = {"o": "*", "s": "square*", "^": "triangle*", "v": "triangle*, rotate=180", "D": "diamond*", "*": "star"}
+"""Markers of matplotlib as marks of pgfplots; others have the same name."""
+
+
+def of_pgfplots(text):
+    """The steps of the first diagram of a source for pgfplots, each with its style, and the places of its marks, each by shape
+    and colour inside."""
+    steps, marks = [], {}
+    for options, coordinates in re.findall(r"\\addplot\[(.*)\] coordinates \{(.*)\};", text.split("\\end{axis}")[0]):
+        points = [tuple(map(float, point.split(","))) for point in re.findall(r"\((.*?)\)", coordinates)]
+        if "only marks" in options:
+            shape, face = re.search(r"mark=([^,]*)", options)[1], re.search(r"fill=(\w+)", options)[1]
+            turned = ", rotate=180" if "rotate=180" in options else ""
+            marks.setdefault((shape + turned, FACES.get(face, face)), []).extend(points)
+        else:
+            style = "--" if ", dashed" in options else ":" if "densely dotted" in options else "-"
+            steps += [(style, one + other) for one, other in zip(points, points[1:])]
+    return steps, marks
+
+
+OF_LINES = ("|", "x", "+", "star")
+"""Marks of pgfplots that have no inside."""
+
+FACES = {"c828282": "#828282", "c000000": "black", "cffffff": "white"}
+
+
+def of_matplotlib(axes):
+    """The same of a drawing of matplotlib."""
+    steps, marks = [], {}
+    for line in axes.lines:
+        points = [tuple(map(float, point)) for point in line.get_xydata()]
+        if line.get_linestyle() == "None":
+            marker = line.get_marker()
+            shape = MARKERS.get(marker, marker)
+            face = "white" if shape in OF_LINES else line.get_markerfacecolor()
+            marks.setdefault((shape, face), []).extend(points)
+        else:
+            steps += [(line.get_linestyle(), one + other) for one, other in zip(points, points[1:])]
+    return steps, marks
 
 
 class Folders(unittest.TestCase):
@@ -137,7 +175,7 @@ class Folders(unittest.TestCase):
                     if isinstance(value, str):
                         self.assertEqual(cell, value)
                     elif cell == "":
-                        self.assertTrue(brakewave.pandas.isna(value), (name, column))
+                        self.assertTrue(pandas.isna(value), (name, column))
                     else:
                         self.assertEqual(float(cell), value, (name, column))
 
@@ -264,7 +302,8 @@ class Folders(unittest.TestCase):
         self.assertTrue((branch["regimes"].str.split("-").explode() == "nan").all())
         self.assertEqual((branch["first"].min(), branch["first"].max()), (9.0, 10.5))
         axes = brakewave.draw_branch(run)
-        self.assertEqual((axes.get_xlabel(), axes.get_ylabel()), ("first", "max_type"))
+        # at the greatest value it hits the stop, the same along the branch
+        self.assertEqual((axes.get_xlabel(), axes.get_ylabel()), ("first", "min_type"))
         matplotlib.pyplot.close(axes.figure)
         profile = run.profile(run.profiles[0])
         self.assertEqual([profile[name].dtype for name in states], [float, float])
@@ -290,6 +329,26 @@ class Folders(unittest.TestCase):
         self.assertEqual(set(motion.switches["from"]) | set(motion.switches["to"]), {"nan"})
         steady = brakewave.read(io.StringIO("mode,equilibrium,type,stable,re,im,why\nnan,none,,,,,forced\n"))
         self.assertEqual((steady["mode"][0], steady["type"].dtype), ("nan", float))
+
+    def test_tables_of_equilibria_are_those_of_a_system(self):
+        """The Hopf point of the Brusselator is B = 1 + A², where x = A, y = B/A and λ = ±iA."""
+        run = self.compute("run", (ROOT / "problems" / "brusselator.ron").read_text(encoding="utf-8"), "brusselator")
+        self.assertEqual((run.states, run.parameter), (["x", "y"], "B"))
+        self.assertEqual(brakewave.parameters(run.branch), ["A", "B"])
+        self.assertEqual(brakewave.varying(run.events), ["B"])
+        hopf = run.events.set_index("type").loc["HB"]
+        for name, exact in [("A", 1.0), ("B", 2.0), ("x", 1.0), ("y", 2.0), ("omega", 1.0), ("re", 0.0)]:
+            self.assertAlmostEqual(hopf[name], exact, delta=1e-12)
+        self.assertEqual([run.branch[name].dtype for name in ("x", "y", "re", "im")], [float] * 4)
+        curve = (ROOT / "problems" / "fitzhugh_curve.ron").read_text(encoding="utf-8")
+        curve = self.compute("curve", curve, "fitzhugh_curve")
+        table = curve.curve
+        self.assertEqual(brakewave.parameters(table), ["I", "b"])
+        # along its Hopf points v² = 1 − εb
+        self.assertLess((table["v"] ** 2 - (1 - 0.08 * table["b"])).abs().max(), 1e-12)
+        axes = brakewave.draw_curve(curve)
+        self.assertEqual((axes.get_xlabel(), axes.get_ylabel()), ("I", "b"))
+        matplotlib.pyplot.close(axes.figure)
 
     def test_what_is_no_tube_is_refused(self):
         numbers = dict(young=2e9, density=2000, poisson=0.3, inner=0.1, outer=0.15, oversize=50e-6, rotation=20 * pi)
@@ -348,25 +407,28 @@ class Folders(unittest.TestCase):
         pascal = 2e9 * 5e-4 * (xi**2 + 1 / (1 - 2 * nu)) / ((xi**2 - 1) * (1 + nu))
         self.assertAlmostEqual(tube.pascal(g / tube.gamma * 5e-4) / pascal, 1, delta=1e-12)
 
-    def test_pictures_show_every_step(self):
+    def test_a_branch_is_drawn_as_the_program_draws_it(self):
+        """Every step with its stability, and every mark with its shape, as in the source for pgfplots, whose coordinates have
+        nine digits. Among the branches are those left both ways, whose starts are no ends, and with changes of stability."""
+        for name in ["bouncing_ball", "mode4_damping", "mode4_stability", "mode4_hopf", "relay", "buck_converter", "brusselator", "duffing_wall"]:
+            run = self.compute("run", (ROOT / "problems" / f"{name}.ron").read_text(encoding="utf-8"), f"drawn_{name}")
+            self.call("plot", f"drawn_{name}", "--format", "tex")
+            steps, marks = of_pgfplots((run.path / "diagram.tex").read_text(encoding="utf-8"))
+            axes = brakewave.draw_branch(run)
+            drawn, marked = of_matplotlib(axes)
+            matplotlib.pyplot.close(axes.figure)
+            self.assertEqual([style for style, _ in drawn], [style for style, _ in steps], name)
+            self.assertEqual(sorted(marked), sorted(marks), name)
+            places = [(points, marks[mark]) for mark, points in marked.items()]
+            for mine, theirs in [([step for _, step in drawn], [step for _, step in steps]), *places]:
+                self.assertEqual(numpy.shape(mine), numpy.shape(theirs), name)
+                self.assertTrue(numpy.allclose(sorted(mine), sorted(theirs), rtol=1e-8, atol=1e-300), name)
+
+    def test_every_kind_of_picture_is_drawn(self):
         run = self.run_folder
-        # one that becomes stable; a step is drawn as the point it begins with
-        problem = (ROOT / "problems" / "mode4_damping.ron").read_text(encoding="utf-8")
-        damped = self.compute("run", problem, "damped")
-        style = {"yes": "-", "no": "--", "undecided": ":"}
-        for folder, x in [(damped, "mass_damping"), (run, "mismatch")]:
-            axes, branch = brakewave.draw_branch(folder), folder.branch
-            drawn = [
-                (tuple(one), tuple(other), line.get_linestyle())
-                for line in axes.lines
-                if line.get_linestyle() != "None"
-                for one, other in zip(line.get_xydata(), line.get_xydata()[1:])
-            ]
-            points = list(zip(branch[x], branch["speed"]))
-            self.assertEqual(drawn, list(zip(points, points[1:], map(style.get, branch["stable"]))))
         simulation = self.simulate(96, "regimes")
         pictures = {
-            "branch": axes,
+            "branch": brakewave.draw_branch(run),
             "profile": brakewave.draw_profile(run, self.label),
             "spectrum": brakewave.draw_spectrum(run, self.label),
             "map": brakewave.draw_map(self.compute("map", MAP, "map2")),
@@ -379,6 +441,21 @@ class Folders(unittest.TestCase):
             self.assertGreater((keep / f"{name}.png").stat().st_size, 5000, name)
         matplotlib.pyplot.close("all")
 
+    def test_colours_and_marks_are_those_of_the_program(self):
+        """Of zones and of the commonest sequences, and a mark for every type of event."""
+        source = ROOT / "src" / "output"
+        constants = CONSTANT.findall((source / "render" / "palette.rs").read_text(encoding="utf-8"))
+        known = {colour: "#{:02x}{:02x}{:02x}".format(*map(int, numbers)) for colour, *numbers in constants}
+        sequences = SEQUENCE.findall((source / "pictures" / "colours.rs").read_text(encoding="utf-8"))
+        colours = {"-".join(sequence.lower().split(", ")): known.get(colour) for sequence, colour in sequences}
+        self.assertEqual(brakewave.SEQUENCES, {name: colours.get(name) for name in brakewave.SEQUENCES})
+        drawing = (ROOT / "docs" / "wave.svg").read_text(encoding="utf-8")
+        for regime in brakewave.REGIMES:
+            self.assertIn(f'fill="{brakewave.COLOURS[regime]}"', drawing, regime)
+        events = (ROOT / "src" / "orbit" / "event.rs").read_text(encoding="utf-8")
+        all_types = events[events.index("const ALL") :].split("];")[0]
+        self.assertEqual(sorted(re.findall(r"EventType::(\w+)", all_types)), sorted(brakewave.MARKS))
+
     def test_what_is_no_result_is_named(self):
         with self.assertRaisesRegex(FileNotFoundError, "no result folder"):
             brakewave.Folder(self.work)
@@ -387,7 +464,5 @@ class Folders(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    if binary() is None:
-        print("tests of python/brakewave.py skipped: no binary; build one or set BRAKEWAVE")
-        sys.exit(0)
+    require_binary()
     unittest.main()

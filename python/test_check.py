@@ -60,6 +60,18 @@ def check(path):
         return check_certificate.main(path), output.getvalue()
 
 
+class Alone(unittest.TestCase):
+    def test_the_checker_needs_flint_and_nothing_else(self):
+        """Neither numpy nor pandas, by both of its names: without an argument it says what it is for."""
+        nothing = "sys.modules.update(dict.fromkeys(('numpy', 'pandas', 'matplotlib')))"
+        folder = str(ROOT / "python")
+        for run in ("run_module('brakewave.check', run_name='__main__')", f"run_path({folder!r} + '/check_certificate.py', run_name='__main__')"):
+            code = f"import runpy, sys; {nothing}; sys.path.insert(0, {folder!r}); sys.argv[1:] = []; runpy.{run}"
+            done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+            self.assertEqual(done.returncode, 1, done.stderr)
+            self.assertIn("An independent check of what `brakewave certify` proves.", done.stderr)
+
+
 class Mathematics(unittest.TestCase):
     """What the balls are used for, against closed forms."""
 

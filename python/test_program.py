@@ -3,16 +3,15 @@
     BRAKEWAVE=target/release/brakewave python3 python/test_program.py
 """
 
-import contextlib
-import io
 import os
-import runpy
+import re
 import subprocess
 import sys
 import tempfile
 import unittest
 import warnings
 from pathlib import Path
+from unittest import mock
 
 try:
     import matplotlib
@@ -27,8 +26,7 @@ except ImportError as error:
     sys.exit(0)
 
 from brakewave import variant
-
-ROOT = Path(__file__).resolve().parent.parent
+from testing import ROOT, require_binary
 
 
 def impact(**sections):
@@ -51,36 +49,17 @@ def impact(**sections):
     )
 
 
-class Program(unittest.TestCase):
+class InFolder(unittest.TestCase):
+    """Tests in a folder of their own."""
+
     def setUp(self):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         self.addCleanup(os.chdir, os.getcwd())
         os.chdir(folder.name)
 
-    def test_values_are_written_as_ron(self):
-        written = brakewave.ron(
-            dict(
-                title='a "b" \\',
-                parameters={"A": 1, "e": 0.5},
-                modes={"state": dict(rates={"x": "-x"}, until=[])},
-                range=(0.1, 1e-20),
-                toward=variant.Down,
-                values=variant.Linear(0, 1.5, numpy.int64(3)),
-                start=variant.Given(state={"x": True}),
-                left=None,
-                stability={},
-            )
-        )
-        self.assertEqual(
-            written,
-            '(title: "a \\"b\\" \\\\", parameters: {"A": 1, "e": 0.5}, modes: {"state": (rates: {"x": "-x"}, until: [])}, '
-            "range: (0.1, 1e-20), toward: Down, values: Linear(0, 1.5, 3), start: Given(state: {\"x\": true}), "
-            "stability: ())",
-        )
-        with self.assertRaises(TypeError):
-            brakewave.ron({"x": 1j})
 
+class Program(InFolder):
     def test_a_dict_is_followed_to_its_events(self):
         problem = impact(
             continuation=dict(parameter="A", range=(0.05, 1.0), toward=variant.Down), stability={}, output=dict(profiles=2)
@@ -94,7 +73,7 @@ class Program(unittest.TestCase):
         self.assertIn("GR", run.said)
         self.assertEqual(brakewave.varying(run.branch), ["A"])
         axes = brakewave.draw_branch(run)
-        self.assertEqual((axes.get_xlabel(), axes.get_ylabel()), ("A", "max_x"))
+        self.assertEqual((axes.get_xlabel(), axes.get_ylabel()), ("A", "min_x"))
         self.assertGreater(len(run.multipliers), 0)
         # the same folder again
         with self.assertRaises(brakewave.Refused) as refused:
@@ -178,52 +157,171 @@ class Program(unittest.TestCase):
         steady = brakewave.steady(still, out="e", quiet=True).steady
         self.assertAlmostEqual(steady["x"].iloc[0], 1.0, delta=1e-15)
 
-    def test_what_is_refused_is_an_exception_with_its_message(self):
-        problem = impact(continuation=dict(parameter="B", range=(0.05, 1.0)))
-        said = io.StringIO()
-        with self.assertRaises(brakewave.Refused) as refused, contextlib.redirect_stderr(said):
-            brakewave.run(problem, out="no")
-        self.assertEqual(refused.exception.code, 2)
-        self.assertIn("`B` is no parameter", str(refused.exception))
-        self.assertIn("`B` is no parameter", said.getvalue())
-        # an end before the range keeps what there is
-        problem = impact(continuation=dict(parameter="A", range=(0.05, 1.0), toward=variant.Down, max_points=5))
-        with warnings.catch_warnings(record=True) as warned:
-            warnings.simplefilter("always")
+
+
+BRANCH = dict(parameter="A", range=(0.05, 1.0), toward=variant.Down)
+
+WAVES = dict(
+    model=dict(coefficients=variant.Geometry(nu=0.3, xi=1.5, gamma=1.0), friction=0.5, mismatch=0.2),
+    wave=dict(mode=4, start=variant.Fast),
+    continuation=dict(parameter=variant.Mismatch, range=(0.045, 0.2), toward=variant.Down),
+)
+
+
+class Verbs(InFolder):
+    def test_proofs_are_written_and_verified(self):
+        problem = impact(continuation=BRANCH)
+        folder = brakewave.certify(problem, out="proofs", quiet=True)
+        self.assertEqual(folder.kind, "certificate")
+        table = folder.certificates.set_index("type")
+        self.assertEqual(set(table["proven"]), {"yes"})
+        # at resonance it touches where A = cd
+        self.assertTrue(table.loc["GR", "low"] <= 0.1 <= table.loc["GR", "high"])
+        self.assertRegex(brakewave.verify(folder, quiet=True), "GR: verified")
+        certificate = folder.path / "certificate.ron"
+        text = certificate.read_text(encoding="utf-8")
+        certificate.write_text(text.replace("stable: true", "stable: false").replace("kind: GR", "kind: PD"), encoding="utf-8")
+        with self.assertRaises(brakewave.Refused) as refused:
+            brakewave.verify(folder, quiet=True)
+        self.assertNotEqual(refused.exception.code, 0)
+
+    def test_expectations_are_compared(self):
+        graze = dict(event=variant.GR, A=0.1, tolerance=1e-12)
+        met, unmet = (impact(continuation=BRANCH, expect=[dict(graze, A=value)]) for value in (0.1, 0.2))
+        nothing = impact(continuation=BRANCH)
+        checked = brakewave.check(met, quiet=True)
+        self.assertTrue(checked and checked.passed)
+        self.assertEqual(list(checked.table.loc[0])[0::2], ["problem", "passed"])
+        # that nothing is expected is no success
+        with self.assertWarnsRegex(UserWarning, "1 of 3 problem files expect nothing"):
+            checked = brakewave.check(met, unmet, nothing, quiet=True, junit="junit.xml")
+        self.assertFalse(checked)
+        self.assertEqual(list(checked.table["problem"]), ["problem 1", "problem 2", "problem 3"])
+        self.assertEqual(list(checked.table["verdict"]), ["passed", "failed", "skipped"])
+        self.assertIn("FAIL", checked.table["what"][1])
+        self.assertEqual(repr(checked), "Checked: 1 passed, 1 failed, 1 skipped")
+        self.assertIn("<table", checked._repr_html_())
+        self.assertNotIn("/tmp", checked.said)
+        self.assertTrue(Path("junit.xml").is_file())
+        with self.assertWarns(UserWarning):
+            self.assertFalse(brakewave.check(nothing))
+        with self.assertRaisesRegex(brakewave.Refused, "continuation.parameter: `B` is no parameter"):
+            brakewave.check(met, impact(continuation=dict(BRANCH, parameter="B"), expect=[graze]))
+
+    def test_a_report_and_pictures_are_written(self):
+        run = brakewave.run(impact(continuation=BRANCH, output=dict(plots=[variant.Diagram])), out="run", quiet=True)
+        page = brakewave.report(run)
+        self.assertEqual(page, Path("run/report.html"))
+        self.assertIn("<svg", page.read_text(encoding="utf-8"))
+        drawn = brakewave.plot(run)
+        self.assertEqual(drawn, [Path("run/diagram.svg")])
+        self.assertRegex(drawn._repr_html_(), "^<img src=.data:image/svg.xml;base64,")
+        view = brakewave.plot("run", x="A", y="min_v", range=numpy.array([-0.06, 0.2]), range_y=(-1, 0))
+        self.assertEqual(view, [Path("run/view.svg")])
+        self.assertEqual(brakewave.plot(run, format="tex"), [Path("run/diagram.tex")])
+        with self.assertRaisesRegex(brakewave.Refused, "no numeric column `z`"):
+            brakewave.plot(run, y="z", force=True)
+
+    def test_eigenvalues_are_a_table(self):
+        table = brakewave.spectrum(WAVES, at={"mismatch": numpy.float64(0.08)}, sector=2, quiet=True)
+        self.assertEqual((set(table["sector"]), set(table["mismatch"])), ({2}, {0.08}))
+        self.assertEqual(table["re"].dtype, float)
+        same = brakewave.spectrum(WAVES, at="mismatch=0.08", sector=2, quiet=True)
+        pandas.testing.assert_frame_equal(table, same)
+        with self.assertRaisesRegex(brakewave.Refused, "`friction` is no number|lies outside the range|not admitted"):
+            brakewave.spectrum(WAVES, at={"mismatch": 0.3}, quiet=True)
+
+    def test_methods_are_compared(self):
+        with warnings.catch_warnings():
+            # how many methods fit into the budget is up to the machine
+            warnings.simplefilter("ignore")
+            folder = brakewave.accuracy(WAVES, out="methods", budget=1.0, repeats=1, quiet=True)
+        self.assertEqual(folder.kind, "accuracy")
+        self.assertIn("method", folder.accuracy)
+
+    def test_modes_of_steady_sliding(self):
+        with self.assertWarnsRegex(UserWarning, "a higher one may go earlier"):
+            folder = brakewave.steady(WAVES, out="modes", modes="3..4", at={"friction": 0.4}, families=1, quiet=True)
+        self.assertEqual(list(folder.steady["mode"]), [3, 4])
+
+    def test_a_computation_that_ends_early_is_kept_with_a_warning(self):
+        problem = impact(continuation=dict(BRANCH, max_points=5))
+        with self.assertWarnsRegex(brakewave.Incomplete, "^the branch ended before its range: max_points = 5"):
             run = brakewave.run(problem, out="short", quiet=True)
         self.assertEqual(run.branch["type"].iloc[-1], "MX")
-        self.assertEqual(len(warned), 1)
-        os.environ["BRAKEWAVE"], kept = "", os.environ.get("BRAKEWAVE", "")
-        path, os.environ["PATH"] = os.environ["PATH"], ""
-        try:
-            with self.assertRaises(FileNotFoundError):
-                brakewave.run(problem)
-        finally:
-            os.environ["BRAKEWAVE"], os.environ["PATH"] = kept, path
+        # what cannot begin is refused, also where there are earlier results
+        nowhere = impact(continuation=BRANCH)
+        nowhere["system"]["modes"]["free"]["rates"]["v"] = "1 + x^2"
+        with self.assertRaises(brakewave.Refused):
+            brakewave.run(nowhere, out="short", force=True, quiet=True)
 
-    def test_the_notebook_of_the_docs_runs(self):
-        with contextlib.redirect_stdout(io.StringIO()):
-            runpy.run_path(str(ROOT / "docs" / "notebook.py"), run_name="__main__")
-        self.assertGreater(Path("impact.png").stat().st_size, 10_000)
+    def test_a_notebook_shows_table_and_picture(self):
+        drawn = impact(continuation=BRANCH, stability={}, output=dict(plots=[variant.Multipliers, variant.Diagram]))
+        plain = impact(continuation=BRANCH)
+        for name, problem in [("drawn", drawn), ("plain", plain)]:
+            run = brakewave.run(problem, out=name, quiet=True)
+            self.assertRegex(repr(run), rf"^Folder\('{name}'\) of a run: branch \(264 rows\), events \(4 rows\)")
+            page = run._repr_html_()
+            # the parameter that changes, and not the others
+            self.assertRegex(page, "<th>A</th>\\s*<th>period</th>")
+            self.assertEqual(page.count("<img src="), 1)
+            self.assertNotIn("<svg", page)
+        self.assertEqual(brakewave.Folder("drawn").pictures, [Path("drawn/diagram.svg"), Path("drawn/multipliers.svg")])
+        values = variant.Linear(0.05, 0.09, 5)
+        scan = dict(parameter="A", values=values, settle=300, keep=3, section=variant.Phase(0.0))
+        self.assertEqual(brakewave.scan(impact(scan=scan), out="s", quiet=True)._repr_html_().count("<img src="), 1)
+        # what is not whole is shown as far as it is there
+        for name in ("branch.csv", "events.csv"):
+            Path("plain", name).write_text("", encoding="utf-8")
+        self.assertIn("events (0 rows)", brakewave.Folder("plain")._repr_html_())
 
-    def test_the_checker_is_a_module(self):
-        path = str(ROOT / "python")
-        called = [sys.executable, "-m", "brakewave.check"]
-        done = subprocess.run(called, capture_output=True, text=True, env={**os.environ, "PYTHONPATH": path})
-        # without arguments it says what it is for, or what it needs
-        self.assertEqual(done.returncode, 1)
-        self.assertRegex(done.stderr, "brakewave.check results|python-flint")
+    def test_the_program_is_the_one_that_is_named_installed_or_on_the_path(self):
+        named = os.environ["BRAKEWAVE"]
+        kept = {name: os.environ.get(name, "") for name in ("BRAKEWAVE", "PATH")}
+        self.addCleanup(os.environ.update, kept)
+        Path("scripts").mkdir()
+        Path("path").mkdir()
+        on_path, installed = (Path(folder, "brakewave").absolute() for folder in ("path", "scripts"))
+        on_path.symlink_to(named)
+        os.environ.update(BRAKEWAVE="", PATH=str(on_path.parent))
+        with mock.patch("sysconfig.get_path", lambda *_: str(installed.parent)):
+            self.assertEqual(brakewave.binary(), str(on_path))
+            installed.symlink_to(named)
+            self.assertEqual(brakewave.binary(), str(installed))
+            os.environ["BRAKEWAVE"] = named
+            self.assertEqual(brakewave.binary(), named)
+        os.environ.update(BRAKEWAVE="", PATH="")
+        with mock.patch("sysconfig.get_path", lambda *_: "/nowhere"), self.assertRaises(FileNotFoundError):
+            brakewave.run(impact(continuation=BRANCH))
 
 
-def binary():
-    """The binary to test with."""
-    built = (ROOT / "target" / profile / "brakewave" for profile in ["release", "debug"])
-    found = [os.environ.get("BRAKEWAVE"), *map(str, filter(Path.is_file, built))]
-    return next((str(Path(path).absolute()) for path in found if path), None)
+class Package(unittest.TestCase):
+    def test_what_it_offers_is_there_and_is_known_to_type_checkers(self):
+        text = (ROOT / "python" / "brakewave" / "__init__.py").read_text(encoding="utf-8")
+        typed = {name for name, other in re.findall(r"\b(\w+) as (\w+)", text) if name == other}
+        self.assertEqual(typed, set(brakewave.__all__))
+        for name in brakewave.__all__:
+            self.assertIsNotNone(getattr(brakewave, name))
+        self.assertTrue((ROOT / "python" / "brakewave" / "py.typed").is_file())
+        with self.assertRaises(AttributeError):
+            brakewave.nothing
+
+    def test_the_checker_is_a_module_and_a_verb(self):
+        # after an import of the module its name still is the verb
+        code = "import brakewave.check; import brakewave; print(brakewave.check(__import__('sys').argv[1]))"
+        path = ROOT / "problems" / "impact_oscillator.ron"
+        done = subprocess.run([sys.executable, "-c", code, str(path)], capture_output=True, text=True)
+        if "python-flint" in done.stderr:
+            self.skipTest("python-flint is not here")
+        self.assertRegex(done.stdout, "^Checked: [0-9]+ passed$")
+
+    def test_versions_and_licences_are_those_of_the_crate(self):
+        version = re.search(r'^version = "(.*)"', (ROOT / "Cargo.toml").read_text(encoding="utf-8"), re.M)[1]
+        citation = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+        self.assertIn(f"\nversion: {version}\n", citation)
+        self.assertEqual((ROOT / "python" / "LICENSE.txt").read_bytes(), (ROOT / "LICENSE").read_bytes())
 
 
 if __name__ == "__main__":
-    found = binary()
-    if found:
-        os.environ["BRAKEWAVE"] = found
+    require_binary()
     unittest.main()

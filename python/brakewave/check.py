@@ -9,12 +9,16 @@ that is stated was proven again, 1 if a statement is refused, 2 if the certifica
 something is not covered. docs/proofs.md says what is covered, and how.
 """
 
+from __future__ import annotations
+
 import csv
 import re
 import sys
 from fractions import Fraction
 from math import cos, inf, sin
 from pathlib import Path
+from types import ModuleType
+from typing import Any
 
 try:
     from flint import acb, acb_mat, arb, ctx
@@ -851,10 +855,21 @@ def main(folder):
     return 1 if refused else 3 if uncovered else 0
 
 
-def command(arguments):
+def command(arguments: list[str]) -> int | str:
     """What a command line ends with."""
-    return main(arguments[1]) if len(arguments) == 2 else __doc__
+    return main(arguments[1]) if len(arguments) == 2 else str(__doc__)
 
+
+class _Verb(ModuleType):
+    """`brakewave.check` is the name of this module and of a verb of the program: called, it is the verb."""
+
+    def __call__(self, *problems: Any, **settings: Any) -> Any:
+        from .program import check
+
+        return check(*problems, **settings)
+
+
+sys.modules[__name__].__class__ = _Verb
 
 if __name__ == "__main__":
     sys.exit(command(sys.argv))

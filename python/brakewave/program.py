@@ -1,199 +1,406 @@
 """The verbs of the program from Python.
 
-A problem is the path of a problem file, or a dict of the same fields:
+A problem is the path of a problem file, or a dict of the same fields (see `brakewave.problem`):
 
-    from brakewave import scan, variant
-    problem = dict(
-        system=dict(
-            states=["x", "v"],
-            parameters={"c": 0.1, "A": 1.0, "d": 1.0, "e": 0.8},
-            forcing="1.5",
-            modes={"free": dict(
-                rates={"x": "v", "v": "A*cos(phase) - c*v - x"},
-                until=[dict(zero="d - x", to="free", reset={"v": "-e*v"})],
-            )},
-        ),
-        orbit=dict(start=variant.Simulate(mode="free", state={"x": 0.0, "v": 0.0}, settle=200)),
-        scan=dict(parameter="A", values=variant.Linear(0.9, 2.5, 100), sweep=variant.Up, settle=200, keep=50),
-    )
-    folder = scan(problem, name="impact")
+    from brakewave import run, variant
+    folder = run(dict(.., continuation=dict(parameter="A", range=(0.05, 1.0), toward=variant.Down)), name="impact")
 
-In a dict a word in quotes in the file is a str, a bare word is a `variant` of that name: `toward: Down` is
-`toward=variant.Down`, `Linear(0.9, 2.5, 100)` is `variant.Linear(0.9, 2.5, 100)`, `Simulate(mode: "free", ..)` is
-`variant.Simulate(mode="free", ..)`. Tuples stay tuples, lists lists; True, False and numbers are what they are, and what
-is None is left out. Whether a dict has fields or is a map `{"name": value}` is told by the name of its field.
+Settings are the options of the program, which `brakewave VERB --help` explains. `out` is the result folder, without it
+`results/` and the name of the problem file, or `name`, with the ending of the verb. Progress is shown on standard error
+unless `quiet`.
+
+What is refused raises `Refused` with the message of the program; of a dict it names the key. A computation that ends early
+keeps what it found: its folder is returned with a warning, an `Incomplete`.
 """
 
+from __future__ import annotations
+
 import os
-import shutil
-import subprocess
-import sys
+import re
 import tempfile
 import warnings
-from numbers import Integral, Real
+import xml.etree.ElementTree as xml
+from collections.abc import Iterable, Mapping
+from io import StringIO
 from pathlib import Path
-from threading import Thread
+from typing import Any, Callable, Union
 
-import numpy
+import pandas
 
-MAPS = "parameters define modes sliding rates reset state within numbers monitor".split()
-"""Fields that hold a map, whose keys are names of the user's own."""
+from . import reader
+from .process import Answer, call
+from .reader import Folder, Pictures
+from .problem import Text
 
-_ENDINGS = {"run": "", "curve": "_curve", "map": "_map", "scan": "_scan", "simulate": "_simulation", "steady": "_steady"}
+PathLike = Union[str, "os.PathLike[str]"]
+Problem = Union[PathLike, Mapping[str, Any]]
+"""A problem file, or a dict of the same fields."""
+Assignments = Union[str, Iterable[str], Mapping[str, float]]
+"""Values of parameters: `{"mismatch": 0.045}`, or `"mismatch=0.045"` as on the command line."""
+
+_ENDINGS = {"run": "", "simulate": "_simulation"}
+"""What the name of a result folder ends with; of other verbs it is `_VERB`."""
+
+_UNMET, _NUMERICAL = 1, 3
+"""Exit codes: something is not as expected, or not proven; the computation failed, or ended early."""
+
+_EXTRACT = re.compile(r"^ *\d* \| ", re.M)
 
 
 class Refused(Exception):
     """What the program refuses, or cannot compute, with its message and its exit `code`."""
 
-    def __init__(self, message, code):
+    def __init__(self, message: str, code: int) -> None:
         super().__init__(message)
         self.code = code
 
 
-class Variant:
-    """A bare word of a problem file, with what stands in its brackets."""
-
-    def __init__(self, name, *values, **fields):
-        if values and fields:
-            raise TypeError(f"{name}: either values in order or named fields")
-        self.name, self.values, self.fields = name, values, fields
-
-    def __call__(self, *values, **fields):
-        return Variant(self.name, *values, **fields)
-
-    def __repr__(self):
-        return ron(self)
+class Incomplete(UserWarning):
+    """A computation ended before all that was asked for was done; what it found is kept."""
 
 
-class _Variants:
-    def __getattr__(self, name):
-        if name.startswith("_"):
-            raise AttributeError(name)
-        return Variant(name)
+class _Source:
+    """A problem as a file, which of a dict is a temporary one that no message mentions."""
 
-
-variant = _Variants()
-"""Variants by their names: `variant.Down`, `variant.Linear(0.2, 2.0, 400)`."""
-
-
-def ron(value, is_map=False):
-    """A value as RON, the language of problem files."""
-    if isinstance(value, Variant):
-        if value.fields:
-            return value.name + ron(value.fields)
-        return value.name + (f"({_joined(value.values)})" if value.values else "")
-    if isinstance(value, dict):
-        if is_map:
-            return "{" + ", ".join(f"{ron(str(key))}: {ron(entry)}" for key, entry in value.items()) + "}"
-        fields = ((key, entry) for key, entry in value.items() if entry is not None)
-        return "(" + ", ".join(f"{key}: {ron(entry, key in MAPS)}" for key, entry in fields) + ")"
-    if isinstance(value, (str, Path)):
-        text = str(value).replace("\\", "\\\\").replace('"', '\\"')
-        return '"' + text.replace("\n", "\\n").replace("\t", "\\t") + '"'
-    if isinstance(value, (bool, numpy.bool_)):
-        return "true" if value else "false"
-    if isinstance(value, Integral):
-        return str(int(value))
-    if isinstance(value, Real):
-        return repr(float(value))
-    if isinstance(value, tuple):
-        return "(" + _joined(value) + ("," if len(value) == 1 else "") + ")"
-    if hasattr(value, "__iter__"):
-        return "[" + _joined(value) + "]"
-    raise TypeError(f"{value!r} has no place in a problem: take numbers, texts, lists, tuples, dicts and variants")
-
-
-def _joined(values):
-    return ", ".join(ron(one) for one in values)
-
-
-def binary():
-    """The program: the file that the variable BRAKEWAVE names, or `brakewave` on PATH."""
-    found = os.environ.get("BRAKEWAVE") or shutil.which("brakewave")
-    if not found:
-        raise FileNotFoundError("no program `brakewave`: put it on PATH, or its path into the variable BRAKEWAVE")
-    return found
-
-
-def _compute(verb, problem, name="problem", quiet=False, **settings):
-    from .reader import Folder
-
-    with tempfile.TemporaryDirectory() as temporary:
-        if isinstance(problem, dict):
-            file = Path(temporary, f"{name}.ron")
-            file.write_text(ron(problem) + "\n", encoding="utf-8")
+    def __init__(self, problem: Problem, name: str, folder: str) -> None:
+        self.text: Text | None = None
+        if isinstance(problem, Mapping):
+            if Path(name).name != name:
+                raise ValueError(f"`name` must be one of a file, without folders; found {name!r}")
+            self.text, self.name = Text(problem), name
+            self.file = Path(folder, f"{name}.ron")
+            self.file.write_text(self.text.text, encoding="utf-8")
         else:
-            file = Path(problem)
-        stem = file.stem if file.stem.endswith(_ENDINGS[verb]) else file.stem + _ENDINGS[verb]
-        out = Path(settings.pop("out", None) or Path("results", stem))
-        arguments = [binary(), verb, str(file), "--out", str(out)]
-        for option, value in settings.items():
-            option = "--" + option.replace("_", "-")
-            for one in value if isinstance(value, (list, tuple)) else [value]:
-                if one is True:
-                    arguments.append(option)
-                elif one is not False and one is not None:
-                    arguments += [option, str(one)]
-        code, said, told = _call(arguments, quiet)
-    if code and (code != 3 or not (out / "brakewave.manifest").is_file()):
-        raise Refused(told.strip() or said.strip(), code)
-    if code:
-        warnings.warn(told.strip(), stacklevel=3)
-    folder = Folder(out)
-    folder.said = said
+            self.file = Path(problem)
+            self.name = str(self.file)
+
+    def plain(self, message: str) -> str:
+        """A message with the key of the dict in the place of file, line and column."""
+        text = self.text
+        if text is None:
+            return message
+        place = re.compile(re.escape(str(self.file)) + r":(\d+):(\d+): (.*)((?:\n *\d* \| .*)*)")
+
+        def named(found: re.Match[str]) -> str:
+            key, words = text.key(int(found[1]), int(found[2])), found[3]
+            head = words if not key or _names(words, key) else f"{key}: {words}"
+            return head + (_EXTRACT.sub("    ", _without_margin(found[4])) if key else "")
+
+        message = place.sub(named, message)
+        return message.replace(f"{self.file}: ", "").replace(str(self.file), self.name)
+
+
+def _names(words: str, key: str) -> bool:
+    """Whether a message names a key itself, whole or as a field of what it is in; of a list that is enough for its entries."""
+    key = re.sub(r"(\[\d+\])+$", "", key)
+    before, _, last = key.rpartition(".")
+    return f"`{key}`" in words or f"`{last}` in `{before}`" in words or f"`{last}` in the problem" in words
+
+
+def _without_margin(extract: str) -> str:
+    """Lines of a problem file without the blanks that they have in common."""
+    lines = extract.split("\n")
+    margins = [len(one) - len(one.lstrip()) for one in (_EXTRACT.sub("", line) for line in lines[1:])]
+    margin = " " * min(margins, default=0)
+    return re.sub(rf"^( *\d* \| ){margin}", r"\1", extract, flags=re.M)
+
+
+def _options(settings: Mapping[str, Any]) -> list[str]:
+    """Settings as options of the command line. A list gives an option once for each of its values."""
+    options = []
+    for name, value in settings.items():
+        option = "--" + name.replace("_", "-")
+        for one in value if isinstance(value, (list, tuple)) else [value]:
+            if one is True:
+                options.append(option)
+            elif one is not False and one is not None:
+                # a value that begins with a minus sign is no option
+                options.append(f"{option}={os.fspath(one) if isinstance(one, os.PathLike) else one}")
+    return options
+
+
+def _assignments(at: Assignments | None) -> list[str] | None:
+    if at is None or isinstance(at, str):
+        return at if at is None else [at]
+    if isinstance(at, Mapping):
+        return [f"{name}={float(value)!r}" for name, value in at.items()]
+    return list(at)
+
+
+def _pair(range: tuple[float, float] | None) -> str | None:
+    if range is None:
+        return None
+    low, high = range
+    return f"{float(low)!r},{float(high)!r}"
+
+
+def _asked(answer: Answer, *, kept: bool, level: int = 4) -> None:
+    """Raises what is refused, and warns of the rest: exit code 3 with results, and 1, are no refusal where they are `kept`."""
+    if answer.code and (answer.error or not kept or answer.code not in (_UNMET, _NUMERICAL)):
+        said = answer.error or "\n".join(answer.warnings) or answer.said.strip() or answer.rest.strip()
+        raise Refused(said, answer.code)
+    _warn(answer, Incomplete if answer.code else UserWarning, level + 1)
+
+
+def _warn(answer: Answer, category: type[Warning], level: int) -> None:
+    for warning in answer.warnings:
+        warnings.warn(warning, category, stacklevel=level)
+
+
+def _compute(verb: str, problem: Problem, name: str, quiet: bool, out: PathLike | None, settings: Mapping[str, Any]) -> Folder:
+    """Calls a verb that writes a result folder."""
+    with tempfile.TemporaryDirectory() as temporary:
+        source = _Source(problem, name, temporary)
+        ending = _ENDINGS.get(verb, f"_{verb}")
+        stem = source.file.stem
+        folder = Path(out or Path("results", stem if stem.endswith(ending) else stem + ending))
+        options = _options({"out": folder, **settings})
+        answer = call([verb, *options, "--", str(source.file)], quiet, source.plain)
+    _asked(answer, kept=(folder / reader.MANIFEST).is_file())
+    return Folder(folder, answer.said)
+
+
+def run(
+    problem: Problem,
+    *,
+    out: PathLike | None = None,
+    name: str = "problem",
+    resume: bool = False,
+    force: bool = False,
+    quiet: bool = False,
+    threads: int | None = None,
+) -> Folder:
+    """Follows the branch of a problem."""
+    return _compute("run", problem, name, quiet, out, dict(resume=resume, force=force, threads=threads))
+
+
+def certify(
+    problem: Problem,
+    *,
+    out: PathLike | None = None,
+    name: str = "problem",
+    resume: bool = False,
+    force: bool = False,
+    quiet: bool = False,
+    arcs: bool = False,
+    spectrum: bool = False,
+) -> Folder:
+    """Follows a branch and proves its special points in interval arithmetic. What is not proven is told in `certificates`, and
+    by a warning."""
+    settings = dict(resume=resume, force=force, arcs=arcs, spectrum=spectrum)
+    folder = _compute("certify", problem, name, quiet, out, settings)
+    if not (folder.certificates["proven"] == "yes").all():
+        warnings.warn("not all points are proven: see `certificates` of the folder", Incomplete, stacklevel=2)
     return folder
 
 
-def _call(arguments, quiet):
-    """Exit code, standard output, and standard error, of which progress is shown as it comes."""
-    child = subprocess.Popen(
-        arguments, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, encoding="utf-8"
-    )
-    with child:
-        told = []
-
-        def listen():
-            for line in child.stderr:
-                told.append(line)
-                if not quiet:
-                    sys.stderr.write(line)
-                    sys.stderr.flush()
-
-        listener = Thread(target=listen)
-        listener.start()
-        try:
-            said = child.stdout.read()
-        except BaseException:
-            child.terminate()
-            raise
-        finally:
-            listener.join()
-    # an error is the last that is said; before it come lines of progress
-    told = "".join(told)
-    begin = max(told.rfind("\nerror: ") + 1, 0) if "\nerror: " in told else 0
-    return child.returncode, said, told[begin:].removeprefix("error: ")
+def verify(certificate: Folder | PathLike, *, quiet: bool = False) -> str:
+    """Checks a certificate, or the folder of one, without continuation, and returns what was said of its points. One that does
+    not hold is `Refused`."""
+    answer = call(["certify", "--verify", "--", os.fspath(certificate)], quiet, str)
+    _asked(answer, kept=False, level=3)
+    return answer.said
 
 
-def _verb(verb, does):
-    def compute(problem, **settings):
-        return _compute(verb, problem, **settings)
-
-    compute.__name__ = compute.__qualname__ = verb
-    compute.__doc__ = f"""{does}; returns the `Folder`, whose `said` is what the program printed.
-
-    `problem` is the path of a problem file or a dict (see `brakewave.program`). Settings are options of `brakewave
-    {verb}` with `_` for `-`: out="results/x", force=True, resume=True, threads=2; what the dict is called by default is
-    name="problem". Progress is shown on standard error unless quiet=True.
-
-    What is refused raises `Refused` with the message of the program. A computation that ends early, exit code 3, keeps
-    what it found: it is returned with a warning.
-    """
-    return compute
+def curve(
+    problem: Problem,
+    *,
+    out: PathLike | None = None,
+    name: str = "problem",
+    resume: bool = False,
+    force: bool = False,
+    quiet: bool = False,
+    format: str | None = None,
+) -> Folder:
+    """Follows an event of the branch in two parameters."""
+    return _compute("curve", problem, name, quiet, out, dict(resume=resume, force=force, format=format))
 
 
-run = _verb("run", "Follows the branch of a problem")
-curve = _verb("curve", "Follows an event of the branch in two parameters")
-map = _verb("map", "Finds which waves exist where in a plane, or what motions of a system settle on there")
-scan = _verb("scan", "Finds what motions of a system settle on, for many values of a parameter")
-simulate = _verb("simulate", "Computes a motion in time")
-steady = _verb("steady", "Finds the stability of steady sliding, or the equilibria of a system")
+def map(
+    problem: Problem,
+    *,
+    out: PathLike | None = None,
+    name: str = "problem",
+    resume: bool = False,
+    force: bool = False,
+    quiet: bool = False,
+    threads: int | None = None,
+    shard: str | None = None,
+    plot: PathLike | None = None,
+) -> Folder:
+    """Finds which waves exist where in a plane of two parameters, or what motions of a system settle on there."""
+    settings = dict(resume=resume, force=force, threads=threads, shard=shard, plot=plot)
+    return _compute("map", problem, name, quiet, out, settings)
+
+
+def scan(
+    problem: Problem,
+    *,
+    out: PathLike | None = None,
+    name: str = "problem",
+    resume: bool = False,
+    force: bool = False,
+    quiet: bool = False,
+    threads: int | None = None,
+    shard: str | None = None,
+    plot: PathLike | None = None,
+) -> Folder:
+    """Finds what motions of a system settle on, for many values of a parameter."""
+    settings = dict(resume=resume, force=force, threads=threads, shard=shard, plot=plot)
+    return _compute("scan", problem, name, quiet, out, settings)
+
+
+def simulate(
+    problem: Problem,
+    *,
+    out: PathLike | None = None,
+    name: str = "problem",
+    resume: bool = False,
+    force: bool = False,
+    quiet: bool = False,
+    threads: int | None = None,
+) -> Folder:
+    """Computes a motion in time."""
+    return _compute("simulate", problem, name, quiet, out, dict(resume=resume, force=force, threads=threads))
+
+
+def steady(
+    problem: Problem,
+    *,
+    out: PathLike | None = None,
+    name: str = "problem",
+    force: bool = False,
+    quiet: bool = False,
+    at: Assignments | None = None,
+    modes: str | int | None = None,
+    families: int | None = None,
+    order: int | None = None,
+    plot: PathLike | None = None,
+) -> Folder:
+    """Finds the stability of steady sliding, mode by mode, or the equilibria of a system."""
+    settings = dict(force=force, at=_assignments(at), modes=modes, families=families, order=order, plot=plot)
+    return _compute("steady", problem, name, quiet, out, settings)
+
+
+def accuracy(
+    problem: Problem,
+    *,
+    out: PathLike | None = None,
+    name: str = "problem",
+    resume: bool = False,
+    force: bool = False,
+    quiet: bool = False,
+    budget: float | None = None,
+    repeats: int | None = None,
+    format: str | None = None,
+) -> Folder:
+    """Measures error against run time of every method."""
+    settings = dict(resume=resume, force=force, budget=budget, repeats=repeats, format=format)
+    return _compute("accuracy", problem, name, quiet, out, settings)
+
+
+def spectrum(
+    problem: Problem,
+    *,
+    name: str = "problem",
+    quiet: bool = False,
+    at: Assignments | None = None,
+    sector: int | None = None,
+    passage: int | None = None,
+    discretised: int | None = None,
+    epsilon: float | None = None,
+    plot: PathLike | None = None,
+    eigenfunctions: PathLike | None = None,
+) -> pandas.DataFrame:
+    """The wave at one value of the parameter and its eigenvalues, a row for each."""
+    settings = dict(at=_assignments(at), sector=sector, passage=passage, discretised=discretised, epsilon=epsilon)
+    options = _options({**settings, "plot": plot, "eigenfunctions": eigenfunctions, "csv": True})
+    with tempfile.TemporaryDirectory() as temporary:
+        source = _Source(problem, name, temporary)
+        answer = call(["spectrum", *options, "--", str(source.file)], quiet, source.plain)
+    _asked(answer, kept=bool(answer.said), level=3)
+    return reader.read(StringIO(answer.said))
+
+
+class Checked:
+    """What `check` found: a row for each expectation, with `problem`, `expectation`, `verdict` (passed, failed, error or skipped)
+    and the words of what is wrong."""
+
+    def __init__(self, table: pandas.DataFrame, said: str) -> None:
+        self.table = table
+        self.said = said
+        """What the program printed."""
+
+    @property
+    def passed(self) -> bool:
+        """Whether all that is expected was found, and something is expected."""
+        verdicts = self.table["verdict"]
+        return bool(verdicts.isin(["passed", "skipped"]).all() and (verdicts == "passed").any())
+
+    def __bool__(self) -> bool:
+        return self.passed
+
+    def __repr__(self) -> str:
+        counts = self.table["verdict"].value_counts()
+        return "Checked: " + (", ".join(f"{count} {verdict}" for verdict, count in counts.items()) or "nothing")
+
+    def _repr_html_(self) -> str:
+        return f"<p>{self!r}</p>" + reader.shown(self.table)
+
+
+def check(*problems: Problem, quiet: bool = False, junit: PathLike | None = None) -> Checked:
+    """Runs problems and compares with their `expect` lists. What cannot be read is `Refused`."""
+    with tempfile.TemporaryDirectory() as temporary:
+        several = sum(isinstance(one, Mapping) for one in problems) > 1
+        names = (f"problem {index}" if several else "problem" for index in range(1, len(problems) + 1))
+        sources = [_Source(one, name, temporary) for one, name in zip(problems, names)]
+
+        def plain(message: str) -> str:
+            for source in sources:
+                message = source.plain(message)
+            return message
+
+        report = Path(junit or Path(temporary, "junit.xml"))
+        answer = call(["check", f"--junit={report}", "--", *(str(one.file) for one in sources)], quiet, plain)
+        if answer.code not in (0, _UNMET, _NUMERICAL):
+            raise Refused(answer.error or answer.said.strip(), answer.code)
+        _warn(answer, UserWarning, 3)
+        suites = xml.parse(report).getroot().iter("testsuite")
+        rows = [_row(plain(suite.get("name", "")), case, plain) for suite in suites for case in suite.iter("testcase")]
+    return Checked(pandas.DataFrame(rows, columns=["problem", "expectation", "verdict", "what"]), answer.said)
+
+
+def _row(problem: str, case: xml.Element, plain: Callable[[str], str]) -> tuple[str, str, str, str]:
+    """The problem, the name, the verdict and what is wrong of a test case of JUnit."""
+    for tag, verdict in [("failure", "failed"), ("error", "error"), ("skipped", "skipped")]:
+        found = case.find(tag)
+        if found is not None:
+            return problem, case.get("name", ""), verdict, plain(found.get("message", ""))
+    return problem, case.get("name", ""), "passed", ""
+
+
+def report(folder: Folder | PathLike, *, quiet: bool = False) -> Path:
+    """Writes one page of HTML with everything of a result folder, and returns its path."""
+    answer = call(["report", "--", os.fspath(folder)], quiet, str)
+    _asked(answer, kept=False, level=3)
+    return Path(answer.said.strip())
+
+
+def plot(
+    folder: Folder | PathLike,
+    *,
+    quiet: bool = False,
+    format: str | None = None,
+    x: str | None = None,
+    y: str | None = None,
+    log: str | list[str] | None = None,
+    range: tuple[float, float] | None = None,
+    range_y: tuple[float, float] | None = None,
+    over: Folder | PathLike | None = None,
+    force: bool = False,
+) -> Pictures:
+    """Draws the pictures of a result folder again, or one view of a run, and returns their paths."""
+    settings = dict(format=format, x=x, y=y, log=log, range=_pair(range), range_y=_pair(range_y), over=over, force=force)
+    answer = call(["plot", *_options(settings), "--", os.fspath(folder)], quiet, str)
+    _asked(answer, kept=False, level=3)
+    return Pictures(Path(line) for line in answer.said.splitlines())

@@ -1,7 +1,7 @@
-"""Result folders of brakewave as tables of pandas, and pictures of them.
+"""Result folders of brakewave as tables of pandas.
 
-It needs pandas, and matplotlib for the pictures. docs/files.md of brakewave describes every column, docs/systems.md
-those of systems of one's own.
+docs/files.md of brakewave describes every column, docs/systems.md those of systems of one's own. A notebook shows a folder
+with its table and its picture.
 
     import brakewave
     run = brakewave.Folder("results/mode4_mismatch")
@@ -9,32 +9,28 @@ those of systems of one's own.
     brakewave.draw_branch(run).figure.savefig("branch.png")
 """
 
+from __future__ import annotations
+
+import os
 import re
 import warnings
+from base64 import b64encode
+from collections.abc import Iterable
 from dataclasses import dataclass
-from itertools import cycle
+from html import escape
+from io import BytesIO
 from math import inf, log, pi
 from pathlib import Path
+from typing import IO, Any, List, Union
 
 import numpy
 import pandas
 
+MANIFEST = "brakewave.manifest"
+"""The file that makes a folder one of results."""
 PARAMETERS = ["mismatch", "friction", "mass_damping", "stiffness_damping", "gamma", "nu", "xi", "smoothing"]
 REGIMES = ["separation", "slip", "stick", "reverse"]
 """Regimes in the order of their codes in regimes.npy."""
-COLOURS = dict(zip(REGIMES + ["contact"], ["#ccece3", "#e6f4fc", "#b3b3b3", "#efc29e", "#f0d7e5"]))
-"""Colours of the zones of regimes, as in the pictures of the program itself."""
-SEQUENCES = {
-    "slip-stick": "#0072b2",
-    "slip-reverse-stick": "#d55e00",
-    "slip-separation-slip-reverse-stick": "#009e73",
-    "slip-separation-reverse-stick": "#cc79a7",
-    "slip-separation-slip-stick": "#e69f00",
-    "slip-separation-stick": "#56b4e9",
-}
-"""Colours of the commonest sequences of regimes, as in the pictures of the program itself."""
-RARE = ["#332288", "#882255", "#999933", "#117733", "#cc6677", "#8c564b", "#465a6e"]
-"""Colours of other sequences, in the order of their appearance."""
 
 _TEXT = (
     "type regimes regimes_before regimes_after regime switches stable why what start name method setting failure "
@@ -54,31 +50,40 @@ _SYSTEMS = [
     (["row", "column", "start", "passage", "found", "attractor", "periods", "regimes"], "period"),
     (["attractor", "regimes", "period", "periods", "stable", "share"], []),
     (["value", "found", "attractor", "regimes", "period", "periods", "stable", "share"], []),
+    (["point", "label", "type", "regimes"], ["stable", "unstable", "re", "im", "newton", "residual", "leg"]),
+    (["label", "type"], ["re", "im", "omega", "lyapunov", "regimes_before", "regimes_after", "uncertainty", "what"]),
     (["point", "type"], "period"),
+    (["point", "type"], "regimes_before"),
     (["time", "phase"], ["mode"]),
     (["sample", "time"], ["mode"]),
     (["time", "from", "to"], []),
     (["value", "sweep", "sample"], ["phase", "mode", "why"]),
     (["mode", "equilibrium"], ["stable", "re", "im", "why"]),
 ]
-_EXPONENT = re.compile(r"lyapunov(_\d+)?(_error)?")
-_SYSTEM_TEXT = ["mode", "found", "equilibrium", "sweep", "re", "im"]
+EXPONENT = re.compile(r"lyapunov(_\d+)?(_error)?")
+_SYSTEM_TEXT = ["mode", "found", "equilibrium", "sweep"]
 """Columns that are text in tables of a system, besides those of every table."""
+_OF_STEADY = ["re", "im"]
+"""Columns that are lists of numbers in the table of the equilibria of all modes."""
+_OF_EQUILIBRIA = ["lyapunov", "newton", "residual", "what"]
+"""How the header of a curve of events of equilibria ends."""
 
 
-def _own(names):
-    """The places of the columns that a system has named itself, its parameters or its states, in a header; None in
-    a table of a tube. `period` is no name of a parameter."""
+def own_columns(names: list[str]) -> range | None:
+    """The places of the columns that a system has named itself in a header: its parameters or its states, of a branch of
+    equilibria both, and monitors. None in a table of a tube. `period` is no name of a parameter."""
     if names[-1:] == ["why"]:
         # exponents of a scan stand between its mode and why
         end = len(names) - 1
-        while _EXPONENT.fullmatch(names[end - 1]):
+        while EXPONENT.fullmatch(names[end - 1]):
             end -= 1
         names = names[:end] + ["why"]
     for before, after in _SYSTEMS:
         if names[: len(before)] != before:
             continue
-        if after == "period":
+        if after == "regimes_before" and names[-len(_OF_EQUILIBRIA) :] != _OF_EQUILIBRIA:
+            continue
+        if isinstance(after, str):
             if after in names:
                 return range(len(before), names.index(after))
         elif len(names) > len(before) + len(after) and names[len(names) - len(after) :] == after:
@@ -86,17 +91,30 @@ def _own(names):
     return None
 
 
-def _monitors(names, own):
-    """The places of the columns of monitors, whose names are a problem's own, among others that are numbers: after the
-    extrema of the states in branch.csv, after the period in events.csv."""
+_MORE = [
+    # what follows upon a system's own columns, and what comes next
+    (["period", "switches"], "stable"),
+    (["period"], "multiplier_re"),
+    (["regimes_before", "regimes_after", "omega"], "lyapunov"),
+]
+
+
+def _more_columns(names: list[str], own: range) -> range:
+    """The places of other columns with a problem's own names, which are numbers: monitors, after the extrema of the states in
+    branch.csv and after the period in events.csv, and states on a curve of equilibria."""
     names = names[own.stop :]
-    for before, after in [(["period", "switches"], "stable"), (["period"], "multiplier_re")]:
+    for before, after in _MORE:
         if names[: len(before)] == before and after in names:
             return range(own.stop + len(before), own.stop + names.index(after))
     return range(0)
 
 
-def read(source):
+def columns(table: pandas.DataFrame) -> list[str]:
+    """The names of the columns of a table."""
+    return [str(name) for name in table]
+
+
+def read(source: Union[str, "os.PathLike[str]", IO[str]]) -> pandas.DataFrame:
     """A table that brakewave has written, from a file or from an open stream.
 
     Numbers are those of the file to the last bit. An empty text is "", an empty number NaN or NA. Columns of a system's
@@ -104,13 +122,16 @@ def read(source):
     """
     # read as text: whether read_csv rounds correctly depends on the version of pandas
     table = pandas.read_csv(source, dtype=str, keep_default_na=False)
-    own = _own(list(table))
-    monitors = range(0) if own is None else _monitors(list(table), own)
+    names = columns(table)
+    own = own_columns(names)
+    more = range(0) if own is None else _more_columns(names, own)
     text = _TEXT if own is None else _TEXT + _SYSTEM_TEXT
+    if names[:2] == ["mode", "equilibrium"]:
+        text = text + _OF_STEADY
     typed = {}
     for place, name in enumerate(table):
         cells = table[name]
-        if own is not None and (place in own or place in monitors):
+        if own is not None and (place in own or place in more):
             typed[name] = _numbers(cells)
             continue
         typed[name] = cells if name in text else _column(cells)
@@ -119,84 +140,199 @@ def read(source):
     return pandas.DataFrame(typed, table.index)
 
 
-def _numbers(cells):
+def _numbers(cells: pandas.Series) -> pandas.Series:
     return pandas.Series([float(cell or "nan") for cell in cells], cells.index, float)
 
 
-def _column(cells):
+def _column(cells: pandas.Series) -> pandas.Series:
     try:
         return _numbers(cells)
     except ValueError:
         return cells
 
 
+_IMAGES = {"svg": "svg+xml", "png": "png"}
+"""Formats of pictures that a notebook shows, and their names in a web page."""
+
+_TABLES = {"simulation": "series", "certificate": "certificates"}
+"""The table that tells most, by the kind of folder, where it does not have the name of the kind."""
+
+_MOST_SAVED = 1_000_000
+"""Characters of a file of saved results in which its problem is looked for."""
+
+_SHOWN = 20
+"""Most rows of a table that a notebook shows of a folder."""
+
+
+def shown(table: pandas.DataFrame) -> str:
+    """A table as a notebook shows it, its middle left out where it is long."""
+    return str(table.to_html(max_rows=_SHOWN, index=False, border=0, na_rep=""))
+
+
+def _image(content: bytes, format: str) -> str:
+    """A picture within a page. As an image of its own it shares no names with other pictures of the page."""
+    return f'<img src="data:image/{_IMAGES[format]};base64,{b64encode(content).decode()}"/>'
+
+
+class Pictures(List[Path]):
+    """Paths of pictures, which a notebook shows."""
+
+    def _repr_html_(self) -> str:
+        pictures = (path for path in self if path.suffix[1:] in _IMAGES and path.is_file())
+        return "".join(_image(path.read_bytes(), path.suffix[1:]) for path in pictures)
+
+
+class _Table:
+    """A table of a folder by the name of the attribute."""
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        self.name = name
+
+    def __get__(self, folder: Folder, owner: type) -> pandas.DataFrame:
+        return folder.table(self.name) if folder is not None else self
+
+
 class Folder:
-    """A result folder of `run`, `map`, `curve`, `scan`, `simulate`, `steady` or `accuracy`.
+    """A result folder of `run`, `certify`, `map`, `curve`, `scan`, `simulate`, `steady` or `accuracy`.
 
     Nothing is kept: every access reads the file, so that a computation that is still going on can be looked at.
     """
 
-    def __init__(self, path):
+    def __init__(self, path: str | os.PathLike[str], said: str = "") -> None:
         self.path = Path(path)
-        manifest = self.path / "brakewave.manifest"
+        manifest = self.path / MANIFEST
         if not manifest.is_file():
             raise FileNotFoundError(f"{self.path} is no result folder of brakewave: it has no {manifest.name}")
         self.version, kind = manifest.read_text(encoding="utf-8").splitlines()[:2]
         self.kind = kind.split()[0]
-        """What the folder holds: run, map, curve, scan, simulation, steady, accuracy."""
-        self.said = ""
+        """What the folder holds: run, certificate, map, curve, scan, simulation, steady, accuracy."""
+        self.said = said
         """What the program printed when it was called from here."""
 
-    def table(self, name):
+    def __fspath__(self) -> str:
+        return str(self.path)
+
+    def __repr__(self) -> str:
+        rows = ((path.stem, path.read_bytes().count(b"\n") - 1) for path in sorted(self.path.glob("*.csv")))
+        tables = ", ".join(f"{name} ({max(count, 0)} rows)" for name, count in rows)
+        return f"Folder({str(self.path)!r}) of a {self.kind}: {tables or 'no tables'}"
+
+    def _repr_html_(self) -> str:
+        """The table and the picture that tell most."""
+        table = self._main_table()
+        picture = Pictures(self.pictures[:1])._repr_html_() or self._drawn()
+        return f"<p>{escape(repr(self))}</p>" + ("" if table is None else shown(table)) + picture
+
+    def _main_table(self) -> pandas.DataFrame | None:
+        """Of a run its events, without the parameters that do not change; of all else the table named after the kind. None
+        where it is not there yet, or not whole."""
+        try:
+            if self.kind == "run":
+                events = self.events
+                return events.drop(columns=set(parameters(events)) - set(varying(self.branch)))
+            return self.table(_TABLES.get(self.kind, self.kind.split("-")[0]))
+        except (OSError, ValueError):
+            return None
+
+    def _drawn(self) -> str:
+        """The picture of a folder in which the program has drawn none, as far as matplotlib is there."""
+        try:
+            from matplotlib.figure import Figure
+        except ImportError:
+            return ""
+        from . import pictures
+
+        draw: dict[str, Any] = {"run": pictures.draw_branch, "scan": pictures.draw_scan, "map": pictures.draw_map, "curve": pictures.draw_curve}
+        if self.kind not in draw:
+            return ""
+        # a figure of pyplot would be shown a second time
+        figure, file = Figure(layout="constrained"), BytesIO()
+        try:
+            draw[self.kind](self, axes=figure.subplots())
+        except (OSError, ValueError, IndexError):
+            return ""
+        figure.savefig(file, format="svg", metadata={"Date": None})
+        return _image(file.getvalue(), "svg")
+
+    @property
+    def pictures(self) -> Pictures:
+        """The pictures in the folder as far as a notebook can show them, the one that tells most first."""
+        files = sorted(path for path in self.path.iterdir() if path.suffix[1:] in _IMAGES)
+        return Pictures(sorted(files, key=lambda path: path.stem not in ("diagram", self.kind)))
+
+    def table(self, name: str) -> pandas.DataFrame:
         """The table `name`.csv."""
         path = self.path / f"{name}.csv"
         if not path.is_file():
             raise FileNotFoundError(f"{self.path}, the folder of a {self.kind}, has no {path.name}")
-        return read(path)
+        table = read(path)
+        table.attrs["states"] = self.states
+        return table
+
+    @property
+    def states(self) -> list[str]:
+        """Names of the states of a system; none of a tube."""
+        return re.findall(r'"(\w+)"', self._saved(r",system:\(states:\[(.*?)\]"))
+
+    @property
+    def parameter(self) -> str | None:
+        """The parameter along the branch of a run, by its column."""
+        name = self._saved(r'continuation:Some\(\(parameter:"?(\w+)"?')
+        # of a tube it is written as in a problem file
+        return name if self.states or not name else re.sub(r"(?<!^)(?=[A-Z])", "_", name).lower()
+
+    def _saved(self, pattern: str) -> str:
+        """What stands in the problem as the program keeps it with its results, before them."""
+        for path in (self.path / "branch.ron", self.path / "problem.ron"):
+            if path.is_file():
+                with open(path, encoding="utf-8") as file:
+                    found = re.search(pattern, file.readline(_MOST_SAVED))
+                return found[1] if found else ""
+        return ""
 
     # of a run
-    branch = property(lambda self: self.table("branch"))
-    events = property(lambda self: self.table("events"))
-    spectrum = property(lambda self: self.table("spectrum"))
-    multipliers = property(lambda self: self.table("multipliers"))
-    eigenvalues = property(lambda self: self.table("eigenvalues"))
+    branch = _Table()
+    events = _Table()
+    spectrum = _Table()
+    multipliers = _Table()
+    eigenvalues = _Table()
     # of a map, a curve, a comparison of methods, of proofs
-    map = property(lambda self: self.table("map"))
-    attractors = property(lambda self: self.table("attractors"))
-    shares = property(lambda self: self.table("shares"))
-    curve = property(lambda self: self.table("curve"))
-    accuracy = property(lambda self: self.table("accuracy"))
-    certificates = property(lambda self: self.table("certificates"))
+    map = _Table()
+    attractors = _Table()
+    shares = _Table()
+    curve = _Table()
+    accuracy = _Table()
+    certificates = _Table()
     # of a scan, of what rests
-    scan = property(lambda self: self.table("scan"))
-    steady = property(lambda self: self.table("steady"))
+    scan = _Table()
+    steady = _Table()
     # of a simulation; switches and section of that of a system
-    switches = property(lambda self: self.table("switches"))
-    section = property(lambda self: self.table("section"))
-    series = property(lambda self: self.table("series"))
-    measures = property(lambda self: self.table("measures"))
-    growth = property(lambda self: self.table("growth"))
-    start = property(lambda self: self.table("start"))
-    end = property(lambda self: self.table("end"))
+    switches = _Table()
+    section = _Table()
+    series = _Table()
+    measures = _Table()
+    growth = _Table()
+    start = _Table()
+    end = _Table()
 
-    def profile(self, label):
+    def profile(self, label: int) -> pandas.DataFrame:
         """The wave of a labelled point: theta, U, V, U_dot, V_dot, P, Q, regime."""
         return self.table(f"profiles/{label}")
 
     @property
-    def profiles(self):
+    def profiles(self) -> list[int]:
         """Labels of which there are profiles."""
         return sorted(int(path.stem) for path in self.path.glob("profiles/*.csv"))
 
     @property
-    def zones(self):
+    def zones(self) -> pandas.DataFrame:
         """The zones of every wave of a branch or a map, a row each: `regime`, `begin` and `end` in θ, and the
         index of the wave's row in its table as `wave`."""
         table = self.map if self.kind == "map" else self.branch
         return zones(table)
 
     @property
-    def regimes(self):
+    def regimes(self) -> pandas.DataFrame:
         """Regime of each place (columns, φ) at each sample (rows, time) of a simulation, as codes of `REGIMES`."""
         codes = numpy.load(self.path / "regimes.npy")
         place, time = self.start["phi"].to_numpy(), self.series["time"].to_numpy()
@@ -208,13 +344,13 @@ class Folder:
             codes[:count], pandas.Index(time[:count], name="time"), pandas.Index(place, name="phi")
         )
 
-    def snapshot(self, number):
+    def snapshot(self, number: int) -> pandas.DataFrame:
         """A snapshot of a ring, from 1: phi, U, V, U_dot, V_dot, P, Q. Those of a tube are for ParaView."""
         array = numpy.load(self.path / "snapshots" / f"{number:04}.npy")
         return pandas.DataFrame(array, columns=["phi", "U", "V", "U_dot", "V_dot", "P", "Q"])
 
 
-def zones(table):
+def zones(table: pandas.DataFrame) -> pandas.DataFrame:
     """The zones of the waves of a table with the columns `regimes` and `switches`; see `Folder.zones`."""
     rows = []
     for wave, regimes, switches in zip(table.index, table["regimes"], table["switches"]):
@@ -243,7 +379,7 @@ class Tube:
     rotation: float
     """Angular velocity Ω of the shaft, rad/s."""
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         positive = ["young", "density", "inner", "oversize", "rotation"]
         for name in positive:
             if not 0 < getattr(self, name) < inf:
@@ -262,18 +398,18 @@ class Tube:
                 warnings.warn(words, stacklevel=3)
 
     @property
-    def gamma(self):
+    def gamma(self) -> float:
         return self.density * (self.inner * self.rotation) ** 2 / self.young
 
     @property
-    def xi(self):
+    def xi(self) -> float:
         return self.outer / self.inner
 
     @property
-    def mismatch(self):
+    def mismatch(self) -> float:
         return self.oversize / self.inner
 
-    def model(self, friction):
+    def model(self, friction: float) -> str:
         """The section `model` of a problem file."""
         geometry = f"nu: {self.poisson:.15g}, xi: {self.xi:.15g}, gamma: {self.gamma:.15g}"
         return (
@@ -281,186 +417,36 @@ class Tube:
             f"friction: {friction:.15g}, mismatch: {self.mismatch:.15g}),"
         )
 
-    def hertz(self, speed, mode):
+    def hertz(self, speed: Any, mode: int) -> Any:
         """Frequency that a point at rest hears from a wave of `mode` crests and the speed c of the tables, Hz."""
         return mode * abs(speed) * self.rotation / (2 * pi)
 
-    def pascal(self, pressure):
+    def pascal(self, pressure: Any) -> Any:
         """Contact pressure or shear stress of P or Q of the tables, Pa."""
         return self.young * self.gamma * inertia(self.xi) * pressure
 
 
-def inertia(xi):
+def inertia(xi: float) -> float:
     """I₀ = ∫X²r dr over the wall, X(r) = (ξ²/r − r)/(ξ² − 1)."""
     w = (xi - 1) * (xi + 1)
     if w < 0.5:
         # its Taylor series, for the closed form cancels like w³; the fortieth term is below 1e-17
-        return sum((-1) ** (n + 1) * w ** (n - 2) / (n * (n - 1) * (n - 2)) for n in range(3, 43))
+        return sum((-1.0) ** (n + 1) * w ** (n - 2) / (n * (n - 1) * (n - 2)) for n in range(3, 43))
     return ((w + 1) ** 2 * log(xi) - (w + 1) * w + w * (w + 2) / 4) / w**2
 
 
-def parameters(table):
-    """The columns of a table that are parameters: of a system those before the period, as the file has them."""
-    names = list(table)
-    own = _own(names)
-    if own is not None and "period" in names[own.stop :]:
-        return [names[place] for place in own]
+def parameters(table: pandas.DataFrame) -> list[str]:
+    """The columns of a table that are parameters. Of a system they stand before the period; of equilibria they stand before the
+    states, which are not told apart in a table that was read without its folder."""
+    names = columns(table)
+    own = own_columns(names)
+    if own is not None and not ({"mode", "equilibrium", "sample", "attractor"} & set(names[: own.start])):
+        states = table.attrs.get("states", [])
+        count = names.index(states[0], own.start, own.stop) if states and states[0] in names[own.start : own.stop] else own.stop
+        return names[own.start : count]
     return [name for name in PARAMETERS if name in names]
 
 
-def varying(table):
+def varying(table: pandas.DataFrame) -> list[str]:
     """The parameters that are not the same in all rows of a table."""
     return [name for name in parameters(table) if table[name].nunique() > 1]
-
-
-def _axes(axes):
-    if axes is None:
-        import matplotlib.pyplot
-
-        axes = matplotlib.pyplot.subplots(layout="constrained")[1]
-    return axes
-
-
-MARKS = {"LP": "s", "PD": "D", "NS": "*", "SL": "P", "HB": "|", "BP": "v", "GR": "^", "RV": "D", "CO": "o", "ST": "s", "UZ": ".", "EP": "o", "MX": "x"}
-"""Marks of special points, as in the pictures of the program itself; those of LP, BP and EP are hollow."""
-
-
-def draw_branch(run, x=None, y=None, axes=None):
-    """A branch diagram: solid where stable, dashed where unstable, dotted where undecided or not asked for, and
-    a marker for every event. `x` is the parameter of the run unless given, `y` the speed of waves, or the greatest
-    value of the first state of orbits."""
-    axes, table = _axes(axes), run.branch
-    x = x or (varying(table) or parameters(table))[0]
-    if y is None:
-        # after the times of switches come the least and the greatest value of every state
-        names = list(table)
-        y = "speed" if _own(names) is None else names[names.index("switches") + 2]
-    style = {"yes": "-", "no": "--"}
-    # a piece ends where the leg or the answer changes; it goes on to the next point of its leg
-    same = (table["leg"] == table["leg"].shift()) & (table["stable"] == table["stable"].shift())
-    for _, piece in table.groupby((~same).cumsum()):
-        first, last = piece.index[0], piece.index[-1]
-        if last + 1 in table.index and table["leg"][last + 1] == table["leg"][last]:
-            last += 1
-        piece = table.loc[first:last]
-        axes.plot(piece[x], piece[y], style.get(piece["stable"].iloc[0], ":"), color="black", lw=1)
-    # where a branch is left both ways it does not end
-    legs = table["leg"] != table["leg"].shift()
-    marked = table[(table["type"] != "") & ~(legs & (legs.sum() > 1) & (table["type"] == "EP"))]
-    for kind, points in marked.groupby("type"):
-        face = "white" if kind in ("LP", "BP", "EP") else "black"
-        axes.plot(points[x], points[y], MARKS[kind], color="black", mfc=face, ms=5, label=kind)
-    axes.set(xlabel=x, ylabel=y)
-    axes.legend()
-    return axes
-
-
-def draw_scan(folder, y=None, axes=None):
-    """What motions settle on, a dot for every sample: `y` is the first state unless given."""
-    axes, table = _axes(axes), folder.scan
-    table = table[table["sample"].notna()]
-    y = y or list(table)[3]
-    for (sweep, samples), colour in zip(table.groupby("sweep", sort=False), ["#0072b2", "#d55e00"]):
-        axes.plot(samples["value"], samples[y], ".", ms=2.5, mew=0, color=colour, label=sweep)
-    axes.set(xlabel="parameter", ylabel=y)
-    if len(table):
-        axes.legend(markerscale=3)
-    return axes
-
-
-def draw_exponents(folder, axes=None):
-    """The Lyapunov exponents of a scan, a line for each sweep, with the line 0; those that are −∞ are left out."""
-    axes, table = _axes(axes), folder.scan
-    names = [name for name in table if _EXPONENT.fullmatch(name) and not name.endswith("_error")]
-    axes.axhline(0, color="grey", lw=0.6)
-    for sweep, samples in table.drop_duplicates(["value", "sweep"]).groupby("sweep", sort=False):
-        samples = samples.sort_values("value")
-        for place, name in enumerate(names):
-            finite = samples[numpy.isfinite(samples[name])]
-            axes.plot(finite["value"], finite[name], color="black" if place == 0 else "grey", lw=0.8, label=f"{name}, {sweep}")
-    axes.set(xlabel="parameter", ylabel="Lyapunov exponents")
-    if axes.get_legend_handles_labels()[0]:
-        axes.legend()
-    return axes
-
-
-def draw_profile(run, label, y="P", axes=None):
-    """A column of the wave of a label over θ, its zones behind it."""
-    axes, wave = _axes(axes), run.profile(label)
-    for _, zone in wave.groupby((wave["regime"] != wave["regime"].shift()).cumsum()):
-        regime, theta = zone["regime"].iloc[0], zone["theta"]
-        axes.axvspan(theta.iloc[0], theta.iloc[-1], color=COLOURS[regime], lw=0, label=regime)
-    axes.plot(wave["theta"], wave[y], color="black")
-    axes.set(xlabel="θ", ylabel=y)
-    handles = dict(zip(*reversed(axes.get_legend_handles_labels())))
-    axes.legend(handles.values(), handles.keys())
-    return axes
-
-
-def draw_spectrum(run, label, axes=None):
-    """The eigenvalues of a label in the complex plane, a colour for each Bloch sector."""
-    axes, table = _axes(axes), run.spectrum
-    for sector, values in table[table["label"] == label].groupby("sector"):
-        axes.plot(values["re"], values["im"], "o", ms=4, label=f"sector {sector}")
-    axes.axvline(0, color="black", lw=0.5)
-    axes.set(xlabel="Re λ", ylabel="Im λ")
-    axes.legend()
-    return axes
-
-
-def draw_map(folder, start=None, axes=None):
-    """What is first found from a start over the plane of a map: the regimes of waves, from "fast" unless another start is
-    named; of a system the modes of the orbit from start 1, with its number of periods, or what the motion does instead."""
-    axes, table = _axes(axes), folder.map
-    if "attractor" in table:
-        return _draw_basin(table[table["start"].astype(str) == str(start or 1)], axes)
-    x, y = (varying(table) + parameters(table))[:2]
-    if "periods" in table:
-        table = table[table["start"].astype(str) == str(start or 1)]
-        many = table["periods"].fillna(1) > 1
-        times = table["periods"].astype(str).where(many, "") + many.map({True: "T: ", False: ""})
-        what = (times + table["regimes"]).where(table["found"].isin(["orbit", "equilibrium"]), table["found"])
-    else:
-        table = table[(table["start"] == (start or "fast")) & (table["passage"] == 1)]
-        what = table["regimes"]
-    rare = cycle(RARE)
-    for regimes, waves in table.groupby(what):
-        axes.plot(waves[x], waves[y], "s", ms=2, label=regimes, color=SEQUENCES.get(regimes) or next(rare))
-    axes.set(xlabel=x, ylabel=y)
-    axes.legend(loc="upper left", bbox_to_anchor=(1, 1))
-    return axes
-
-
-def _draw_basin(table, axes):
-    """The number of the attractor over rows, upwards, and columns."""
-    rare = cycle(RARE)
-    what = table["attractor"].astype(str).where(table["attractor"].notna(), table["found"])
-    for name, cells in table.groupby(what):
-        axes.plot(cells["column"], cells["row"], "s", ms=2, label=name, color=next(rare))
-    axes.set(xlabel="column", ylabel="row")
-    axes.legend(loc="upper left", bbox_to_anchor=(1, 1))
-    return axes
-
-
-def draw_curve(folder, axes=None):
-    """The curve of an event in the plane of its two parameters, special points named."""
-    axes, table = _axes(axes), folder.curve
-    first, second = parameters(table)
-    axes.plot(table[first], table[second], color="black")
-    for kind, points in table[table["type"] != ""].groupby("type"):
-        axes.plot(points[first], points[second], "o", label=kind)
-    axes.set(xlabel=first, ylabel=second)
-    axes.legend()
-    return axes
-
-
-def draw_regimes(simulation, axes=None):
-    """Regimes over place and time."""
-    from matplotlib.colors import ListedColormap
-
-    axes, table = _axes(axes), simulation.regimes
-    colours = ListedColormap([COLOURS[regime] for regime in REGIMES])
-    image = axes.pcolormesh(table.columns, table.index, table, cmap=colours, vmin=-0.5, vmax=3.5, shading="nearest")
-    axes.figure.colorbar(image, ticks=range(4)).ax.set_yticklabels(REGIMES)
-    axes.set(xlabel="φ", ylabel="time")
-    return axes
