@@ -78,9 +78,9 @@ enum Verb {
         /// The shell
         shell: clap_complete::Shell,
     },
-    /// Print the manual: the pages of the program and of its verbs
+    /// Print the manual: the pages of the program and of its verbs; or write it with the completions into files
     #[cfg(feature = "completions")]
-    Man,
+    Man(shell::ManualArguments),
 }
 
 #[derive(Debug, Args)]
@@ -159,7 +159,7 @@ pub fn main() -> ExitCode {
         #[cfg(feature = "completions")]
         Verb::Completions { shell } => shell::completions(shell),
         #[cfg(feature = "completions")]
-        Verb::Man => shell::manual(),
+        Verb::Man(arguments) => shell::manual(&arguments),
     };
     match result {
         Ok(exit) => exit.into(),
