@@ -3,6 +3,7 @@
     BRAKEWAVE=target/release/brakewave python3 python/test_program.py
 """
 
+import inspect
 import os
 import re
 import subprocess
@@ -305,6 +306,17 @@ class Package(unittest.TestCase):
         self.assertTrue((ROOT / "python" / "brakewave" / "py.typed").is_file())
         with self.assertRaises(AttributeError):
             brakewave.nothing
+
+    def test_all_that_can_be_called_is_annotated(self):
+        offered = [getattr(brakewave, name) for name in brakewave.__all__]
+        own = [thing for thing in offered if callable(thing) and not isinstance(thing, brakewave.Variant)]
+        methods = [method for thing in own if isinstance(thing, type) for method in vars(thing).values() if inspect.isfunction(method)]
+        for function in [*filter(inspect.isfunction, own), *methods]:
+            if str(ROOT) not in function.__code__.co_filename:
+                continue  # made by dataclass
+            signature = inspect.signature(function)
+            bare = [name for name, one in signature.parameters.items() if one.annotation is one.empty and name != "self"]
+            self.assertEqual((bare, signature.return_annotation is signature.empty), ([], False), function.__qualname__)
 
     def test_the_checker_is_a_module_and_a_verb(self):
         # after an import of the module its name still is the verb
