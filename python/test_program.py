@@ -150,6 +150,7 @@ class Program(InFolder):
         self.assertLess(table["x"].abs().max(), 300 * 3e-13)
         brakewave.draw_scan(scan)
         motion = brakewave.simulate(problem, out="m", quiet=True)
+        self.assertEqual([folder.states for folder in (scan, motion)], [["x", "v"]] * 2)
         self.assertEqual(len(motion.series), 41)
         self.assertEqual(set(motion.series["mode"]), {"free"})
         still = impact()

@@ -114,14 +114,14 @@ def columns(table: pandas.DataFrame) -> list[str]:
     return [str(name) for name in table]
 
 
-def read(source: Union[str, "os.PathLike[str]", IO[str]]) -> pandas.DataFrame:
-    """A table that brakewave has written, from a file or from an open stream.
+def read(source: Union[str, "os.PathLike[str]", IO[str]], rows: int | None = None) -> pandas.DataFrame:
+    """A table that brakewave has written, from a file or from an open stream: its first `rows`, or all of them.
 
     Numbers are those of the file to the last bit. An empty text is "", an empty number NaN or NA. Columns of a system's
     parameters, states and monitors are numbers, whatever their names are.
     """
     # read as text: whether read_csv rounds correctly depends on the version of pandas
-    table = pandas.read_csv(source, dtype=str, keep_default_na=False)
+    table = pandas.read_csv(source, dtype=str, keep_default_na=False, nrows=rows)
     names = columns(table)
     own = own_columns(names)
     more = range(0) if own is None else _more_columns(names, own)
@@ -224,13 +224,14 @@ class Folder:
         return f"<p>{escape(repr(self))}</p>" + ("" if table is None else shown(table)) + picture
 
     def _main_table(self) -> pandas.DataFrame | None:
-        """Of a run its events, without the parameters that do not change; of all else the table named after the kind. None
-        where it is not there yet, or not whole."""
+        """Of a run its events, without the parameters that do not change; of all else the first rows of the table named after
+        the kind, which may be long. None where it is not there yet, or not whole."""
         try:
             if self.kind == "run":
                 events = self.events
                 return events.drop(columns=set(parameters(events)) - set(varying(self.branch)))
-            return self.table(_TABLES.get(self.kind, self.kind.split("-")[0]))
+            name = _TABLES.get(self.kind, self.kind.split("-")[0])
+            return read(self.path / f"{name}.csv", _SHOWN)
         except (OSError, ValueError):
             return None
 
@@ -271,7 +272,7 @@ class Folder:
 
     @property
     def states(self) -> list[str]:
-        """Names of the states of a system; none of a tube."""
+        """Names of the states of a system; none of a tube, nor of a certificate."""
         return re.findall(r'"(\w+)"', self._saved(r",system:\(states:\[(.*?)\]"))
 
     @property
@@ -283,7 +284,8 @@ class Folder:
 
     def _saved(self, pattern: str) -> str:
         """What stands in the problem as the program keeps it with its results, before them."""
-        for path in (self.path / "branch.ron", self.path / "problem.ron"):
+        for name in ("branch.ron", "problem.ron", "map.ron", "scan.ron"):
+            path = self.path / name
             if path.is_file():
                 with open(path, encoding="utf-8") as file:
                     found = re.search(pattern, file.readline(_MOST_SAVED))

@@ -107,7 +107,10 @@ fn completions_and_the_manual_name_every_verb() {
     let read = |name: &str| std::fs::read_to_string(bench.path(name)).unwrap();
     let pages = written.lines().filter(|name| name.ends_with(".1"));
     let pages: Vec<&str> = pages.collect();
-    assert_eq!(pages.iter().map(|name| read(name)).collect::<String>(), manual);
+    assert_eq!(
+        pages.iter().map(|name| read(name)).collect::<String>(),
+        manual
+    );
     for verb in verbs.into_iter().chain(["map-merge", "scan-merge"]) {
         let page = format!("share/man/man1/brakewave-{verb}.1");
         assert!(pages.contains(&&*page), "{page}");
@@ -121,7 +124,9 @@ fn completions_and_the_manual_name_every_verb() {
         assert!(written.lines().any(|name| name == file), "{file}");
         assert_eq!(read(file), script, "{shell}");
     }
-    let refused = bench.run(&["man", "--out", "share/man/man1/brakewave.1"]).expect(4);
+    let refused = bench
+        .run(&["man", "--out", "share/man/man1/brakewave.1"])
+        .expect(4);
     assert!(refused.stderr.contains("brakewave.1"), "{}", refused.stderr);
 }
 
