@@ -59,7 +59,7 @@ fn script(shell: Shell) -> String {
 
 /// The pages of the manual with the names of their files.
 fn pages() -> Result<Vec<(String, String)>, Failure> {
-    let mut program = Arguments::command();
+    let mut program = without_help(Arguments::command());
     program.build();
     let page = |command| {
         let page = Man::new(command).source(concat!("brakewave ", env!("CARGO_PKG_VERSION")));
@@ -71,10 +71,15 @@ fn pages() -> Result<Vec<(String, String)>, Failure> {
     with_verbs(&program).into_iter().map(page).collect()
 }
 
-/// A command and all verbs below it, but for `help`, which has nothing that is not in their pages.
+/// A command without the verb `help`, here and below, which has nothing that is not in their pages.
+fn without_help(command: Command) -> Command {
+    command
+        .disable_help_subcommand(true)
+        .mut_subcommands(without_help)
+}
+
+/// A command and all verbs below it.
 fn with_verbs(command: &Command) -> Vec<Command> {
-    let verbs = command.get_subcommands();
-    let verbs = verbs.filter(|verb| verb.get_name() != "help");
-    let below = verbs.flat_map(with_verbs);
+    let below = command.get_subcommands().flat_map(with_verbs);
     std::iter::once(command.clone()).chain(below).collect()
 }

@@ -115,6 +115,13 @@ fn completions_and_the_manual_name_every_verb() {
         let page = format!("share/man/man1/brakewave-{verb}.1");
         assert!(pages.contains(&&*page), "{page}");
     }
+    // every page that another one names is there
+    let named = manual.split("brakewave\\-").skip(1);
+    let named = named.filter_map(|rest| rest.split_once("(1)"));
+    for (verb, _) in named.filter(|(verb, _)| !verb.contains(char::is_whitespace)) {
+        let page = format!("brakewave-{}.1", verb.replace('\\', ""));
+        assert!(pages.iter().any(|name| name.ends_with(&page)), "{page}");
+    }
     for (shell, file) in [
         ("bash", "share/bash-completion/completions/brakewave"),
         ("zsh", "share/zsh/site-functions/_brakewave"),
