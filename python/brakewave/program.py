@@ -56,7 +56,7 @@ class Refused(Exception):
 
 
 class Incomplete(UserWarning):
-    """A computation ended before all that was asked for was done; what it found is kept."""
+    """A computation ended before it was complete; its results so far are kept."""
 
 
 class _Source:
@@ -91,7 +91,7 @@ class _Source:
 
 
 def _names(words: str, key: str) -> bool:
-    """Whether a message names a key itself, whole or as a field of what it is in; of a list that is enough for its entries."""
+    """Whether a message names a key itself, in full or as a field of its section. An entry of a list is named by the list."""
     key = re.sub(r"(\[\d+\])+$", "", key)
     before, _, last = key.rpartition(".")
     return f"`{key}`" in words or f"`{last}` in `{before}`" in words or f"`{last}` in the problem" in words
@@ -134,8 +134,8 @@ def _pair(range: tuple[float, float] | None) -> str | None:
     return f"{float(low)!r},{float(high)!r}"
 
 
-def _asked(answer: Answer, *, kept: bool, level: int = 4) -> None:
-    """Raises what is refused, and warns of the rest: exit code 3 with results, and 1, are no refusal where they are `kept`."""
+def _raise_or_warn(answer: Answer, *, kept: bool, level: int = 4) -> None:
+    """Raises a refusal, and passes warnings on. Exit codes 1 and 3 are no refusal if results are `kept` and there is no error."""
     if answer.code and (answer.error or not kept or answer.code not in (_UNMET, _NUMERICAL)):
         said = answer.error or "\n".join(answer.warnings) or answer.said.strip() or answer.rest.strip()
         raise Refused(said, answer.code)
@@ -156,7 +156,7 @@ def _compute(verb: str, problem: Problem, name: str, quiet: bool, out: PathLike 
         folder = Path(out or Path("results", stem if stem.endswith(ending) else stem + ending))
         options = _options({"out": folder, **settings})
         answer = call([verb, *options, "--", str(source.file)], quiet, source.plain)
-    _asked(answer, kept=(folder / reader.MANIFEST).is_file())
+    _raise_or_warn(answer, kept=(folder / reader.MANIFEST).is_file())
     return Folder(folder, answer.said)
 
 
@@ -185,8 +185,8 @@ def certify(
     arcs: bool = False,
     spectrum: bool = False,
 ) -> Folder:
-    """Follows a branch and proves its special points in interval arithmetic. What is not proven is told in `certificates`, and
-    by a warning."""
+    """Follows a branch and proves its special points in interval arithmetic. The table `certificates` says which points are not
+    proven, and a warning that there are some."""
     settings = dict(resume=resume, force=force, arcs=arcs, spectrum=spectrum)
     folder = _compute("certify", problem, name, quiet, out, settings)
     if not (folder.certificates["proven"] == "yes").all():
@@ -195,10 +195,10 @@ def certify(
 
 
 def verify(certificate: Folder | PathLike, *, quiet: bool = False) -> str:
-    """Checks a certificate, or the folder of one, without continuation, and returns what was said of its points. One that does
-    not hold is `Refused`."""
+    """Checks a certificate, or the folder of one, without continuation, and returns the verdicts as text. A certificate that
+    does not hold is `Refused`."""
     answer = call(["certify", "--verify", "--", os.fspath(certificate)], quiet, str)
-    _asked(answer, kept=False, level=3)
+    _raise_or_warn(answer, kept=False, level=3)
     return answer.said
 
 
@@ -228,7 +228,7 @@ def map(
     shard: str | None = None,
     plot: PathLike | None = None,
 ) -> Folder:
-    """Finds which waves exist where in a plane of two parameters, or what motions of a system settle on there."""
+    """Maps the waves that exist in a plane of two parameters, or the attractors that motions of a system reach there."""
     settings = dict(resume=resume, force=force, threads=threads, shard=shard, plot=plot)
     return _compute("map", problem, name, quiet, out, settings)
 
@@ -245,7 +245,7 @@ def scan(
     shard: str | None = None,
     plot: PathLike | None = None,
 ) -> Folder:
-    """Finds what motions of a system settle on, for many values of a parameter."""
+    """Samples the attractors that motions of a system reach, for many values of a parameter."""
     settings = dict(resume=resume, force=force, threads=threads, shard=shard, plot=plot)
     return _compute("scan", problem, name, quiet, out, settings)
 
@@ -318,13 +318,13 @@ def spectrum(
     with tempfile.TemporaryDirectory() as temporary:
         source = _Source(problem, name, temporary)
         answer = call(["spectrum", *options, "--", str(source.file)], quiet, source.plain)
-    _asked(answer, kept=bool(answer.said), level=3)
+    _raise_or_warn(answer, kept=bool(answer.said), level=3)
     return reader.read(StringIO(answer.said))
 
 
 class Checked:
-    """What `check` found: a row for each expectation, with `problem`, `expectation`, `verdict` (passed, failed, error or skipped)
-    and the words of what is wrong."""
+    """The outcome of `check`. Its `table` has a row for each expectation: `problem`, `expectation`, `verdict` (passed, failed, error
+    or skipped) and `what` is wrong."""
 
     def __init__(self, table: pandas.DataFrame, said: str) -> None:
         self.table = table
@@ -371,7 +371,7 @@ def check(*problems: Problem, quiet: bool = False, junit: PathLike | None = None
 
 
 def _row(problem: str, case: xml.Element, plain: Callable[[str], str]) -> tuple[str, str, str, str]:
-    """The problem, the name, the verdict and what is wrong of a test case of JUnit."""
+    """A test case of JUnit as a row: the problem, the name, the verdict and the reason."""
     for tag, verdict in [("failure", "failed"), ("error", "error"), ("skipped", "skipped")]:
         found = case.find(tag)
         if found is not None:
@@ -382,7 +382,7 @@ def _row(problem: str, case: xml.Element, plain: Callable[[str], str]) -> tuple[
 def report(folder: Folder | PathLike, *, quiet: bool = False) -> Path:
     """Writes one page of HTML with everything of a result folder, and returns its path."""
     answer = call(["report", "--", os.fspath(folder)], quiet, str)
-    _asked(answer, kept=False, level=3)
+    _raise_or_warn(answer, kept=False, level=3)
     return Path(answer.said.strip())
 
 
@@ -402,5 +402,5 @@ def plot(
     """Draws the pictures of a result folder again, or one view of a run, and returns their paths."""
     settings = dict(format=format, x=x, y=y, log=log, range=_pair(range), range_y=_pair(range_y), over=over, force=force)
     answer = call(["plot", *_options(settings), "--", os.fspath(folder)], quiet, str)
-    _asked(answer, kept=False, level=3)
+    _raise_or_warn(answer, kept=False, level=3)
     return Pictures(Path(line) for line in answer.said.splitlines())

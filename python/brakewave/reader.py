@@ -100,8 +100,8 @@ _MORE = [
 
 
 def _more_columns(names: list[str], own: range) -> range:
-    """The places of other columns with a problem's own names, which are numbers: monitors, after the extrema of the states in
-    branch.csv and after the period in events.csv, and states on a curve of equilibria."""
+    """The places of other columns that a problem has named, all of them numbers: monitors, after the extrema of the states in
+    branch.csv and after the period in events.csv, and the states along a curve of equilibria."""
     names = names[own.stop :]
     for before, after in _MORE:
         if names[: len(before)] == before and after in names:
@@ -155,7 +155,7 @@ _IMAGES = {"svg": "svg+xml", "png": "png"}
 """Formats of pictures that a notebook shows, and their names in a web page."""
 
 _TABLES = {"simulation": "series", "certificate": "certificates"}
-"""The table that tells most, by the kind of folder, where it does not have the name of the kind."""
+"""The main table by the kind of folder, where it does not have the name of the kind."""
 
 _MOST_SAVED = 1_000_000
 """Characters of a file of saved results in which its problem is looked for."""
@@ -218,7 +218,7 @@ class Folder:
         return f"Folder({str(self.path)!r}) of a {self.kind}: {tables or 'no tables'}"
 
     def _repr_html_(self) -> str:
-        """The table and the picture that tell most."""
+        """The main table and the main picture."""
         table = self._main_table()
         picture = Pictures(self.pictures[:1])._repr_html_() or self._drawn()
         return f"<p>{escape(repr(self))}</p>" + ("" if table is None else shown(table)) + picture
@@ -236,7 +236,7 @@ class Folder:
             return None
 
     def _drawn(self) -> str:
-        """The picture of a folder in which the program has drawn none, as far as matplotlib is there."""
+        """A picture drawn by matplotlib, if it is installed, for a folder in which the program has drawn none."""
         try:
             from matplotlib.figure import Figure
         except ImportError:
@@ -257,7 +257,7 @@ class Folder:
 
     @property
     def pictures(self) -> Pictures:
-        """The pictures in the folder as far as a notebook can show them, the one that tells most first."""
+        """The pictures in the folder that a notebook can show, the main one first."""
         files = sorted(path for path in self.path.iterdir() if path.suffix[1:] in _IMAGES)
         return Pictures(sorted(files, key=lambda path: path.stem not in ("diagram", self.kind)))
 
