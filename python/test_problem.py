@@ -212,6 +212,17 @@ class Mistakes(unittest.TestCase):
         self.assertNotRegex(str(warned[0].message), r"\.ron|/tmp|^warning")
         self.assertEqual((warned[0].filename, shown.getvalue()), (__file__, ""))
 
+    def test_the_first_example_of_the_docs_runs(self):
+        page = (ROOT / "docs" / "python.md").read_text(encoding="utf-8")
+        names = {}
+        exec(re.search(r"(?ms)^```python\n(.*?)^```", page)[1], names)
+        self.assertIn("GR", set(names["folder"].events["type"]))
+        # and the mistake that it shows is told so
+        shown = re.search(r"(?m)^    system\.modes.*\n(?:    .*\n)+", page)[0]
+        problem = changed("system", "modes", "free", "until", 0, to="fre")
+        message, _ = self.refused(lambda: brakewave.run(problem))
+        self.assertEqual(message, re.sub("(?m)^    ", "", shown).strip())
+
     def test_a_name_is_that_of_a_file(self):
         with self.assertRaisesRegex(ValueError, "`name`"):
             brakewave.run(PROBLEM, name="a/b")
