@@ -59,6 +59,7 @@ MARKS = {
     "ST": _Mark("s"),
     "SL": _Mark("*", size=8.0),
     "BE": _Mark("^"),
+    "HC": _Mark("s"),
     "MX": _Mark("x", size=7.0),
 }
 """Marks of special points, in the order in which they are drawn: those that must not hide others come first."""

@@ -7,9 +7,10 @@
 //! [`series`] has the flow of a mode whose rates are not affine, by [`recurrence`], `exponential` those of matrices, `stiff` what is
 //! slow of one, [`flow`] either with the signs of its guards, [`motion`] follows it through its switches, [`course`] sees it at equal
 //! times, and [`tangent`] has its perturbations; [`steady`] has the equilibria, [`equilibrium`] branches of them, [`orbit`] the periodic
-//! orbits, whose period [`closure`] may prescribe, and of which [`monitor`]s are numbers, laid out in a [`monitored`] system.
+//! orbits, whose period [`closure`] may prescribe, [`connection`] those to which they come beside saddles, and of which [`monitor`]s are numbers, laid out in a [`monitored`] system.
 
 pub mod closure;
+pub mod connection;
 pub mod contact;
 pub mod course;
 pub mod dual;

@@ -483,6 +483,18 @@ impl Field {
         rates.filter(|(c, _)| form[*c] != 0.0).map(of).sum()
     }
 
+    /// What rounding of the terms of its rate leaves in an order of a state; zero of other components.
+    fn rounding_of_order(&self, series: &Series, component: usize, order: usize) -> f64 {
+        let terms = self
+            .rates
+            .get(component)
+            .map_or(&[][..], |rate| &rate.terms);
+        let size = terms
+            .iter()
+            .map(|(j, by)| (by.value * series.values(*j)[order - 1]).abs());
+        2.0 * f64::EPSILON * size.sum::<f64>() / order as f64
+    }
+
     /// Sizes of the terms of which a product is made, over a length of these powers: where they cancel, as in x(μ − x² − y²) on
     /// the circle, the product has their rounding. Zero of other components.
     fn size_of_product(&self, series: &Series, component: usize, powers: &[f64; ORDER + 1]) -> f64 {
@@ -522,6 +534,10 @@ impl Field {
             let z = series.values(c);
             for last in [COEFFICIENTS, COEFFICIENTS + 1] {
                 let tail = z[last].abs();
+                // a state whose rate vanishes but for rounding, as that across a surface, has no order of its own
+                if tail <= self.rounding_of_order(series, c, last) {
+                    continue;
+                }
                 // |z_K|hᴷ is at most the allowed part of |z_j|hʲ for one j: most components hold as long as others
                 let holds = |j: usize| tail * powers[last - j] <= self.tolerance * z[j].abs();
                 if tail > 0.0 && !(0..last).any(holds) {

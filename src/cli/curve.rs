@@ -79,6 +79,13 @@ fn of_system(
     let name = task.name();
     let section = problem.curve(&text, &name)?;
     let source = Source::new(name, text.clone());
+    let kind = match &section.event {
+        SystemCurveEvent::Label { dir, label } => named(problem, dir, *label, true, &source)?.kind,
+        event => event.kind(),
+    };
+    if kind == Some(EventType::HC) {
+        return of_connection(task, problem, text, format);
+    }
     let store = task.open_system(&task.folder("_curve"), Kind::Curve, problem)?;
     let refuse = |error: NoCurve<Orbits>| refusal(&source, &error, hybrid::NoStart::about);
     let begin = || {
@@ -95,6 +102,39 @@ fn of_system(
         start::find_of_system(problem, section, begun, &mut watch).map_err(&refuse)
     };
     let draw = |store: &Store, found: &Curve<Orbits>, ranges| {
+        let drawn = pictures::orbits::draw_curve(store, problem, found, ranges, format);
+        drawn.map(|_| ())
+    };
+    let title = problem.title.as_deref();
+    follow(task, store, (problem, title, format), begin, &refuse, draw)
+}
+
+/// The saddle of a homoclinic orbit of a branch of orbits.
+fn of_connection(
+    task: &Task,
+    problem: &SystemProblem,
+    text: String,
+    format: Format,
+) -> Result<Exit, Failure> {
+    let name = task.problem.display().to_string();
+    let section = problem.curve(&text, &name)?;
+    let source = Source::new(name, text.clone());
+    let store = task.open_system(&task.folder("_curve"), Kind::Curve, problem)?;
+    let refuse = |error: NoCurve<Equilibria>| refusal(&source, &error, NoEquilibriumStart::about);
+    let refuse_orbit = |error: NoCurve<Orbits>| refusal(&source, &error, hybrid::NoStart::about);
+    let begin = || {
+        if let SystemCurveEvent::Label { dir, label } = &section.event {
+            let named = named(problem, dir, *label, true, &source)?;
+            let begun = start::labelled_connection(problem, &named.saved, section);
+            return begun.map_err(&refuse_orbit);
+        }
+        let prepared = ready_system(problem.clone(), text, &task.problem)?;
+        let progress = Progress::new(task.quiet);
+        let mut watch = |branch: &hybrid::Runner| looking(&progress, branch);
+        let begun = |problem: &SystemProblem| prepared.start(problem);
+        start::find_connection(problem, section, begun, &mut watch).map_err(&refuse_orbit)
+    };
+    let draw = |store: &Store, found: &Curve<Equilibria>, ranges| {
         let drawn = pictures::orbits::draw_curve(store, problem, found, ranges, format);
         drawn.map(|_| ())
     };
@@ -147,7 +187,7 @@ fn refusal<P: Plane>(
         NoCurve::Kind { .. } => ("curve.event", "name a label of one of these types"),
         NoCurve::NotFound { .. } => ("curve.event", "follow the branch further, or another way"),
         NoCurve::Unfolds { .. } => ("curve.parameters", "take another parameter"),
-        NoCurve::NotSymmetric | NoCurve::Singular(_) => {
+        NoCurve::NotSymmetric | NoCurve::NoConnection | NoCurve::Singular(_) => {
             ("curve.event", "begin with another event of the branch")
         }
     };

@@ -27,7 +27,7 @@ static SPOKEN: Mutex<Option<Instant>> = Mutex::new(None);
 
 /// Part of the work whose pace tells that of the rest: the first steps after a start or a resume are short, and a branch is slow around
 /// an event.
-const TELLING: f64 = 0.002;
+const TELLING: f64 = 1e-4;
 
 /// What is shown until the first look.
 const BEGINNING: &str = "at the first step";

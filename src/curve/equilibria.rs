@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::plane::{Condition, NotEvaluated, Plane, Test, TestValues};
 use super::point::{Gone, Name, PointType, What};
+use crate::affine::connection::Connection;
 use crate::affine::equilibrium::codimension::KeptEigenvalues;
 use crate::affine::equilibrium::plane::{
     CriticalUnknowns, EquilibriumPlane, PairVectors, SpecialEquilibrium,
@@ -53,6 +54,8 @@ pub enum CriticalEquilibrium {
         /// d of d·ψ = 1.
         near: Vec<f64>,
     },
+    /// An orbit leaves it, a saddle, and returns, or comes to another one.
+    Connection(Box<Connection>),
 }
 
 /// β is zero to rounding where branches cross; more than this, in equations of order one, is an imperfect crossing.
@@ -248,7 +251,22 @@ impl Plane for Equilibria {
         match spectral {
             CriticalEquilibrium::Pair { near } => 2 * near.len() + 1,
             CriticalEquilibrium::Crossing { near } => near.len() + 1,
+            CriticalEquilibrium::Connection(connection) => connection.turns(),
         }
+    }
+
+    /// What arrives at a saddle is told from a distance d, of which d^(1 + growth/decay) is what the parameter is off: a
+    /// derivative is off by d then, and by 1e-7 for rounding.
+    fn difference(spectral: &CriticalEquilibrium) -> f64 {
+        match spectral {
+            CriticalEquilibrium::Connection(_) => 1e-8,
+            _ => 1e-5,
+        }
+    }
+
+    /// The saddle is found anew for the motion that leaves it.
+    fn is_of_orbit(spectral: &CriticalEquilibrium) -> bool {
+        !matches!(spectral, CriticalEquilibrium::Connection(_))
     }
 
     fn extended(
@@ -266,7 +284,9 @@ impl Plane for Equilibria {
             Condition::Spectral(CriticalEquilibrium::Crossing { near }) => {
                 SpecialEquilibrium::Crossing(near)
             }
-            Condition::Margin(_) | Condition::Constant(_) => return None,
+            Condition::Spectral(CriticalEquilibrium::Connection(_))
+            | Condition::Margin(_)
+            | Condition::Constant(_) => return None,
         };
         let mode = (signature.mode, signature.name.as_str());
         let plane = self.plane(signature);
@@ -281,6 +301,15 @@ impl Plane for Equilibria {
         further: &[f64],
     ) -> Result<Vec<f64>, NotEvaluated<Equilibria>> {
         let values = curve.values_at(point);
+        if let CriticalEquilibrium::Connection(connection) = spectral {
+            let arrival = self.system.at(&values, &[]).ok().and_then(|system| {
+                let state = curve.state(point);
+                connection.arrival(&system, &state, further)
+            });
+            let mode = curve.signature().name.clone();
+            let lost = NotEvaluated::Linear(EquilibriumFailure::NoConnection { mode });
+            return Ok(arrival.ok_or(lost)?.misses.as_slice().to_vec());
+        }
         let scaled = self.parameters.iter().zip(self.widths);
         let scaled = scaled.map(|(index, width)| values[*index] / width);
         let states = point.iter().take(point.len() - 1).copied();
@@ -297,8 +326,21 @@ impl Plane for Equilibria {
         Ok(residual.split_off(point.len() - 1))
     }
 
-    fn settle(spectral: &mut CriticalEquilibrium, further: &[f64]) {
+    fn settle(
+        &self,
+        spectral: &mut CriticalEquilibrium,
+        curve: &EquilibriumCurve,
+        point: &Vector,
+        further: &[f64],
+    ) {
         match spectral {
+            CriticalEquilibrium::Connection(connection) => {
+                let system = self.system.at(&curve.values_at(point), &[]);
+                let renewed = |system| connection.renewed(&system, &curve.state(point));
+                if let Some(renewed) = system.ok().and_then(renewed) {
+                    **connection = renewed;
+                }
+            }
             CriticalEquilibrium::Pair { near } => {
                 let next = PairVectors::of(further).and_then(|pair| pair.across());
                 *near = next.unwrap_or_else(|| near.clone());
@@ -320,7 +362,7 @@ impl Plane for Equilibria {
                 let CriticalUnknowns { near, further } = PairVectors::of(further)?.renewed()?;
                 Some((CriticalEquilibrium::Pair { near }, further))
             }
-            CriticalEquilibrium::Crossing { .. } => None,
+            CriticalEquilibrium::Crossing { .. } | CriticalEquilibrium::Connection(_) => None,
         }
     }
 
@@ -341,7 +383,9 @@ impl Plane for Equilibria {
                 let beta = further.get(near.len()).copied();
                 Some(psi.iter().map(|x| x / product).chain(beta).collect())
             }
-            Condition::Margin(_) | Condition::Constant(_) => None,
+            Condition::Spectral(CriticalEquilibrium::Connection(_))
+            | Condition::Margin(_)
+            | Condition::Constant(_) => None,
         }
     }
 
@@ -367,7 +411,7 @@ impl Plane for Equilibria {
     ) -> Option<f64> {
         match spectral {
             CriticalEquilibrium::Pair { .. } => Some(self.omega(further)),
-            CriticalEquilibrium::Crossing { .. } => None,
+            CriticalEquilibrium::Crossing { .. } | CriticalEquilibrium::Connection(_) => None,
         }
     }
 
@@ -435,6 +479,8 @@ impl Plane for Equilibria {
                     other,
                 ]
             }
+            // a saddle that is left in one direction, or whose growing ones stay as many
+            Condition::Spectral(CriticalEquilibrium::Connection(_)) => Vec::new(),
             Condition::Margin(_) | Condition::Constant(_) => {
                 vec![pair(PointType::One(EventType::HB), KeptEigenvalues::None)]
             }

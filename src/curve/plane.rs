@@ -197,6 +197,17 @@ pub trait Plane: Data {
         0
     }
 
+    /// Step of central differences in its equations, in scaled unknowns of order one: where truncation and rounding both stay
+    /// near 1e-10 of the derivative, far below what keeps Newton's convergence fast.
+    fn difference(_spectral: &Self::Spectral) -> f64 {
+        1e-5
+    }
+
+    /// Whether its equations depend on the unknowns of the orbit, beside the parameters.
+    fn is_of_orbit(_spectral: &Self::Spectral) -> bool {
+        true
+    }
+
     /// Whether a perturbation of the event has the other sign after a period: its equations are those of a null vector then,
     /// which is as long as the unknowns of the orbit.
     fn is_doubling(_spectral: &Self::Spectral) -> bool {
@@ -257,8 +268,15 @@ pub trait Plane: Data {
         None
     }
 
-    /// Takes what normalises further unknowns to where they are now.
-    fn settle(_: &mut Self::Spectral, _further: &[f64]) {}
+    /// Takes what normalises further unknowns, or what the event is known from, to where they are now.
+    fn settle(
+        &self,
+        _: &mut Self::Spectral,
+        _orbit: &Self::Orbit,
+        _point: &Vector,
+        _further: &[f64],
+    ) {
+    }
 
     /// The same event with other further unknowns, and what normalises these, where they are better than those it has.
     fn renewed(_: &Self::Spectral, _further: &[f64]) -> Option<(Self::Spectral, Vec<f64>)> {

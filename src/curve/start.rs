@@ -2,11 +2,14 @@
 
 use std::fmt::Display;
 
+use super::equilibria::{CriticalEquilibrium, Equilibria};
 use super::orbits::{Critical, Orbits};
 use super::plane::{Condition, MarginOf, Plane};
 use super::system::EventSystem;
 use super::tube::{Hopf, Tube};
 use super::{Limits, Singular};
+use crate::affine::equilibrium::EquilibriumCurve;
+use crate::affine::equilibrium::start::EquilibriumRequest;
 use crate::affine::monitor::Monitor;
 use crate::affine::orbit::AffineOrbit;
 use crate::affine::orbit::start::saved as posed;
@@ -82,6 +85,11 @@ pub enum NoCurve<P: Plane = Tube> {
         /// Parameter.
         parameter: String,
     },
+    /// An HC whose connection is not known.
+    #[error(
+        "the curve cannot begin: the orbit that leaves the saddle is not found to return, so that the HC has no equations"
+    )]
+    NoConnection,
     /// The equations of the event cannot be posed or solved.
     #[error("the curve cannot begin: {0}")]
     Singular(Singular<P>),
@@ -198,6 +206,41 @@ pub fn find_of_system(
     begin: impl FnOnce(&SystemProblem) -> Result<hybrid::Runner, hybrid::NoStart>,
     watch: &mut dyn FnMut(&hybrid::Runner),
 ) -> Result<Start<Orbits>, NoCurve<Orbits>> {
+    let item = found(problem, curve, begin, watch)?;
+    let (orbit, point) = item.orbit();
+    let kept = match &curve.event {
+        SystemCurveEvent::Constant(name) => Some(kept_at(&item, name)?),
+        _ => None,
+    };
+    let kind = match kept {
+        Some(_) => EventType::UZ,
+        None => item.point.kind.unwrap_or(EventType::EP),
+    };
+    pose_orbit(orbit, point, (kind, kept), curve)
+}
+
+/// The same for the saddle of a homoclinic orbit.
+///
+/// # Errors
+/// As [`find`].
+pub fn find_connection(
+    problem: &SystemProblem,
+    curve: &SystemCurve,
+    begin: impl FnOnce(&SystemProblem) -> Result<hybrid::Runner, hybrid::NoStart>,
+    watch: &mut dyn FnMut(&hybrid::Runner),
+) -> Result<Start<Equilibria>, NoCurve<Orbits>> {
+    let item = found(problem, curve, begin, watch)?;
+    let (orbit, point) = item.orbit();
+    pose_connection(orbit, point, curve)
+}
+
+/// The event of the branch of a problem with a system.
+fn found(
+    problem: &SystemProblem,
+    curve: &SystemCurve,
+    begin: impl FnOnce(&SystemProblem) -> Result<hybrid::Runner, hybrid::NoStart>,
+    watch: &mut dyn FnMut(&hybrid::Runner),
+) -> Result<hybrid::Item, NoCurve<Orbits>> {
     let mut plain = problem.clone();
     plain.output.profiles = 0;
     let kind = curve.event.kind();
@@ -219,14 +262,7 @@ pub fn find_of_system(
         (Some(name), Some(Special::Start)) if !asks_for(problem, name) => Some(EventType::UZ),
         _ => None,
     };
-    let item = event::<Orbits, hybrid::Runner>(branch, (kind, curve.index), wanted, of, watch)?;
-    let (orbit, point) = item.orbit();
-    let kept = kept.map(|name| kept_at(&item, name)).transpose()?;
-    let kind = match kept {
-        Some(_) => EventType::UZ,
-        None => item.point.kind.unwrap_or(EventType::EP),
-    };
-    pose_orbit(orbit, point, (kind, kept), curve)
+    event::<Orbits, hybrid::Runner>(branch, (kind, curve.index), wanted, of, watch)
 }
 
 /// Whether the branch of a problem asks for a value of a monitor.
@@ -274,10 +310,34 @@ pub fn labelled_of_system(
     kind: EventType,
     curve: &SystemCurve,
 ) -> Result<Start<Orbits>, NoCurve<Orbits>> {
-    let (label, first) = (saved.label, &curve.parameters.0);
+    let label = saved.label;
     if !Orbits::FOLLOWED.contains(&kind) {
         return Err(NoCurve::Kind { label, kind });
     }
+    let (orbit, point) = posed_in_first(problem, saved, curve)?;
+    pose_orbit(&orbit, &point, (kind, None), curve)
+}
+
+/// The same for the saddle of a homoclinic orbit.
+///
+/// # Errors
+/// As [`labelled`].
+pub fn labelled_connection(
+    problem: &SystemProblem,
+    saved: &LabelledOrbit,
+    curve: &SystemCurve,
+) -> Result<Start<Equilibria>, NoCurve<Orbits>> {
+    let (orbit, point) = posed_in_first(problem, saved, curve)?;
+    pose_connection(&orbit, &point, curve)
+}
+
+/// A saved orbit, posed in the first parameter of a curve.
+fn posed_in_first(
+    problem: &SystemProblem,
+    saved: &LabelledOrbit,
+    curve: &SystemCurve,
+) -> Result<(AffineOrbit, Vector), NoCurve<Orbits>> {
+    let first = &curve.parameters.0;
     let (low, high) = curve.range.0;
     let none = |reason| NoCurve::Run(hybrid::NoStart::NoOrbit(reason));
     let parameter = problem.system.source.parameters.index(first);
@@ -290,8 +350,48 @@ pub fn labelled_of_system(
         high - low,
         prescribed,
     );
-    let (orbit, point) = posed.map_err(none)?;
-    pose_orbit(&orbit, &point, (kind, None), curve)
+    posed.map_err(none)
+}
+
+/// The equations of the saddle that an orbit comes to.
+fn pose_connection(
+    orbit: &AffineOrbit,
+    point: &Vector,
+    section: &SystemCurve,
+) -> Result<Start<Equilibria>, NoCurve<Orbits>> {
+    let limits = Limits::of(section);
+    let (connection, connected) = orbit.homoclinic(point).ok_or(NoCurve::NoConnection)?;
+    let setting = &orbit.setting;
+    let parameters = &setting.system.source.parameters;
+    let (first, second) = &section.parameters;
+    let pair = parameters.index(first).zip(parameters.index(second));
+    let (one, other) = pair.ok_or(NoCurve::Run(hybrid::NoStart::Unknown))?;
+    let saddle = &connection.ends()[0];
+    let values = setting.values_at(connected.value * setting.scales.parameter);
+    let request = EquilibriumRequest {
+        system: setting.system.clone().with_monitors(Vec::new()),
+        values,
+        parameter: one,
+        width: limits.widths()[0],
+        mode: saddle.mode,
+    };
+    let none = |_| NoCurve::NoConnection;
+    let (curve, at) = EquilibriumCurve::at(&request, &saddle.state).map_err(none)?;
+    let plane = Equilibria::new(&curve, &at, [one, other], limits.widths(), None);
+    let plane = plane.map_err(none)?;
+    within(&plane, &limits)?;
+    let posed = plane.orbit(curve.signature(), plane.values(), 0);
+    let posed = posed.map_err(none)?;
+    let point = posed.pack(&saddle.state, plane.values()[0]);
+    let spectral = CriticalEquilibrium::Connection(Box::new(connection));
+    let condition = Condition::Spectral(spectral);
+    let system = EventSystem::new(plane, curve.signature().clone(), condition);
+    Ok(Start {
+        event: EventType::HC,
+        point: system.pack(&point, &connected.turns),
+        system,
+        limits,
+    })
 }
 
 /// The equations of an event of a system.
@@ -428,7 +528,7 @@ fn pose_wave(
 pub(super) type OfSpectrum<P> = Option<(<P as Plane>::Spectral, Vec<f64>)>;
 
 /// Refuses an event outside the ranges.
-fn within<P: Plane>(plane: &P, limits: &Limits) -> Result<(), NoCurve<P>> {
+fn within<P: Plane, Q: Plane>(plane: &P, limits: &Limits) -> Result<(), NoCurve<Q>> {
     let named = plane.parameters().into_iter().zip(plane.values());
     for ((parameter, value), (low, high)) in named.zip(limits.ranges) {
         if !(value >= low && value <= high) {

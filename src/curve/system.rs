@@ -11,6 +11,7 @@
 //! | PD | v | (F_x − 2C)v = 0, (v·v − 1)/2 = 0 |
 //! | NS | | ∏(1 − μᵢμⱼ) = 0 over pairs |
 //! | BP of a symmetric orbit | | det(H + 1) = 0; F of half the orbit, which closes at its image |
+//! | HC of a saddle | a | what arrives of its growing directions, [`crate::affine::connection`] |
 //!
 //! (Moore and Spence for the fold; C is the part of F_x that belongs to the beginning of the next period, where a
 //! perturbation that doubles has the other sign: F_x − 2C is singular where F_x of the orbit traversed twice has a null
@@ -20,7 +21,7 @@
 //!
 //! Equilibria have extended systems of their own ([`Plane::extended`]), with exact derivatives in all unknowns.
 //!
-//! Derivatives of F, m and n are exact. Those of F_x v are one-sided differences, those of F_j and of H in x, p₁, p₂ central
+//! Derivatives of F, m and n are exact. Those of F_x v are one-sided differences, those of F_j, of H and of what arrives at a saddle in x, p₁, p₂ central
 //! ones, and so are those of a pair μ of M, without switches along its null vectors only: they bend the way of Newton's
 //! iterates and not the equations, which are exact.
 
@@ -37,8 +38,7 @@ use crate::continuation::newton::{Constraint, System};
 use crate::linalg::{self, Matrix, Vector};
 use crate::orbit::{AtZero, Orbit};
 
-/// Step of central differences in scaled unknowns of order one: truncation and rounding both stay
-/// near 1e-10 of the derivative, far below what keeps Newton's convergence fast.
+/// Step of central differences along a null vector in scaled unknowns of order one: as [`Plane::difference`].
 const DIFFERENCE: f64 = 1e-5;
 
 /// Step of the one-sided difference along a null vector, at half the price: truncation leaves 1e-7 of the derivative, rounding
@@ -263,7 +263,12 @@ impl<P: Plane> EventSystem<P> {
     ) -> Result<Vec<Vec<f64>>, NotEvaluated<P>> {
         let unknowns = self.unknowns();
         let mut gradients = vec![vec![0.0; unknowns]; unknowns - 1 - self.orbit_unknowns()];
-        for column in 0..unknowns {
+        let first = match P::is_of_orbit(spectral) {
+            true => 0,
+            false => self.orbit_unknowns(),
+        };
+        let apart = P::difference(spectral);
+        for column in first..unknowns {
             let moved = |step: f64| {
                 let mut there = point.clone();
                 there[column] += step;
@@ -272,14 +277,14 @@ impl<P: Plane> EventSystem<P> {
             // some parameters have no values below zero: there the difference is one-sided
             let parameter = column.checked_sub(unknowns - 2);
             let bounded = parameter.is_some_and(|index| self.plane.is_bounded(index));
-            let down = if bounded && point[column] < DIFFERENCE {
+            let down = if bounded && point[column] < apart {
                 0.0
             } else {
-                DIFFERENCE
+                apart
             };
-            let ends = moved(DIFFERENCE)?.into_iter().zip(moved(-down)?);
+            let ends = moved(apart)?.into_iter().zip(moved(-down)?);
             for (gradient, (above, below)) in gradients.iter_mut().zip(ends) {
-                gradient[column] = (above - below) / (DIFFERENCE + down);
+                gradient[column] = (above - below) / (apart + down);
             }
         }
         Ok(gradients)
@@ -317,10 +322,11 @@ impl<P: Plane> EventSystem<P> {
     /// Follows the place of an interior margin, or what normalises further unknowns, to a new point of the curve.
     pub fn settle(&mut self, point: &Vector) {
         let further = self.further(point);
-        if let Condition::Spectral(spectral) = &mut self.condition
-            && !further.is_empty()
+        if let Condition::Spectral(mut spectral) = self.condition.clone()
+            && let Ok((orbit, own)) = self.orbit(point, 0)
         {
-            P::settle(spectral, further);
+            self.plane.settle(&mut spectral, &orbit, &own, further);
+            self.condition = Condition::Spectral(spectral);
         }
         if let Condition::Margin(margin) = &self.condition
             && let Ok((orbit, own)) = self.orbit(point, 0)

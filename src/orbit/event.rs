@@ -39,11 +39,13 @@ pub enum EventType {
     SL,
     /// Of equilibria of systems: a guard of the mode is zero at one.
     BE,
+    /// Of orbits of systems: the branch ends at a homoclinic orbit, or a cycle of connections between saddles.
+    HC,
 }
 
 impl EventType {
     /// All types, in the order in which legends list them.
-    pub const ALL: [EventType; 14] = [
+    pub const ALL: [EventType; 15] = [
         EventType::EP,
         EventType::MX,
         EventType::UZ,
@@ -58,6 +60,7 @@ impl EventType {
         EventType::ST,
         EventType::SL,
         EventType::BE,
+        EventType::HC,
     ];
 
     /// Whether events of this type are found in the spectrum, the multipliers of a system's orbit: those of
@@ -76,8 +79,8 @@ impl EventType {
 
     /// Whether waves of a tube have events of this type.
     pub(crate) fn of_waves(self) -> bool {
-        use EventType::{BE, NS, PD, SL};
-        !matches!(self, PD | NS | SL | BE)
+        use EventType::{BE, HC, NS, PD, SL};
+        !matches!(self, PD | NS | SL | BE | HC)
     }
 
     /// Whether orbits of systems of one's own have events of this type.
@@ -110,6 +113,7 @@ impl fmt::Display for EventType {
             EventType::ST => "ST",
             EventType::SL => "SL",
             EventType::BE => "BE",
+            EventType::HC => "HC",
         })
     }
 }

@@ -491,6 +491,14 @@ impl<O: Orbit> Curve for Track<O> {
             walk::End::Own(Stop::Own(stop)) => Some(stop),
             _ => None,
         };
+        if let Some(limit) = own.and_then(|stop| self.orbit.limit(stop, &here.node)) {
+            return Some(Found {
+                parameter: limit.parameter,
+                uncertainty: limit.uncertainty,
+                special: Some(Special::Own(limit.special)),
+                ..here
+            });
+        }
         let repeats = own.and_then(|_| self.orbit.repeats(&here.node));
         let unit = self.orbit.unit();
         let short = own.map_or(0.0, |stop| self.orbit.short_of(stop, &here.node));

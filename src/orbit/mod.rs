@@ -119,6 +119,17 @@ pub enum Shrinking<O: Orbit> {
     },
 }
 
+/// What a branch comes to that it does not reach.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Limit<S> {
+    /// What it is.
+    pub special: S,
+    /// The parameter there, or of the last orbit where that is not known, in physical units.
+    pub parameter: f64,
+    /// Its error.
+    pub uncertainty: f64,
+}
+
 /// The boundary-value problem of one signature in scaled unknowns, of which the last is the parameter.
 pub trait Orbit: System<Failure: Data> + Clone + Debug + PartialEq {
     /// Sequence of zones.
@@ -284,6 +295,11 @@ pub trait Orbit: System<Failure: Data> + Clone + Debug + PartialEq {
     /// How far, in scaled units, the parameter is from where the branch would end for such a reason.
     fn short_of(&self, _stop: &Self::Stop, _node: &Node) -> f64 {
         0.0
+    }
+
+    /// What it comes to, where that is an event.
+    fn limit(&self, _stop: &Self::Stop, _node: &Node) -> Option<Limit<Self::Special>> {
+        None
     }
 
     /// Whether an end leaves nothing undone: it is no failure.

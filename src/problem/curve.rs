@@ -59,6 +59,8 @@ pub enum SystemCurveEvent {
     HB,
     /// Of equilibria: a guard of the mode is zero.
     BE,
+    /// The branch comes to a homoclinic orbit: the curve is that of its saddle.
+    HC,
     /// The monitor of this name keeps a value: one that `stop_at` asks for, or else that of the first point.
     Constant(String),
     /// An event of an earlier run, whatever its type.
@@ -83,6 +85,7 @@ impl SystemCurveEvent {
             SystemCurveEvent::SL => Some(EventType::SL),
             SystemCurveEvent::HB => Some(EventType::HB),
             SystemCurveEvent::BE => Some(EventType::BE),
+            SystemCurveEvent::HC => Some(EventType::HC),
             SystemCurveEvent::Constant(_) => Some(EventType::UZ),
             SystemCurveEvent::Label { .. } => None,
         }
@@ -108,7 +111,7 @@ impl CurveEvent {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Curve<P = Parameter, E = CurveEvent> {
-    /// LP, GR, RV, CO, ST or HB, or a label of a result folder; of a system LP, PD, NS, BP, GR, CO, SL or
+    /// LP, GR, RV, CO, ST or HB, or a label of a result folder; of a system LP, PD, NS, BP, GR, CO, SL, HC or
     /// a monitor that is constant, of its equilibria LP, HB, BE or BP.
     pub event: E,
     /// Which of its type along the branch, from 1.

@@ -515,8 +515,7 @@ fn a_wheel_that_hardly_comes_over_its_spoke_keeps_its_multiplier() {
     )"#;
     let (orbit, point) = settled(WHEEL, &[], "g", "stance", &[-0.28, 0.6], 60.0);
     let (seen, all) = follow(&orbit, &point, false, (0.04, 0.2), 2000);
-    // e⁻ᵗ of the way is left where rounding is eᵗε
-    meets(&seen, &[(EventType::MX, 0.4 / 9.0, "stance")], 1e-6);
+    meets(&seen, &[(EventType::HC, 0.4 / 9.0, "stance")], 1e-12);
     let mut largest = 0.0_f64;
     for one in &all {
         for multiplier in one.orbit.multipliers(&one.node.point).unwrap() {

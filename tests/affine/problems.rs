@@ -52,7 +52,7 @@ fn distance(one: &[f64], other: &[f64]) -> f64 {
 #[test]
 fn the_starts_of_problem_files_are_periodic() {
     let problems = problems();
-    assert_eq!(problems.len(), 30);
+    assert_eq!(problems.len(), 31);
     for (name, problem) in problems {
         let system = &problem.system;
         let affine = system.at(&problem.values(), &[]).unwrap();

@@ -3,6 +3,7 @@
 
 mod closed_form;
 mod command;
+mod connections;
 mod cusp;
 mod equations;
 mod equilibria;

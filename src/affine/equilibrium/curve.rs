@@ -63,6 +63,15 @@ pub enum EquilibriumFailure {
         /// Name of the mode.
         mode: String,
     },
+    /// A motion does not come to a saddle on the way on which it did.
+    #[error(
+        "the equilibrium of `{mode}` is no saddle with as many growing directions, or what leaves it does not return on the \
+         way on which it did"
+    )]
+    NoConnection {
+        /// Name of the mode of the saddle that is left.
+        mode: String,
+    },
 }
 
 /// The equilibria of one mode.

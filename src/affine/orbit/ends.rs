@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 use std::fmt;
 
+use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
 
 use super::layout::AffineOrbit;
@@ -10,11 +11,12 @@ use super::passage::Passage;
 use super::setting::Scales;
 use super::signature::Zone;
 use super::{CLOSING, Critical, Held, Watch};
+use crate::affine::connection::{Connected, Connection};
 use crate::affine::mode::Row;
 use crate::continuation::Node;
 use crate::continuation::locate::node_at;
 use crate::linalg::Vector;
-use crate::orbit::Orbit;
+use crate::orbit::{Limit, Orbit};
 
 /// Ends of a branch for reasons of the system itself.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -44,6 +46,9 @@ pub enum OrbitStop {
         /// The parameter of that orbit, where it is known.
         #[serde(default)]
         limit: Option<f64>,
+        /// Its error.
+        #[serde(default)]
+        error: f64,
     },
     /// It does, since the orbit comes to begin where nothing moves: an equilibrium on the boundary of its mode.
     Stalls {
@@ -101,6 +106,13 @@ pub enum OrbitStop {
         /// What vanishes.
         held: Held,
     },
+    /// The orbit is one of a family, and keeps what its start has: beyond it others of the family go on, and this one does not.
+    OthersRemain {
+        /// What vanishes.
+        held: Held,
+        /// Names of the states of which the others have other values where they begin.
+        states: Vec<String>,
+    },
     /// Beyond it a switch leads to where it is met again at once.
     Held {
         /// The guard, as the file has it.
@@ -140,24 +152,13 @@ impl fmt::Display for OrbitStop {
                 "beyond it nothing switches: a family of orbits at one value of the parameter"
             ),
             OrbitStop::Unbounded => write!(formatter, "the period grows without bound"),
-            OrbitStop::Homoclinic { mode, next, limit } => {
-                write!(
-                    formatter,
-                    "the period grows without bound: the orbit comes to "
-                )?;
-                match next {
-                    None => write!(
-                        formatter,
-                        "one that leaves the saddle of `{mode}` and returns to it, a homoclinic orbit"
-                    )?,
-                    Some(next) => write!(
-                        formatter,
-                        "a cycle of connections between saddles, from that of `{mode}` to that of `{next}` first, a \
-                         heteroclinic cycle"
-                    )?,
-                }
+            OrbitStop::Homoclinic {
+                mode, next, limit, ..
+            } => {
+                let (mode, next) = (mode.clone(), next.clone());
+                Critical::Homoclinic { mode, next }.fmt(formatter)?;
                 match limit {
-                    Some(limit) => write!(formatter, " at {limit}"),
+                    Some(limit) => write!(formatter, ", at {limit}"),
                     None => Ok(()),
                 }
             }
@@ -210,6 +211,14 @@ impl fmt::Display for OrbitStop {
                  beyond goes elsewhere at once",
                 held.guard, held.mode
             ),
+            OrbitStop::OthersRemain { held, states } => write!(
+                formatter,
+                "the orbit is one of a family, which the branch follows with what {} has of its start: beyond it {} of `{}` is \
+                 negative on this orbit, and others of the family, which keep another value, go on",
+                quoted(states),
+                held.guard,
+                held.mode
+            ),
             OrbitStop::Held { guard, mode } => write!(
                 formatter,
                 "beyond it {guard} is met again as soon as `{mode}` begins: infinitely many switches follow at one \
@@ -254,6 +263,9 @@ const SETTLED: f64 = 1e-4;
 /// Growth in the longest zone, as a power of e, that has taken half of all digits.
 const DIGITS: f64 = 18.0;
 
+/// How near a saddle an orbit comes, in units of the states, that has lost its digits before.
+const FAR: f64 = 0.2;
+
 /// Where an orbit that switches has no size.
 pub(super) struct Vanishing {
     /// The parameter there, and its error.
@@ -287,9 +299,12 @@ pub(super) struct Stay {
     pub mode: String,
     /// The saddle.
     pub rest: Vec<f64>,
+    /// A state where it leaves, and what grows is most of what it is off.
+    pub leaving: Vec<f64>,
     /// How much a perturbation grows meanwhile, as a power of e.
     pub growth: f64,
-    /// Time in which the slowest decay falls by a factor e, or turns by half.
+    /// Time in which the slowest decay and the slowest growth change by a factor e, or turn by half: what the parameter is off
+    /// falls by that at least, for a longer period.
     pub turn: f64,
 }
 
@@ -312,8 +327,12 @@ impl AffineOrbit {
         self.stay_within(point, zone, NEAR)
     }
 
-    /// The same, where it comes so near, in units of the states, half way in time between decay and growth.
+    /// The same, where it comes so near, in units of the states.
     fn stay_within(&self, point: &Vector, zone: usize, most: f64) -> Option<Stay> {
+        /// Places of a zone that are looked at.
+        const PLACES: usize = 256;
+        /// It leaves where it is so many times as far as next to the saddle.
+        const LEAVES: f64 = 3.0;
         if !self.has_own_period() {
             return None;
         }
@@ -321,27 +340,47 @@ impl AffineOrbit {
         let Zone { mode, name, .. } = self.sequence.zone(zone);
         let units = &self.setting.scales.states;
         let time = at.zones[zone].duration;
-        let place = |time: f64| Some(at.passage(zone, time).ok()?.end);
-        // so long a stay is near it in its middle, too
-        let middle = place(0.5 * time)?;
+        let times = (0..=PLACES).map(|place| time * place as f64 / PLACES as f64);
+        let way = at.along(zone, times).ok()?;
+        let far = |one: &[f64], other: &[f64]| {
+            let apart = one.iter().zip(other).zip(units);
+            let apart = apart.map(|((one, other), unit)| ((one - other) / unit).abs());
+            apart.fold(0.0, f64::max)
+        };
+        // it moves least where it is next to the saddle
+        let slowest = way.windows(2).min_by(|one, other| {
+            let moves = |pair: &[Vector]| far(pair[0].as_slice(), pair[1].as_slice());
+            moves(one).total_cmp(&moves(other))
+        });
         let system = &at.posed.system;
-        let equilibrium = system.equilibrium_near(*mode, &middle.as_slice()[..units.len()])?;
+        let near = &slowest?[0].as_slice()[..units.len()];
+        let equilibrium = system.equilibrium_near(*mode, near)?;
         let values = &equilibrium.eigenvalues;
-        let growing = values.first().filter(|value| value.re > 0.0)?.re;
-        let decaying = values.iter().find(|value| value.re < 0.0)?;
-        let decay = -decaying.re;
-        let half_way = place(time * growing / (growing + decay))?;
-        let mut off = half_way.iter().zip(&equilibrium.state).zip(units);
-        let is_near = off.all(|((x, rest), unit)| (x - rest).abs() < most * unit);
-        is_near.then(|| Stay {
+        let growth = values.first().filter(|value| value.re > 0.0)?.re;
+        let turn = |value: &Complex<f64>| match value.im.abs() {
+            0.0 => value.re.abs().recip(),
+            turns => PI / turns,
+        };
+        // what slides comes from without
+        let slides = system.modes[*mode].surface.is_some();
+        let growing = values.iter().rfind(|value| value.re > 0.0)?;
+        let decaying = values.iter().find(|value| value.re < 0.0);
+        let decaying = decaying.or(Some(growing).filter(|_| slides))?;
+        let rest = &equilibrium.state;
+        let states = || way.iter().map(|z| &z.as_slice()[..units.len()]);
+        let (index, nearest) = states()
+            .map(|state| far(state, rest))
+            .enumerate()
+            .min_by(|(_, one), (_, other)| one.total_cmp(other))?;
+        let still_near = |state: &&[f64]| far(state, rest) <= LEAVES * nearest;
+        let leaving = states().skip(index).take_while(still_near).last()?;
+        (nearest < most).then(|| Stay {
             zone,
             mode: name.clone(),
-            growth: growing * time,
-            turn: match decaying.im.abs() {
-                0.0 => decay.recip(),
-                turns => PI / turns,
-            },
-            rest: equilibrium.state,
+            growth: growth * time,
+            turn: turn(decaying).max(turn(growing)),
+            leaving: leaving.to_vec(),
+            rest: equilibrium.state.clone(),
         })
     }
 
@@ -638,9 +677,7 @@ impl AffineOrbit {
     /// The homoclinic orbit to which an orbit comes that has lost its digits to growth beside a saddle before it comes
     /// near: where decay is much slower than growth. The orbit itself is computed and tells.
     fn comes_slowly(&self, node: &Node) -> Option<OrbitStop> {
-        /// In units of the states.
-        const NEAR: f64 = 0.2;
-        let stay = self.stay_within(&node.point, self.longest(&node.point)?, NEAR)?;
+        let stay = self.stay_within(&node.point, self.longest(&node.point)?, FAR)?;
         let stop = (stay.growth > DIGITS).then(|| self.comes_to(stay, node))?;
         matches!(&stop, OrbitStop::Homoclinic { limit: Some(_), .. }).then_some(stop)
     }
@@ -686,17 +723,60 @@ impl AffineOrbit {
 
     /// The homoclinic orbit of a stay, or the cycle of connections where there are others on the way round.
     fn comes_to(&self, stay: Stay, node: &Node) -> OrbitStop {
+        /// A connection is that of the branch where its parameter is no farther than so many times what the last turn changed:
+        /// what is left falls by a factor e at least in a turn, but for what is small beside that.
+        const BESIDE: f64 = 3.0;
         let here = self.parameter_at(&node.point);
-        let zones = (1..self.zones()).map(|zone| (stay.zone + zone) % self.zones());
-        let next = zones.filter_map(|zone| self.stay(&node.point, zone)).next();
-        let most = self.left_beside_a_saddle(node) * self.setting.scales.parameter;
-        let near = |limit: &f64| (limit - here).abs() <= most;
-        let limit = self.connection([&stay, next.as_ref().unwrap_or(&stay)], here);
+        let next = self.next_stay(&stay, &node.point);
+        let unit = self.setting.scales.parameter;
+        let most = BESIDE * self.left_beside_a_saddle(node) * unit.abs();
+        let found = self.connection([&stay, next.as_ref().unwrap_or(&stay)], &node.point);
+        let found = found.map(|(_, connected)| connected);
+        let known = found.filter(|found| (found.value * unit - here).abs() <= most);
         OrbitStop::Homoclinic {
-            limit: limit.filter(near),
+            limit: known.as_ref().map(|found| found.value * unit),
+            error: known.map_or(0.0, |found| found.error * unit.abs()),
             next: next.map(|next| next.mode),
             mode: stay.mode,
         }
+    }
+
+    /// The saddle that an orbit comes to after a stay, where that is another zone.
+    fn next_stay(&self, stay: &Stay, point: &Vector) -> Option<Stay> {
+        let mut zones = (1..self.zones()).map(|zone| (stay.zone + zone) % self.zones());
+        zones.find_map(|zone| self.stay(point, zone))
+    }
+
+    /// The connection beside the longest stay of an orbit, and where it exists.
+    pub fn homoclinic(&self, point: &Vector) -> Option<(Connection, Connected)> {
+        let stay = self.stay_within(point, self.longest(point)?, FAR)?;
+        let next = self.next_stay(&stay, point);
+        self.connection([&stay, next.as_ref().unwrap_or(&stay)], point)
+    }
+
+    /// What a branch comes to beside a saddle: the event, with its parameter and the error of that.
+    pub(super) fn limit_of(&self, stop: &OrbitStop, node: &Node) -> Option<Limit<Critical>> {
+        let OrbitStop::Homoclinic {
+            mode,
+            next,
+            limit,
+            error,
+        } = stop
+        else {
+            return None;
+        };
+        let here = self.parameter_at(&node.point);
+        let left = self.left_beside_a_saddle(node) * self.setting.scales.parameter;
+        let (parameter, uncertainty) = match limit {
+            Some(limit) => (*limit, *error),
+            None => (here, left.abs()),
+        };
+        let (mode, next) = (mode.clone(), next.clone());
+        Some(Limit {
+            special: Critical::Homoclinic { mode, next },
+            parameter,
+            uncertainty,
+        })
     }
 
     /// What the parameter changed by, at most, while the period grew by the last turn beside a saddle.
@@ -739,12 +819,6 @@ impl AffineOrbit {
                 });
                 0.5 * (slope * period / growth).abs()
             }
-            OrbitStop::Homoclinic { limit, .. } => match limit {
-                Some(limit) => {
-                    (limit - self.parameter_at(point)).abs() / self.setting.scales.parameter
-                }
-                None => self.left_beside_a_saddle(node),
-            },
             OrbitStop::Grows => slope * self.stretch(point),
             OrbitStop::PartRests { left, .. } => *left,
             OrbitStop::Rests { modes } => {

@@ -8,7 +8,7 @@
 //! event, [`ends`] why nothing does, by the motions beside it as [`discontinuity`] has them; [`multipliers`] has the stability, with
 //! the `saltation` of every switch and what `surface` tells of sliding; [`start`] finds the first orbit, or says by [`behaviour`] what a motion looks like that comes to
 //! none, [`switch`] that of the other branch at an event, [`hopf`] that at which orbits shrink to nothing, [`homoclinic`] that at
-//! which they take for ever, and [`row`] has what results keep of one, `monitor` the numbers of it that a problem asks for, those of
+//! which they take for ever, `family` where others of a family go on, and [`row`] has what results keep of one, `monitor` the numbers of it that a problem asks for, those of
 //! them that are integrals by `integral`; `bifurcation` names the changes of a sequence by sliding.
 
 pub mod behaviour;
@@ -19,6 +19,7 @@ mod conserved;
 mod discontinuity;
 mod ends;
 pub mod examine;
+mod family;
 mod forms;
 mod generic;
 mod homoclinic;
@@ -57,7 +58,7 @@ use crate::continuation::newton;
 use crate::continuation::walk::Segment;
 use crate::linalg::{Matrix, Vector};
 use crate::orbit::monitor::Measured;
-use crate::orbit::{Candidate, EventType, Examined, Orbit, Shrinking};
+use crate::orbit::{Candidate, EventType, Examined, Limit, Orbit, Shrinking};
 
 pub use bifurcation::SlidingBifurcation;
 pub use ends::OrbitStop;
@@ -146,7 +147,7 @@ pub enum Inadmissible {
 }
 
 /// A change of stability.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Critical {
     /// A multiplier passes −1.
     PeriodDoubling,
@@ -178,6 +179,13 @@ pub enum Critical {
         /// Between these values of the parameter.
         between: [f64; 2],
     },
+    /// The orbit comes to one that leaves a saddle and returns to it, or to a cycle of connections between saddles.
+    Homoclinic {
+        /// Name of the mode of the saddle.
+        mode: String,
+        /// Name of the mode of the next saddle, where it leads to another one.
+        next: Option<String>,
+    },
     /// A pair passes the unit circle at this angle.
     Torus {
         /// In radians, between 0 and π.
@@ -200,6 +208,19 @@ impl fmt::Display for Critical {
                 formatter,
                 "{} multipliers pass the unit circle together",
                 in_words(*count)
+            ),
+            Critical::Homoclinic { mode, next: None } => write!(
+                formatter,
+                "the period grows without bound: the orbit comes to one that leaves the saddle of `{mode}` and returns to it, \
+                 a homoclinic orbit"
+            ),
+            Critical::Homoclinic {
+                mode,
+                next: Some(next),
+            } => write!(
+                formatter,
+                "the period grows without bound: the orbit comes to a cycle of connections between saddles, from that of \
+                 `{mode}` to that of `{next}` first, a heteroclinic cycle"
             ),
             Critical::Unlocated {
                 outside: [before, after],
@@ -474,6 +495,7 @@ impl Orbit for AffineOrbit {
             .or_else(barely)
             .or_else(misses)
             .or_else(|| self.held_at(point, margin))
+            .or_else(|| self.others_remain(point, margin))
             .or_else(|| self.jumps(point))
     }
 
@@ -510,6 +532,10 @@ impl Orbit for AffineOrbit {
 
     fn short_of(&self, stop: &OrbitStop, node: &Node) -> f64 {
         self.to_limit(stop, node)
+    }
+
+    fn limit(&self, stop: &OrbitStop, node: &Node) -> Option<Limit<Critical>> {
+        self.limit_of(stop, node)
     }
 
     fn left(stop: &OrbitStop) -> Option<Sequence> {
@@ -671,6 +697,7 @@ impl Orbit for AffineOrbit {
             | Critical::Shrinking
             | Critical::Vanishing => EventType::BP,
             Critical::Unlocated { .. } => EventType::MX,
+            Critical::Homoclinic { .. } => EventType::HC,
             Critical::Torus { .. } | Critical::Several { .. } => EventType::NS,
         }
     }

@@ -73,6 +73,9 @@ pub enum Open {
     /// A Hopf point at which the orbit shrinks to an equilibrium.
     #[error("not covered: where an orbit shrinks to an equilibrium")]
     Shrinking,
+    /// A homoclinic orbit.
+    #[error("not covered: a homoclinic orbit, or a cycle of connections between saddles")]
+    Homoclinic,
     /// A multiplier 1 that is no fold, of an orbit without symmetry.
     #[error(
         "not covered: a branch point of an orbit that is not −x half a period later by its formulas"

@@ -113,6 +113,7 @@ pub(super) fn event(kind: EventType) -> &'static str {
         EventType::ST => "stick vanishes",
         EventType::SL => "switch condition",
         EventType::BE => "boundary equilibrium",
+        EventType::HC => "homoclinic",
     }
 }
 
@@ -134,6 +135,7 @@ pub(super) fn event_mark(kind: EventType) -> Mark {
         EventType::ST => (Shape::Square, 6.0),
         EventType::SL => (Shape::Star, 6.0),
         EventType::BE => (Shape::Up, 6.0),
+        EventType::HC => (Shape::Square, 5.6),
     };
     Mark::new(shape, size, BLACK)
 }

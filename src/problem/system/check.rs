@@ -608,7 +608,7 @@ impl Checks<'_, SystemProblem> {
         if !event.of_systems() {
             let message =
                 format!("a {event} is an event of waves of a tube, not of orbits of a system");
-            let help = "take an event of orbits: LP, PD, NS, BP, GR, CO, SL, UZ, EP, MX";
+            let help = "take an event of orbits: LP, PD, NS, BP, GR, CO, SL, HC, UZ, EP, MX";
             return self.refuse(path, message, help);
         }
         if event.of_spectrum() && self.problem.stability.is_none() {

@@ -167,7 +167,7 @@ impl Checks<'_, SystemProblem> {
             None => (
                 !matches!(event, HB | BE),
                 "orbits",
-                "take LP, PD, NS, BP, GR, CO, SL or `Constant(\"name\")`; curves of HB and BE are those of `equilibrium`",
+                "take LP, PD, NS, BP, GR, CO, SL, HC or `Constant(\"name\")`; curves of HB and BE are those of `equilibrium`",
             ),
         };
         let message = match event {

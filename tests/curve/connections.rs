@@ -1,0 +1,228 @@
+//! Homoclinic orbits, at which branches of cycles end, in one parameter and in two, against closed forms and figures of an
+//! independent program.
+
+use std::f64::consts::TAU;
+
+use brakewave::EventType;
+use brakewave::continuation::newton::System as _;
+use brakewave::curve::start::{Start, find_connection};
+use brakewave::curve::{Curve, Equilibria, Point, PointType, Run};
+use brakewave::hybrid::{Item, Runner};
+use brakewave::linalg::{Matrix, Vector};
+use brakewave::orbit::legs::{self, Run as _};
+use brakewave::problem::{Any, SystemProblem, parse_any};
+
+/// y² = x²(1 + x), −1 ≤ x < 0, is a homoclinic orbit of 0 where μ = 0.4ν + ν²: then F = y² − x²(1 + x) divides dF/dt. The
+/// eigenvalues of 0 are 2(s ± 1).
+const LOOP: &str = r#"(
+    system: (states: ["x", "y"], parameters: {"mu": -0.1, "nu": -0.5, "s": -0.3}, modes: {"flow": (rates: {
+        "x": "2*y + 2*s*x*(1 + x)", "y": "(3*x + 2)*(x + s*y) + (mu - (0.4*nu + nu^2))*y"})}),
+    orbit: (start: Simulate(mode: "flow", state: {"x": -0.5, "y": 0.0}, settle: 200)),
+    continuation: (parameter: "mu", range: (-0.5, 0.3)),
+    curve: (event: HC, parameters: ("mu", "nu"), range: ((-0.5, 0.9), (-0.7, 0.3))),
+)"#;
+
+/// The same with a third state that grows and does not act on the others: 0 has two growing directions.
+const WITH_A_GROWING_STATE: &str = r#"(
+    system: (states: ["x", "y", "z"], parameters: {"mu": -0.1, "nu": -0.5, "s": -0.3}, modes: {"flow": (rates: {
+        "x": "2*y + 2*s*x*(1 + x)", "y": "(3*x + 2)*(x + s*y) + (mu - (0.4*nu + nu^2))*y", "z": "0.5*z - x + y"})}),
+    orbit: (start: Given(mode: "flow", state: {"x": -0.52368802, "y": -0.2216479, "z": -1.1311767}, period: 3.40635)),
+    continuation: (parameter: "mu", range: (-0.5, 0.3)),
+    curve: (event: HC, parameters: ("mu", "nu"), range: ((-0.5, 0.9), (-0.55, -0.4))),
+)"#;
+
+/// The saddle cycle of Lorenz that ends at the homoclinic orbit of 0.
+const LORENZ: &str = r#"(
+    system: (states: ["x", "y", "z"], parameters: {"r": 24.0, "s": 10.0, "b": 2.6666666666666667},
+        modes: {"flow": (rates: {"x": "s*(y - x)", "y": "r*x - y - x*z", "z": "x*y - b*z"})}),
+    orbit: (start: Given(mode: "flow", state: {"x": 5.4323790804425727, "y": 5.2501859726023137, "z": 20.643095844284553},
+        period: 0.67933676419821826)),
+    continuation: (parameter: "r", range: (1, 30), toward: Down),
+    curve: (event: HC, parameters: ("r", "s"), range: ((5.0, 30.0), (8.0, 11.0))),
+)"#;
+
+/// Out of the saddle at 0 along x, from (1, 0) by (1 − t, t) to the line x = p − q + 0.2y, which is met on the decaying
+/// direction x = 0 where p − q = −0.2.
+const SADDLE_WITH_SWITCHES: &str = r#"(
+    system: (states: ["x", "y"], parameters: {"p": 0.4, "q": 0.3}, modes: {
+        "saddle": (rates: {"x": "x", "y": "-1.5*y"}, until: [(zero: "1 - x", to: "back")]),
+        "back": (rates: {"x": "-1", "y": "1"}, until: [(zero: "x - p + q - 0.2*y", to: "saddle")]),
+    }),
+    orbit: (start: Simulate(mode: "saddle", state: {"x": 0.2, "y": 1.0}, settle: 200)),
+    continuation: (parameter: "p", range: (0.0, 1.0), toward: Down),
+    curve: (event: HC, parameters: ("p", "q"), range: ((0.0, 1.0), (0.1, 0.9))),
+)"#;
+
+/// On y = 0 what slides goes from the pseudo-saddle at 0 to the tangency at 1, x' = cx/(2 − x). There it leaves into `top`,
+/// a spiral about (1 − 2αc, c), and lands again where x < 1. With v = y − c and ω² = 1 − α², v(0) = −c and v'(0) = 0, it
+/// lands at 0 where ce^(αt) sin ωt = −ω and ce^(αt) cos ωt = c − α.
+const SLIDING: &str = r#"(
+    system: (states: ["x", "y"], parameters: {"al": 0.01, "c": 1.0}, modes: {
+        "top": (rates: {"x": "c - y", "y": "x - 1 + 2*al*y"}, until: [(zero: "y", to: "bottom")]),
+        "bottom": (rates: {"x": "-c", "y": "1"}, until: [(zero: "-y", to: "top")]),
+    }, sliding: {"slide": ("top", "bottom")}),
+    orbit: (start: Simulate(mode: "slide", state: {"x": 0.9, "y": 0.0}, settle: 200)),
+    continuation: (parameter: "al", range: (0.001, 0.3), toward: Up),
+    curve: (event: HC, parameters: ("al", "c"), range: ((0.001, 0.3), (0.5, 2.0))),
+)"#;
+
+/// What is zero where the motion of `SLIDING` lands at the pseudo-saddle.
+fn lands_at_the_pseudo_saddle(al: f64, c: f64) -> f64 {
+    let omega = (1.0 - al * al).sqrt();
+    let time = (1.0 + (1.0 - 2.0 * al * c) / (c * c)).ln() / (2.0 * al);
+    omega * time - TAU + omega.atan2(c - al)
+}
+
+fn problem(text: &str) -> SystemProblem {
+    match parse_any(text, "test") {
+        Ok(Any::System(problem)) => *problem,
+        other => panic!("{other:?}"),
+    }
+}
+
+/// The last point of the branch, which is the homoclinic orbit.
+fn end(problem: &SystemProblem) -> Item {
+    let continuation = problem.continuation.as_ref().unwrap();
+    let mut branch = Runner::begin(problem, continuation, None).unwrap();
+    let mut last = None;
+    while branch.progress().end.is_none() {
+        last = branch.step().pop().or(last);
+    }
+    let end = &branch.progress().end;
+    assert!(!matches!(end, Some(legs::End::Failed(_))), "{end:?}");
+    let last = last.unwrap();
+    assert_eq!(last.point.kind, Some(EventType::HC));
+    last
+}
+
+fn start(problem: &SystemProblem) -> Start<Equilibria> {
+    let (continuation, curve) = (problem.continuation.as_ref(), problem.curve.as_ref());
+    let begin = |problem: &SystemProblem| Runner::begin(problem, continuation.unwrap(), None);
+    find_connection(problem, curve.unwrap(), begin, &mut |_| ()).unwrap()
+}
+
+fn curve(problem: &SystemProblem) -> Curve<Equilibria> {
+    let start = start(problem);
+    let mut run = Run::begin(&start.system, start.event, &start.point, start.limits).unwrap();
+    while run.step().unwrap().is_some() {}
+    let curve = run.unnamed();
+    assert!(!curve.failed, "{} | {}", curve.end(0), curve.end(1));
+    curve
+}
+
+/// The parameter at the end of a branch, which is known as it says.
+fn located(text: &str, parameter: usize, truth: f64, most: f64) {
+    let last = end(&problem(text));
+    let event = last.event.unwrap();
+    let off = (last.point.parameters[parameter] - truth).abs();
+    assert!(off <= event.uncertainty, "{off:e} {event:?}");
+    assert!(event.uncertainty <= most, "{event:?}");
+}
+
+/// All points of a curve, both of whose ends are edges of its range, which lie on a graph to this.
+fn follows(text: &str, first_of: impl Fn(f64) -> f64, most: f64) -> Vec<Point> {
+    let curve = curve(&problem(text));
+    for point in &curve.points {
+        let [first, second] = point.parameters;
+        let off = (first - first_of(second)).abs();
+        assert!(off <= most, "{first} {second} {off:e}");
+    }
+    let ends = [curve.points.first(), curve.points.last()];
+    assert!(
+        ends.iter()
+            .all(|end| end.unwrap().kind == Some(PointType::One(EventType::EP)))
+    );
+    curve.points
+}
+
+#[test]
+fn a_loop_in_closed_form() {
+    located(LOOP, 0, 0.05, 1e-13);
+    // the parabola turns at ν = −0.2
+    let points = follows(LOOP, |nu| 0.4 * nu + nu * nu, 1e-12);
+    let below = points.iter().filter(|point| point.parameters[1] < -0.2);
+    assert!(below.count() > 3 && points.len() > 10);
+}
+
+/// The third state is left in a direction that only one value of the further unknown has. Directions that grow at different
+/// rates are left where they bend by the square of 1e-3, as far as they do: here the slow one is straight.
+#[test]
+fn a_loop_with_two_growing_directions() {
+    located(WITH_A_GROWING_STATE, 0, 0.05, 1e-8);
+    follows(WITH_A_GROWING_STATE, |nu| 0.4 * nu + nu * nu, 1e-8);
+}
+
+#[test]
+fn a_loop_through_switches() {
+    located(SADDLE_WITH_SWITCHES, 0, 0.1, 1e-13);
+    follows(SADDLE_WITH_SWITCHES, |q| q - 0.2, 1e-12);
+}
+
+/// A motion that slides comes to its pseudo-saddle from without, in a finite time, and takes for ever to leave it.
+#[test]
+fn a_loop_that_slides() {
+    let (mut low, mut high) = (0.01, 0.3);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        match lands_at_the_pseudo_saddle(middle, 1.0) > 0.0 {
+            true => low = middle,
+            false => high = middle,
+        }
+    }
+    located(SLIDING, 0, low, 1e-12);
+    let curve = curve(&problem(SLIDING));
+    assert!(curve.points.len() > 5);
+    for point in &curve.points {
+        let [al, c] = point.parameters;
+        let off = lands_at_the_pseudo_saddle(al, c);
+        assert!(off.abs() <= 1e-12 / al, "{al} {c} {off:e}");
+    }
+}
+
+/// Figures of an independent program by bisection on the side to which the growing direction of 0 returns.
+#[test]
+fn lorenz() {
+    located(LORENZ, 0, 13.926_557_407_520_128, 1e-12);
+    // beside the curve: where it meets s = 11 the branch in r ends there, too
+    let curve = curve(&problem(LORENZ));
+    let edge = curve
+        .points
+        .iter()
+        .find(|point| point.parameters[1] == 11.0);
+    let [r, _] = edge.unwrap().parameters;
+    let text = LORENZ.replace("\"s\": 10.0", "\"s\": 11.0");
+    located(&text, 0, r, 1e-12);
+}
+
+/// The derivatives of the equations along a curve are those of differences on a coarser grid, to the distance from which
+/// what arrives is told.
+#[test]
+fn derivatives() {
+    let start = start(&problem(WITH_A_GROWING_STATE));
+    let count = start.system.unknowns();
+    let value = |point: &Vector| {
+        let mut residual = vec![0.0; count - 1];
+        let mut jacobian = Matrix::zeros(count - 1, count);
+        start
+            .system
+            .evaluate(point, &mut residual, &mut jacobian)
+            .unwrap();
+        (residual, jacobian)
+    };
+    let (at, jacobian) = value(&start.point);
+    assert!(at.iter().all(|value| value.abs() < 1e-8), "{at:?}");
+    for column in 0..count {
+        const STEP: f64 = 1e-9;
+        let mut beside = start.point.clone();
+        beside[column] += STEP;
+        let (there, _) = value(&beside);
+        for row in 0..count - 1 {
+            let slope = (there[row] - at[row]) / STEP;
+            let off = (slope - jacobian[(row, column)]).abs();
+            assert!(
+                off < 1e-2 * slope.abs().max(1.0),
+                "{row} {column} {slope} {off:e}"
+            );
+        }
+    }
+}
