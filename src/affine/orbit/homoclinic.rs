@@ -2,10 +2,14 @@
 //! of an orbit is beside a saddle, [`crate::affine::connection`] has what leaves it and comes to the next one, and tells
 //! the parameter to all digits that the stay has taken.
 
-use super::ends::Stay;
+use super::Critical;
 use super::layout::AffineOrbit;
+use super::stay::{FAR, Stay};
+use super::stop::OrbitStop;
 use crate::affine::connection::{Connected, Connection, ConnectionScales, Passed, Rest, connected};
+use crate::continuation::Node;
 use crate::linalg::Vector;
+use crate::orbit::Limit;
 
 impl AffineOrbit {
     /// The connection beside an orbit that is long at one saddle and then at another, or again at the same.
@@ -37,6 +41,58 @@ impl AffineOrbit {
         let (ends, way) = ([rest(from), rest(to)], passed.collect());
         let out = (&from.leaving[..], part);
         Connection::new(&at.posed.system, ends, out, way, scales)
+    }
+
+    /// The homoclinic orbit of a stay, or the cycle of connections where there are others on the way round.
+    pub(super) fn comes_to(&self, stay: Stay, node: &Node) -> OrbitStop {
+        /// A connection is that of the branch where its parameter is no farther than so many times what the last turn changed:
+        /// what is left falls by a factor e at least in a turn, but for what is small beside that.
+        const BESIDE: f64 = 3.0;
+        let here = self.parameter_at(&node.point);
+        let next = self.next_stay(&stay, &node.point);
+        let unit = self.setting.scales.parameter;
+        let most = BESIDE * self.left_beside_a_saddle(node) * unit.abs();
+        let found = self.connection([&stay, next.as_ref().unwrap_or(&stay)], &node.point);
+        let found = found.map(|(_, connected)| connected);
+        let known = found.filter(|found| (found.value * unit - here).abs() <= most);
+        OrbitStop::Homoclinic {
+            limit: known.as_ref().map(|found| found.value * unit),
+            error: known.map_or(0.0, |found| found.error * unit.abs()),
+            next: next.map(|next| next.mode),
+            mode: stay.mode,
+        }
+    }
+
+    /// The connection beside the longest stay of an orbit, and where it exists.
+    pub fn homoclinic(&self, point: &Vector) -> Option<(Connection, Connected)> {
+        let stay = self.stay_within(point, self.longest(point)?, FAR)?;
+        let next = self.next_stay(&stay, point);
+        self.connection([&stay, next.as_ref().unwrap_or(&stay)], point)
+    }
+
+    /// What a branch comes to beside a saddle: the event, with its parameter and the error of that.
+    pub(super) fn limit_of(&self, stop: &OrbitStop, node: &Node) -> Option<Limit<Critical>> {
+        let OrbitStop::Homoclinic {
+            mode,
+            next,
+            limit,
+            error,
+        } = stop
+        else {
+            return None;
+        };
+        let here = self.parameter_at(&node.point);
+        let left = self.left_beside_a_saddle(node) * self.setting.scales.parameter;
+        let (parameter, uncertainty) = match limit {
+            Some(limit) => (*limit, *error),
+            None => (here, left.abs()),
+        };
+        let (mode, next) = (mode.clone(), next.clone());
+        Some(Limit {
+            special: Critical::Homoclinic { mode, next },
+            parameter,
+            uncertainty,
+        })
     }
 
     /// The parameter at which a connection exists, next to a value, both in its unit.
@@ -76,8 +132,8 @@ impl AffineOrbit {
 mod tests {
     use crate::affine::connection::Connected;
     use crate::affine::orbit::AffineOrbit;
-    use crate::affine::orbit::ends::Stay;
     use crate::affine::orbit::start::{Beginning, Search, Wanted, first};
+    use crate::affine::orbit::stay::Stay;
     use crate::affine::system::{Source, System};
     use crate::linalg::Vector;
     use ron::extensions::Extensions;

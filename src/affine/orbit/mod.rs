@@ -5,11 +5,12 @@
 //! itself; [`passage`] is the exact flow through a zone with its derivatives, and [`structure`] knows what is zero at its ends
 //! whatever the parameter, as [`forms`] tell, or [`generic`] points, and `conserved` which sums never change. [`margin`] measures the
 //! inequalities, [`examine`] decides them, by what [`turning`] tells of smooth functions; [`candidates`] finds what lies beyond an
-//! event, [`ends`] why nothing does, by the motions beside it as [`discontinuity`] has them; [`multipliers`] has the stability, with
-//! the `saltation` of every switch and what `surface` tells of sliding; [`start`] finds the first orbit, or says by [`behaviour`] what a motion looks like that comes to
-//! none, [`switch`] that of the other branch at an event, [`hopf`] that at which orbits shrink to nothing, [`homoclinic`] that at
-//! which they take for ever, `family` where others of a family go on, and [`row`] has what results keep of one, `monitor` the numbers of it that a problem asks for, those of
-//! them that are integrals by `integral`; `bifurcation` names the changes of a sequence by sliding.
+//! event, [`ends`] why nothing does, which is a `stop`, by the motions beside it as [`discontinuity`] has them, `family` where others of
+//! a family go on; [`multipliers`] has the stability, with the `saltation` of every switch and what `surface` tells of sliding;
+//! [`start`] finds the first orbit, or says by [`behaviour`] what a motion looks like that comes to none, [`switch`] that of the other
+//! branch at an event, [`hopf`] that at which orbits shrink to nothing, [`homoclinic`] that at which they `stay` for ever. [`row`] has
+//! what results keep of one, `monitor` the numbers of it that a problem asks for, those of them that are integrals by `integral`;
+//! `bifurcation` names the changes of a sequence by sliding.
 
 pub mod behaviour;
 mod bifurcation;
@@ -39,6 +40,8 @@ mod section;
 pub mod setting;
 pub mod signature;
 pub mod start;
+mod stay;
+mod stop;
 mod structure;
 mod surface;
 pub mod switch;
@@ -61,13 +64,13 @@ use crate::orbit::monitor::Measured;
 use crate::orbit::{Candidate, EventType, Examined, Limit, Orbit, Shrinking};
 
 pub use bifurcation::SlidingBifurcation;
-pub use ends::OrbitStop;
 pub use examine::Examination;
 pub use layout::{AffineOrbit, ZonePoint};
 pub use margin::{Margin, Watch};
 pub use multipliers::Multiplier;
 pub use setting::{OrbitFailure, Scales, Setting};
 pub use signature::{Sequence, Way, Zone};
+pub use stop::OrbitStop;
 
 /// What a margin measures, and where.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

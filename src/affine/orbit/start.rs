@@ -7,13 +7,13 @@ use serde::{Deserialize, Serialize};
 
 use super::Inadmissible;
 use super::behaviour::{Behaviour, RETURNED, behaviour, cycle};
-use super::ends::quoted;
 use super::layout::{AffineOrbit, ZonePoint};
 use super::multipliers::Multiplier;
 use super::row::SavedOrbit;
 use super::section::of_orbit;
 use super::setting::{OrbitFailure, Scales, Setting};
 use super::signature::{Sequence, Way, Zone};
+use super::stop::quoted;
 use crate::affine::closure::Prescribed;
 use crate::affine::mode::AffineSystem;
 use crate::affine::motion::{Halt, Motion, Place, Step, Switching};

@@ -1,0 +1,145 @@
+//! Stays of an orbit beside a saddle: where it takes ever longer, it comes to a connection of saddles.
+
+use std::f64::consts::PI;
+
+use nalgebra::Complex;
+
+use super::layout::AffineOrbit;
+use super::signature::Zone;
+use crate::continuation::Node;
+use crate::continuation::locate::node_at;
+use crate::linalg::Vector;
+use crate::orbit::Orbit as _;
+
+/// How near a saddle an orbit comes, in units of the states, that has lost its digits before.
+pub(super) const FAR: f64 = 0.2;
+
+/// A stay beside a saddle.
+pub(super) struct Stay {
+    /// Its zone.
+    pub zone: usize,
+    /// Name of its mode.
+    pub mode: String,
+    /// The saddle.
+    pub rest: Vec<f64>,
+    /// A state where it leaves, and what grows is most of what it is off.
+    pub leaving: Vec<f64>,
+    /// How much a perturbation grows meanwhile, as a power of e.
+    pub growth: f64,
+    /// Time in which the slowest decay and the slowest growth change by a factor e, or turn by half: what the parameter is off
+    /// falls by that at least, for a longer period.
+    pub turn: f64,
+}
+
+impl AffineOrbit {
+    /// The longest zone.
+    pub(super) fn longest(&self, point: &Vector) -> Option<usize> {
+        let duration = |zone: &usize| point[self.duration_index(*zone)];
+        (0..self.zones()).max_by(|one, other| duration(one).total_cmp(&duration(other)))
+    }
+
+    /// The saddle beside which an orbit without forcing spends its longest zone.
+    pub(super) fn longest_stay(&self, point: &Vector) -> Option<Stay> {
+        self.stay(point, self.longest(point)?)
+    }
+
+    /// The saddle beside which an orbit without forcing spends a zone.
+    pub(super) fn stay(&self, point: &Vector, zone: usize) -> Option<Stay> {
+        /// It comes as near as this.
+        const NEAR: f64 = 1e-2;
+        self.stay_within(point, zone, NEAR)
+    }
+
+    /// The same, where it comes so near, in units of the states.
+    pub(super) fn stay_within(&self, point: &Vector, zone: usize, most: f64) -> Option<Stay> {
+        /// Places of a zone that are looked at.
+        const PLACES: usize = 256;
+        /// It leaves where it is so many times as far as next to the saddle.
+        const LEAVES: f64 = 3.0;
+        if !self.has_own_period() {
+            return None;
+        }
+        let at = self.at(point).ok()?;
+        let Zone { mode, name, .. } = self.sequence.zone(zone);
+        let units = &self.setting.scales.states;
+        let time = at.zones[zone].duration;
+        let times = (0..=PLACES).map(|place| time * place as f64 / PLACES as f64);
+        let way = at.along(zone, times).ok()?;
+        let far = |one: &[f64], other: &[f64]| {
+            let apart = one.iter().zip(other).zip(units);
+            let apart = apart.map(|((one, other), unit)| ((one - other) / unit).abs());
+            apart.fold(0.0, f64::max)
+        };
+        // it moves least where it is next to the saddle
+        let slowest = way.windows(2).min_by(|one, other| {
+            let moves = |pair: &[Vector]| far(pair[0].as_slice(), pair[1].as_slice());
+            moves(one).total_cmp(&moves(other))
+        });
+        let system = &at.posed.system;
+        let near = &slowest?[0].as_slice()[..units.len()];
+        let equilibrium = system.equilibrium_near(*mode, near)?;
+        let values = &equilibrium.eigenvalues;
+        let growth = values.first().filter(|value| value.re > 0.0)?.re;
+        let turn = |value: &Complex<f64>| match value.im.abs() {
+            0.0 => value.re.abs().recip(),
+            turns => PI / turns,
+        };
+        // what slides comes from without
+        let slides = system.modes[*mode].surface.is_some();
+        let growing = values.iter().rfind(|value| value.re > 0.0)?;
+        let decaying = values.iter().find(|value| value.re < 0.0);
+        let decaying = decaying.or(Some(growing).filter(|_| slides))?;
+        let rest = &equilibrium.state;
+        let states = || way.iter().map(|z| &z.as_slice()[..units.len()]);
+        let (index, nearest) = states()
+            .map(|state| far(state, rest))
+            .enumerate()
+            .min_by(|(_, one), (_, other)| one.total_cmp(other))?;
+        let still_near = |state: &&[f64]| far(state, rest) <= LEAVES * nearest;
+        let leaving = states().skip(index).take_while(still_near).last()?;
+        (nearest < most).then(|| Stay {
+            zone,
+            mode: name.clone(),
+            growth: growth * time,
+            turn: turn(decaying).max(turn(growing)),
+            leaving: leaving.to_vec(),
+            rest: equilibrium.state.clone(),
+        })
+    }
+
+    /// The saddle that an orbit comes to after a stay, where that is another zone.
+    pub(super) fn next_stay(&self, stay: &Stay, point: &Vector) -> Option<Stay> {
+        let mut zones = (1..self.zones()).map(|zone| (stay.zone + zone) % self.zones());
+        zones.find_map(|zone| self.stay(point, zone))
+    }
+
+    /// What the parameter changed by, at most, while the period grew by the last turn beside a saddle.
+    pub(super) fn last_turn(&self, node: &Node) -> Option<f64> {
+        /// Steps back along the branch, and their tolerance: digits are lost here.
+        const STEP: f64 = 0.02;
+        const COARSE: f64 = 1e-6;
+        const MOST: usize = 200;
+        let turn = self.longest_stay(&node.point)?.turn / self.setting.scales.time;
+        let period = |node: &Node| -> f64 {
+            let durations = (0..self.zones()).map(|zone| node.point[self.duration_index(zone)]);
+            durations.sum()
+        };
+        let last = node.point.len() - 1;
+        let (mut here, mut change) = (node.clone(), 0.0_f64);
+        for _ in 0..MOST {
+            if period(node) - period(&here) >= turn {
+                break;
+            }
+            here = node_at(self, &here, -STEP, COARSE)?;
+            change = change.max((here.point[last] - node.point[last]).abs());
+        }
+        Some(change)
+    }
+
+    /// What is left to a homoclinic orbit, at most: the parameter swings about its own or comes from one side, and
+    /// changed by more in the last turn.
+    pub(super) fn left_beside_a_saddle(&self, node: &Node) -> f64 {
+        let slope = node.tangent[node.tangent.len() - 1].abs();
+        self.last_turn(node).unwrap_or(slope)
+    }
+}

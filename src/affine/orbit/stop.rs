@@ -1,0 +1,230 @@
+//! The reasons of the system itself for which a branch of orbits ends, and their sentences.
+
+use std::fmt;
+
+use serde::{Deserialize, Serialize};
+
+use super::signature::Zone;
+use super::{Critical, Held};
+
+/// Ends of a branch for reasons of the system itself.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum OrbitStop {
+    /// The orbit has become one of a part of its period, traversed several times.
+    Repeats {
+        /// How many times.
+        times: usize,
+    },
+    /// The orbit has a symmetry, and beyond it the branch is the image of what it was before.
+    Retraces,
+    /// Without forcing: beyond it the orbit does not switch any more, and belongs to a family at one value of the
+    /// parameter.
+    Centre {
+        /// The mode that is left.
+        zone: Zone,
+    },
+    /// The period grows without bound.
+    Unbounded,
+    /// It does, beside a saddle that the orbit leaves and returns to in the limit, from others where it comes to more.
+    Homoclinic {
+        /// Name of the mode of the saddle.
+        mode: String,
+        /// Name of the mode of the next saddle, where it leads to another one.
+        #[serde(default)]
+        next: Option<String>,
+        /// The parameter of that orbit, where it is known.
+        #[serde(default)]
+        limit: Option<f64>,
+        /// Its error.
+        #[serde(default)]
+        error: f64,
+    },
+    /// It does, since the orbit comes to begin where nothing moves: an equilibrium on the boundary of its mode.
+    Stalls {
+        /// Name of the mode.
+        mode: String,
+    },
+    /// The states grow without bound.
+    Grows,
+    /// The orbit shrinks to an equilibrium.
+    Shrinks,
+    /// The orbit shrinks, in proportion, to a point where its modes meet.
+    Vanishes,
+    /// The period shrinks to nothing.
+    Slides,
+    /// The motion comes to rest: zones in which it moves shrink to nothing together.
+    Rests {
+        /// Names of the modes that are left, each once.
+        modes: Vec<String>,
+    },
+    /// Some states come to rest while others move: what they move by shrinks to nothing.
+    PartRests {
+        /// Names of the states.
+        states: Vec<String>,
+        /// What is left of the branch until then at most, in units of the parameter.
+        #[serde(default)]
+        left: f64,
+    },
+    /// The return map is discontinuous: on the one side of the event motions come back to its orbit, on the other they
+    /// come to a place at a finite distance.
+    Discontinuous {
+        /// That distance, in units of the range of the states.
+        apart: f64,
+    },
+    /// What a motion is off grows within a zone until too few digits are left, as along what repels it: a canard.
+    LosesDigits {
+        /// Name of the mode.
+        mode: String,
+        /// How many times it grows.
+        growth: f64,
+    },
+    /// On the other side motions do not go on: modes follow one another at one instant, or no switch is allowed.
+    Halts {
+        /// Name of the mode in which they stop.
+        mode: String,
+        /// The guard that is zero there, as the file has it.
+        guard: String,
+    },
+    /// The motion only just reaches a guard: beyond it, it misses the switch, and no orbit is near.
+    Misses {
+        /// What vanishes.
+        held: Held,
+    },
+    /// Two switches come at one instant, and in the other order they lead elsewhere.
+    Jumps {
+        /// What vanishes.
+        held: Held,
+    },
+    /// The orbit is one of a family, and keeps what its start has: beyond it others of the family go on, and this one does not.
+    OthersRemain {
+        /// What vanishes.
+        held: Held,
+        /// Names of the states of which the others have other values where they begin.
+        states: Vec<String>,
+    },
+    /// Beyond it a switch leads to where it is met again at once.
+    Held {
+        /// The guard, as the file has it.
+        guard: String,
+        /// Name of the mode.
+        mode: String,
+    },
+    /// The durations of successive zones fall geometrically: switches accumulate, and beyond it infinitely many follow
+    /// one another in a finite time.
+    Accumulates {
+        /// How many zones in a row.
+        zones: usize,
+        /// Of one duration to that before.
+        ratio: f64,
+    },
+}
+
+/// Names in a row, as a sentence has them.
+pub(super) fn quoted(names: &[String]) -> String {
+    let names: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
+    names.join(", ")
+}
+
+impl fmt::Display for OrbitStop {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            OrbitStop::Repeats { times } => write!(
+                formatter,
+                "the orbit is one of 1/{times} of its period, traversed {times} times"
+            ),
+            OrbitStop::Retraces => write!(
+                formatter,
+                "the orbit is symmetric there, and beyond it the branch is the mirror image of what it was before"
+            ),
+            OrbitStop::Centre { .. } => write!(
+                formatter,
+                "beyond it nothing switches: a family of orbits at one value of the parameter"
+            ),
+            OrbitStop::Unbounded => write!(formatter, "the period grows without bound"),
+            OrbitStop::Homoclinic {
+                mode, next, limit, ..
+            } => {
+                let (mode, next) = (mode.clone(), next.clone());
+                Critical::Homoclinic { mode, next }.fmt(formatter)?;
+                match limit {
+                    Some(limit) => write!(formatter, ", at {limit}"),
+                    None => Ok(()),
+                }
+            }
+            OrbitStop::Stalls { mode } => write!(
+                formatter,
+                "the period grows without bound: `{mode}` begins ever nearer to its equilibrium, which lies at its boundary, \
+                 and leaves it ever later, until rounding decides when"
+            ),
+            OrbitStop::Grows => write!(formatter, "the states grow without bound: a resonance"),
+            OrbitStop::Rests { modes } => {
+                let last = if modes.len() == 1 { "lasts" } else { "last" };
+                let names = quoted(modes);
+                write!(
+                    formatter,
+                    "the motion comes to rest: beyond it {names} {last} for ever, wherever it begins"
+                )
+            }
+            OrbitStop::PartRests { states, .. } => write!(
+                formatter,
+                "the motion of {} comes to rest while the rest moves on: beyond it they stand still, which no sequence \
+                 of modes nearby has",
+                quoted(states)
+            ),
+            OrbitStop::Discontinuous { apart } => write!(
+                formatter,
+                "the return map is discontinuous there: motions beside its orbit on the one side of the event come back \
+                 to it after a period, on the other they jump to {apart:.1e} of the range of the states away, however \
+                 near they begin, and no orbit is near"
+            ),
+            OrbitStop::LosesDigits { mode, growth } => write!(
+                formatter,
+                "what a motion is off grows {growth:.0e} times within a zone of `{mode}`, since it follows what repels it \
+                 for long (as a canard does): too few digits are left to go on"
+            ),
+            OrbitStop::Halts { mode, guard } => write!(
+                formatter,
+                "beyond it motions beside its orbit stop where {guard} of `{mode}` is zero: no mode of the system goes on \
+                 from there. Where the rates on both sides push back at that surface, the motion would stick or slide in it: \
+                 an entry of `sliding` for the two modes is missing, or a mode or a switch"
+            ),
+            OrbitStop::Misses { held } => write!(
+                formatter,
+                "the orbit ends at its graze: beyond it {} of `{}` does not come to zero any more, and the motion goes \
+                 elsewhere",
+                held.guard, held.mode
+            ),
+            OrbitStop::Jumps { held } => write!(
+                formatter,
+                "the orbit ends where two switches come at one instant: with {} of `{}` the second of them, the motion \
+                 beyond goes elsewhere at once",
+                held.guard, held.mode
+            ),
+            OrbitStop::OthersRemain { held, states } => write!(
+                formatter,
+                "the orbit is one of a family, which the branch follows with what {} has of its start: beyond it {} of `{}` is \
+                 negative on this orbit, and others of the family, which keep another value, go on",
+                quoted(states),
+                held.guard,
+                held.mode
+            ),
+            OrbitStop::Held { guard, mode } => write!(
+                formatter,
+                "beyond it {guard} is met again as soon as `{mode}` begins: infinitely many switches follow at one \
+                 instant"
+            ),
+            OrbitStop::Shrinks => Critical::Shrinking.fmt(formatter),
+            OrbitStop::Slides => write!(
+                formatter,
+                "the orbit and its period shrink to nothing together: switches follow one another ever faster, and in \
+                 the limit without end at one place, as in sliding"
+            ),
+            OrbitStop::Vanishes => Critical::Vanishing.fmt(formatter),
+            OrbitStop::Accumulates { zones, ratio } => write!(
+                formatter,
+                "switches accumulate: {zones} zones in a row last {ratio:.3} times the one before each, and infinitely \
+                 many follow in a finite time"
+            ),
+        }
+    }
+}
