@@ -6,10 +6,10 @@
 //! what arrives there. These are k equations,
 //!
 //! ```text
-//! e^(−μt) Q(x(t) − x₂) = 0,    x(0) = x₁ + εd,
+//! Q e^(−JPt)(x(t) − x₂) = 0,    x(0) = x₁ + εd,
 //! ```
 //!
-//! in a and one parameter; Q are the coordinates of P(x − x₂), μ the largest growth, t the time since the motion came near. The
+//! in a and one parameter; J is ∂f/∂x at x₂, Q are coordinates along its growing directions, t the time since the motion came near. The
 //! left side hardly depends on t while x is near the saddle: it is the mean over samples, each weighted by the square of the
 //! inverse of what it leaves out, which is smooth in the parameters. Of the parameter of the connection the motion has all
 //! digits at its nearest sample, however long a stay there would last: no stay is followed.
@@ -17,7 +17,7 @@
 //! | left out | of | why |
 //! |---|---|---|
 //! | ε² | the way out of a mode that is not affine | the growing directions bend; it decays on the way |
-//! | e^(−μt)·d² | an arrival at the distance d in such a mode | the decaying directions bend |
+//! | e^(−μt)·d² | an arrival at the distance d in such a mode, μ the least growth | the decaying directions bend |
 //! | `NOISE` | any arrival | rounding of the flow, or its tolerance, which grows as what is looked at |
 
 use serde::{Deserialize, Serialize};
@@ -354,6 +354,7 @@ impl Connection {
         let growing = &saddle.projection * columns(units.len(), &self.growing[1]);
         let square = growing.transpose() * &growing;
         let coordinates = Factors::new(&square).inverse()? * growing.transpose();
+        let back = &saddle.slopes * &saddle.projection * -1.0;
         let (bends, tolerance) = match is_exact {
             true => (0.0, 0.0),
             false => (1.0, self.scales.tolerance),
@@ -381,10 +382,10 @@ impl Connection {
                 break;
             }
             let since = time - *near.get_or_insert(time);
-            let shrinks = (-saddle.growth * since).exp();
+            let before = plain_propagator(&back, units.len(), back.norm(), since) * grown;
             samples.push(Arrival {
-                misses: &coordinates * grown * shrinks,
-                left_out: bends * size * size * shrinks + noise,
+                misses: &coordinates * before,
+                left_out: bends * size * size * (-saddle.slowest * since).exp() + noise,
             });
             // all of a flow that is linear says the same
             if is_exact {

@@ -148,8 +148,8 @@ fn a_loop_in_closed_form() {
 /// rates are left where they bend by the square of 1e-3, as far as they do: here the slow one is straight.
 #[test]
 fn a_loop_with_two_growing_directions() {
-    located(WITH_A_GROWING_STATE, 0, 0.05, 1e-8);
-    follows(WITH_A_GROWING_STATE, |nu| 0.4 * nu + nu * nu, 1e-8);
+    located(WITH_A_GROWING_STATE, 0, 0.05, 1e-12);
+    follows(WITH_A_GROWING_STATE, |nu| 0.4 * nu + nu * nu, 1e-12);
 }
 
 #[test]
@@ -210,7 +210,7 @@ fn derivatives() {
         (residual, jacobian)
     };
     let (at, jacobian) = value(&start.point);
-    assert!(at.iter().all(|value| value.abs() < 1e-8), "{at:?}");
+    assert!(at.iter().all(|value| value.abs() < 1e-12), "{at:?}");
     for column in 0..count {
         const STEP: f64 = 1e-9;
         let mut beside = start.point.clone();
