@@ -79,67 +79,51 @@ fn of_system(
     let name = task.name();
     let section = problem.curve(&text, &name)?;
     let source = Source::new(name, text.clone());
-    let kind = match &section.event {
-        SystemCurveEvent::Label { dir, label } => named(problem, dir, *label, true, &source)?.kind,
-        event => event.kind(),
+    let earlier = match &section.event {
+        SystemCurveEvent::Label { dir, label } => Some(named(problem, dir, *label, true, &source)?),
+        _ => None,
     };
-    if kind == Some(EventType::HC) {
-        return of_connection(task, problem, text, format);
-    }
-    let store = task.open_system(&task.folder("_curve"), Kind::Curve, problem)?;
+    let kind = match &earlier {
+        Some(named) => named.kind,
+        None => section.event.kind(),
+    };
     let refuse = |error: NoCurve<Orbits>| refusal(&source, &error, hybrid::NoStart::about);
+    let ready = || ready_system(problem.clone(), text, &task.problem);
+    let progress = || Progress::new(task.quiet);
+    // a homoclinic orbit is followed as its saddle
+    if kind == Some(EventType::HC) {
+        let begin = || {
+            let begun = match &earlier {
+                Some(named) => start::labelled_connection(problem, &named.saved, section),
+                None => {
+                    let (prepared, progress) = (ready()?, progress());
+                    let mut watch = |branch: &hybrid::Runner| looking(&progress, branch);
+                    let begun = |problem: &SystemProblem| prepared.start(problem);
+                    start::find_connection(problem, section, begun, &mut watch)
+                }
+            };
+            begun.map_err(&refuse)
+        };
+        let about = NoEquilibriumStart::about;
+        let refuse = |error: NoCurve<Equilibria>| refusal(&source, &error, about);
+        return follow_system(task, problem, format, begin, &refuse);
+    }
     let begin = || {
-        if let SystemCurveEvent::Label { dir, label } = &section.event {
-            let named = named(problem, dir, *label, true, &source)?;
-            let kind = named.kind.unwrap_or(EventType::EP);
-            let begun = start::labelled_of_system(problem, &named.saved, kind, section);
-            return begun.map_err(&refuse);
-        }
-        let prepared = ready_system(problem.clone(), text, &task.problem)?;
-        let progress = Progress::new(task.quiet);
-        let mut watch = |branch: &hybrid::Runner| looking(&progress, branch);
-        let begun = |problem: &SystemProblem| prepared.start(problem);
-        start::find_of_system(problem, section, begun, &mut watch).map_err(&refuse)
+        let begun = match &earlier {
+            Some(named) => {
+                let kind = named.kind.unwrap_or(EventType::EP);
+                start::labelled_of_system(problem, &named.saved, kind, section)
+            }
+            None => {
+                let (prepared, progress) = (ready()?, progress());
+                let mut watch = |branch: &hybrid::Runner| looking(&progress, branch);
+                let begun = |problem: &SystemProblem| prepared.start(problem);
+                start::find_of_system(problem, section, begun, &mut watch)
+            }
+        };
+        begun.map_err(&refuse)
     };
-    let draw = |store: &Store, found: &Curve<Orbits>, ranges| {
-        let drawn = pictures::orbits::draw_curve(store, problem, found, ranges, format);
-        drawn.map(|_| ())
-    };
-    let title = problem.title.as_deref();
-    follow(task, store, (problem, title, format), begin, &refuse, draw)
-}
-
-/// The saddle of a homoclinic orbit of a branch of orbits.
-fn of_connection(
-    task: &Task,
-    problem: &SystemProblem,
-    text: String,
-    format: Format,
-) -> Result<Exit, Failure> {
-    let name = task.problem.display().to_string();
-    let section = problem.curve(&text, &name)?;
-    let source = Source::new(name, text.clone());
-    let store = task.open_system(&task.folder("_curve"), Kind::Curve, problem)?;
-    let refuse = |error: NoCurve<Equilibria>| refusal(&source, &error, NoEquilibriumStart::about);
-    let refuse_orbit = |error: NoCurve<Orbits>| refusal(&source, &error, hybrid::NoStart::about);
-    let begin = || {
-        if let SystemCurveEvent::Label { dir, label } = &section.event {
-            let named = named(problem, dir, *label, true, &source)?;
-            let begun = start::labelled_connection(problem, &named.saved, section);
-            return begun.map_err(&refuse_orbit);
-        }
-        let prepared = ready_system(problem.clone(), text, &task.problem)?;
-        let progress = Progress::new(task.quiet);
-        let mut watch = |branch: &hybrid::Runner| looking(&progress, branch);
-        let begun = |problem: &SystemProblem| prepared.start(problem);
-        start::find_connection(problem, section, begun, &mut watch).map_err(&refuse_orbit)
-    };
-    let draw = |store: &Store, found: &Curve<Equilibria>, ranges| {
-        let drawn = pictures::orbits::draw_curve(store, problem, found, ranges, format);
-        drawn.map(|_| ())
-    };
-    let title = problem.title.as_deref();
-    follow(task, store, (problem, title, format), begin, &refuse, draw)
+    follow_system(task, problem, format, begin, &refuse)
 }
 
 fn of_equilibria(
@@ -151,7 +135,6 @@ fn of_equilibria(
     let name = task.name();
     let section = problem.curve(&text, &name)?;
     let source = Source::new(name, text.clone());
-    let store = task.open_system(&task.folder("_curve"), Kind::Curve, problem)?;
     let refuse = |error: NoCurve<Equilibria>| refusal(&source, &error, NoEquilibriumStart::about);
     let begin = || {
         if let SystemCurveEvent::Label { dir, label } = &section.event {
@@ -166,12 +149,24 @@ fn of_equilibria(
         let begun = || prepared.start();
         find_of_equilibria(problem, section, begun, &mut watch).map_err(&refuse)
     };
-    let draw = |store: &Store, found: &Curve<Equilibria>, ranges| {
+    follow_system(task, problem, format, begin, &refuse)
+}
+
+/// Follows a curve of a system into its folder.
+fn follow_system<P: Plane>(
+    task: &Task,
+    problem: &SystemProblem,
+    format: Format,
+    begin: impl FnOnce() -> Result<Start<P>, Failure>,
+    refuse: &dyn Fn(NoCurve<P>) -> Failure,
+) -> Result<Exit, Failure> {
+    let store = task.open_system(&task.folder("_curve"), Kind::Curve, problem)?;
+    let draw = |store: &Store, found: &Curve<P>, ranges| {
         let drawn = pictures::orbits::draw_curve(store, problem, found, ranges, format);
         drawn.map(|_| ())
     };
     let title = problem.title.as_deref();
-    follow(task, store, (problem, title, format), begin, &refuse, draw)
+    follow(task, store, (problem, title, format), begin, refuse, draw)
 }
 
 /// Why there is no curve of a system, at the line of the problem file that it is about; of a branch that does not begin that

@@ -55,7 +55,7 @@ pages! {
 fn follow(page: &Page) {
     let bench = Bench::new();
     fs::create_dir(bench.path("problems")).expect("a folder");
-    for name in problem_names() {
+    for name in names_in(Path::new(PROBLEMS), ".ron") {
         let copy = bench.path("problems").join(&name);
         fs::copy(Path::new(PROBLEMS).join(&name), copy).expect("a problem file");
     }
@@ -130,30 +130,17 @@ fn run(bench: &Bench, block: &Block, place: &str) -> Option<String> {
     Some(printed)
 }
 
-/// The names of the problem files of the repository.
-fn problem_names() -> Vec<String> {
-    let entries = fs::read_dir(PROBLEMS).expect("the problem files");
-    let names = entries.map(|entry| {
-        entry
-            .expect("an entry")
-            .file_name()
-            .to_string_lossy()
-            .into_owned()
-    });
-    names.filter(|name| name.ends_with(".ron")).collect()
+/// The names of the files in a folder that end so.
+fn names_in(folder: &Path, ending: &str) -> BTreeSet<String> {
+    let entries = fs::read_dir(folder).expect("a folder");
+    let name = |entry: fs::DirEntry| entry.file_name().to_string_lossy().into_owned();
+    let names = entries.map(|entry| name(entry.expect("an entry")));
+    names.filter(|name| name.ends_with(ending)).collect()
 }
 
 #[test]
 fn every_page_is_tested_and_in_the_index() {
-    let entries = fs::read_dir(Path::new(ROOT).join("docs")).expect("the folder of pages");
-    let names = entries.map(|entry| {
-        entry
-            .expect("an entry")
-            .file_name()
-            .to_string_lossy()
-            .into_owned()
-    });
-    let pages: BTreeSet<String> = names.filter(|name| name.ends_with(".md")).collect();
+    let pages = names_in(&Path::new(ROOT).join("docs"), ".md");
     let index = Page::read("docs/README.md");
     for name in &pages {
         assert!(
@@ -195,7 +182,7 @@ fn links_lead_somewhere() {
 fn every_problem_file_is_in_a_page() {
     let texts: Vec<String> = PAGES.iter().map(|name| Page::read(name).prose).collect();
     let text = texts.join("\n");
-    for name in problem_names() {
+    for name in names_in(Path::new(PROBLEMS), ".ron") {
         assert!(
             text.contains(&format!("problems/{name}")),
             "{name} is in no page"
