@@ -672,6 +672,19 @@ impl<O: Told> Display for What<O> {
                 f.write_str("a pair of multipliers has the product 1 here too")
             }
             What::Other(kind) => write!(f, "{kind}"),
+            What::Shrinks { kind, error } => {
+                let point = match kind {
+                    PointType::GH => "a degenerate Hopf point",
+                    PointType::Two(EventType::HB, EventType::BE) => "a Hopf point on its guard",
+                    PointType::Two(_, EventType::BE) => "a boundary equilibrium",
+                    _ => "a Hopf point",
+                };
+                write!(
+                    f,
+                    "the {} shrinks to an equilibrium, {point}: the parameters there are limits, to {error:.0e} of their ranges",
+                    O::NAME
+                )
+            }
             What::Passing([before, after]) => write!(
                 f,
                 "multipliers pass the unit circle together: {before} are outside it before, {after} after"

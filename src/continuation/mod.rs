@@ -3,6 +3,7 @@
 //! - [`newton`]: a system, a constraint that closes it, Newton's method;
 //! - [`arclength`]: one step of pseudo-arclength;
 //! - [`locate`]: points within a step;
+//! - [`limit`]: a point that steps come near and do not reach;
 //! - [`walk`]: the driver that follows a curve, event by event, to its end;
 //! - [`zero`]: zeros of functions of one variable.
 
@@ -11,6 +12,7 @@ pub mod arclength;
 mod circle;
 #[cfg(test)]
 mod cut_disc;
+pub mod limit;
 pub mod locate;
 pub mod newton;
 pub mod walk;

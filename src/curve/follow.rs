@@ -9,6 +9,7 @@ use super::point::{Gone, Limits, Point, PointType, What};
 use super::system::EventSystem;
 use super::tube::Tube;
 use crate::continuation::Node;
+use crate::continuation::limit::limit;
 use crate::continuation::locate::{self, Least, Place, Target};
 use crate::continuation::newton;
 use crate::continuation::walk::{self, Beginning, Curve, End, Outcome, Segment, Within};
@@ -86,6 +87,8 @@ pub enum Event<P: Plane> {
     Other(Test),
     /// The number of multipliers outside the unit circle changes, from the first to the second.
     Passing([usize; 2]),
+    /// Orbits shrink to a point: the unknowns there, and the part of their ranges to which the parameters are known.
+    Shrinks(Vector, f64),
 }
 
 /// Why an event refuses a step.
@@ -374,6 +377,56 @@ impl<P: Plane> EventCurve<P> {
         Ok(Some((place, Event::Passing([before, after]))))
     }
 
+    /// Where orbits shrink to a point, which small ones tell: beside it the equations are singular to their size, but the curve
+    /// is smooth in it.
+    fn shrinking(&self, step: &Stage<P>) -> Result<Option<(Place, Event<P>)>, Refusal<P>> {
+        /// Size, in units of the states, of the largest orbit that tells, and the number of orbits: what their polynomial leaves out
+        /// is of order 1e-13, and rounding of the smallest of folds, which is divided by the cube of its size, 1e-12.
+        const SMALL: f64 = 5e-2;
+        const SAMPLES: i32 = 8;
+        /// Most that the limit of the parameters may be off by, in their ranges.
+        const KNOWN: f64 = 1e-8;
+        let size = |node: &Node, most: f64| {
+            let (orbit, unknowns) = self.system.orbit(&node.point, 0).ok()?;
+            P::extent(&orbit, &unknowns, most)
+        };
+        let [before, after] = [step.from, step.to].map(|node| size(node, 1.0));
+        let (Some(before), Some(after)) = (before, after) else {
+            return Ok(None);
+        };
+        // an orbit that has passed a point has moved by its own size
+        let moved = (&step.to.point - &step.from.point).norm();
+        if moved >= 0.5 * before && P::turns(&step.after.examination, &step.before.examination) {
+            return Err(Refusal::NotLocated);
+        }
+        if after > SMALL || after >= before {
+            return Ok(None);
+        }
+        let largest = SMALL.min(before);
+        let samples: Option<Vec<(Place, f64)>> = (1..=SAMPLES)
+            .rev()
+            .map(|sample| {
+                let wanted = largest * f64::from(sample) / f64::from(SAMPLES);
+                let s = step.ds * (before - wanted) / (before - after);
+                let node = locate::node_at(&self.system, step.from, s, step.steps.tolerance)?;
+                let size = size(&node, 1.0)?;
+                Some((Place { s, node, blur: 0.0 }, size))
+            })
+            .collect();
+        let Some(samples) = samples else {
+            return Ok(None);
+        };
+        let sized = samples
+            .iter()
+            .map(|(place, size)| (*size, place.node.point.clone()));
+        let last = samples.last().map(|(place, _)| place.clone());
+        let (Some((point, error)), Some(place)) = (limit(&sized.collect::<Vec<_>>()), last) else {
+            return Ok(None);
+        };
+        let error = error.rows(point.len() - 2, 2).amax();
+        Ok((error <= KNOWN).then_some((place, Event::Shrinks(point, error))))
+    }
+
     /// The change of regime where another margin vanishes.
     fn second(
         &self,
@@ -546,7 +599,7 @@ impl<P: Plane> Curve for EventCurve<P> {
         let ends = |event: &Event<P>| match event {
             Event::Fold | Event::Cusp | Event::Passing(_) => false,
             Event::Other(test) => test.ends,
-            Event::Edge(..) | Event::Margin(_) => true,
+            Event::Edge(..) | Event::Margin(_) | Event::Shrinks(..) => true,
         };
         let end = located.iter().find(|(_, event)| ends(event));
         let end = end.map_or(f64::INFINITY, |(place, _)| place.s - step.at_once());
@@ -612,6 +665,7 @@ impl<P: Plane> Curve for EventCurve<P> {
         let mut located = self.edges(step).ok_or(Refusal::NotLocated)?;
         located.extend(self.margins(step)?);
         located.extend(self.signs(step)?);
+        located.extend(self.shrinking(step)?);
         // what is located accounts for the number, or ends the step before its end
         if located.is_empty() {
             located.extend(self.passing(step)?);
@@ -678,6 +732,25 @@ impl<P: Plane> Curve for EventCurve<P> {
             Event::Passing(outside) => {
                 solved.point.what = P::say(&What::Passing(*outside));
                 Outcome::Passed(solved)
+            }
+            Event::Shrinks(point, error) => {
+                let (orbit, unknowns) = self
+                    .system
+                    .orbit(&place.node.point, 0)
+                    .map_err(Refusal::Flow)?;
+                let kind = P::of_no_size(self.event, &self.system.condition, &orbit, &unknowns);
+                say(
+                    kind,
+                    &What::Shrinks {
+                        kind,
+                        error: *error,
+                    },
+                );
+                solved.point.parameters = self.system.values(point);
+                if let Ok((orbit, unknowns)) = self.system.orbit(point, 0) {
+                    (solved.point.measure, _) = P::measure(&orbit, &unknowns);
+                }
+                Outcome::Ended(vec![solved], there)
             }
             Event::Other(test) => {
                 let kind = match test.kind {

@@ -12,7 +12,9 @@ use crate::affine::monitor::{Monitor, MonitorSource};
 use crate::affine::monitored;
 use crate::affine::orbit::multipliers::{Monodromy, Multiplier};
 use crate::affine::orbit::symmetry::Kept;
-use crate::affine::orbit::{AffineOrbit, Margin, OrbitFailure, Scales, Sequence, Setting, Watch};
+use crate::affine::orbit::{
+    AffineOrbit, Examination, Margin, OrbitFailure, Scales, Sequence, Setting, Watch,
+};
 use crate::affine::system::{Ordered, System};
 use crate::linalg::{Matrix, Vector};
 use crate::orbit::EventType;
@@ -274,6 +276,32 @@ impl Plane for Orbits {
     fn measure(orbit: &AffineOrbit, point: &Vector) -> (f64, Option<f64>) {
         let cycle = orbit.cycle(point);
         (cycle.map_or(f64::NAN, |cycle| cycle.period), None)
+    }
+
+    fn extent(orbit: &AffineOrbit, point: &Vector, most: f64) -> Option<f64> {
+        let shrinks = orbit.has_own_period();
+        shrinks.then(|| orbit.extent_within(point, most)).flatten()
+    }
+
+    fn turns(examination: &Examination, before: &Examination) -> bool {
+        examination.rate.dot(&before.rate) < 0.0
+    }
+
+    /// An equilibrium with a pair on the imaginary axis, and on the guard where the orbits graze it; an orbit that switches
+    /// shrinks to a boundary equilibrium.
+    fn of_no_size(
+        event: EventType,
+        condition: &Condition<Orbits>,
+        orbit: &AffineOrbit,
+        point: &Vector,
+    ) -> PointType {
+        let is_smooth = orbit.sequence.switches() == 0 || orbit.is_smooth_near(point);
+        match condition {
+            _ if !is_smooth => PointType::Two(event, EventType::BE),
+            Condition::Margin(_) => PointType::Two(EventType::HB, EventType::BE),
+            Condition::Fold => PointType::GH,
+            _ => PointType::Two(event, EventType::HB),
+        }
     }
 
     fn passing(orbit: &AffineOrbit, point: &Vector) -> String {

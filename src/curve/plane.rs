@@ -157,6 +157,27 @@ pub trait Plane: Data {
     /// Name of an orbit.
     fn name(orbit: &Self::Orbit, point: &Vector) -> String;
 
+    /// Size of an orbit in units of its states, where it is at most this and orbits of no size make the equations singular: those
+    /// that shrink to a point.
+    fn extent(_: &Self::Orbit, _point: &Vector, _most: f64) -> Option<f64> {
+        None
+    }
+
+    /// Whether an orbit sets out the other way round than one before it, as it does beyond a point of no size.
+    fn turns(_: &ExaminationOf<Self>, _before: &ExaminationOf<Self>) -> bool {
+        false
+    }
+
+    /// Type of the point at which orbits of an event shrink to a point.
+    fn of_no_size(
+        event: EventType,
+        _: &Condition<Self>,
+        _: &Self::Orbit,
+        _point: &Vector,
+    ) -> PointType {
+        PointType::One(event)
+    }
+
     /// What every point tells of its orbit: the speed of a wave, the period of an orbit; and the excess speed.
     fn measure(orbit: &Self::Orbit, point: &Vector) -> (f64, Option<f64>);
 

@@ -201,6 +201,13 @@ pub enum What<O: Orbit> {
     Other(PointType),
     /// The number of multipliers outside the unit circle changes, from the first to the second.
     Passing([usize; 2]),
+    /// The orbit shrinks to a point; the parameters are known to this part of their ranges.
+    Shrinks {
+        /// Type of the point.
+        kind: PointType,
+        /// The part.
+        error: f64,
+    },
     /// Something comes so close to zero that rounding decides.
     Close(Close<O::Held>),
 }

@@ -12,6 +12,7 @@ mod meeting;
 mod monitors;
 mod regions;
 mod resume;
+mod shrinking;
 mod systems;
 
 use brakewave::branch::run::Runner;

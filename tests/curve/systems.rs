@@ -55,7 +55,8 @@ fn start(problem: &SystemProblem) -> Result<Start<Orbits>, NoCurve<Orbits>> {
     find_of_system(problem, curve, begin, &mut |_| ())
 }
 
-fn curve(problem: &SystemProblem) -> Curve<Orbits> {
+/// The curve of a problem, with nothing named beside it.
+pub(super) fn curve(problem: &SystemProblem) -> Curve<Orbits> {
     let start = start(problem).unwrap();
     let mut run = Run::begin(&start.system, start.event, &start.point, start.limits).unwrap();
     while run.step().unwrap().is_some() {}

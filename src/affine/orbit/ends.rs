@@ -275,37 +275,11 @@ impl AffineOrbit {
         const LITTLE: f64 = 1e-3;
         /// A size that a located event may have at the point itself.
         const TINY: f64 = 1e-12;
-        /// How much further an orbit may be than its size in the time of its period at the speed with which it begins.
-        const SLOW: f64 = 1e3;
         let Node { point, tangent, .. } = node;
-        let units = &self.setting.scales.states;
-        let (n, width) = (self.states(), self.width());
         if self.sequence.switches() == 0 {
             return None;
         }
-        // most orbits go far on the way to the next entry, or set out fast: that costs little to see
-        let entry = |zone: usize| point.rows(width * zone, n);
-        let small = if self.zones() > 1 {
-            let others = &mut (1..self.zones());
-            others.all(|zone| (entry(zone) - entry(0)).amax() <= most)
-        } else {
-            let at = self.at(point).ok()?;
-            let (duration, rate) = (at.zones[0].duration, &at.mode(0).matrix.at * at.entry(0));
-            (0..n).all(|state| (duration * rate[state] / units[state]).abs() <= SLOW * most)
-        };
-        if !small {
-            return None;
-        }
-        let size = |point: &Vector| -> Option<f64> {
-            let extremes = self.extremes(point).ok()?;
-            let ranges = extremes.iter().zip(units);
-            Some(
-                ranges
-                    .map(|((low, high), unit)| (high - low) / unit)
-                    .fold(0.0, f64::max),
-            )
-        };
-        let here = size(point).filter(|here| *here <= most)?;
+        let here = self.extent_within(point, most)?;
         if let Some(hopf) = self.smooth_hopf(point) {
             return Some(Vanishing {
                 parameter: hopf.parameter,
@@ -314,7 +288,7 @@ impl AffineOrbit {
             });
         }
         let left = if here > TINY {
-            let before = size(&(point - tangent * here))?;
+            let before = self.extent(&(point - tangent * here))?;
             here * here / (before - here)
         } else {
             here

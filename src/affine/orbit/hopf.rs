@@ -136,6 +136,11 @@ impl AffineOrbit {
         self.is_smooth_at(&hopf)?.then_some(hopf)
     }
 
+    /// Whether a small orbit that switches has a Hopf point next to it where its switches make no difference.
+    pub fn is_smooth_near(&self, point: &Vector) -> bool {
+        self.smooth_hopf(point).is_some()
+    }
+
     /// Whether all modes of the orbit have one equilibrium at a point, with the same derivatives, and no reset moves a
     /// state.
     fn is_smooth_at(&self, point: &HopfPoint) -> Option<bool> {

@@ -187,7 +187,7 @@ impl AffineOrbit {
     }
 
     /// Whether the period is neither that of a forcing nor prescribed.
-    pub(super) fn has_own_period(&self) -> bool {
+    pub fn has_own_period(&self) -> bool {
         !self.is_forced() && self.setting.prescribed.is_none()
     }
 

@@ -192,11 +192,40 @@ impl AffineOrbit {
 
     /// Whether every state varies by no more than this part of its unit.
     pub(super) fn varies_within(&self, point: &Vector, most: f64) -> bool {
+        self.extent(point).is_some_and(|size| size <= most)
+    }
+
+    /// The largest range of a state over the period, in units of the states.
+    pub(super) fn extent(&self, point: &Vector) -> Option<f64> {
+        let extremes = self.extremes(point).ok()?;
+        let ranges = extremes.iter().zip(&self.setting.scales.states);
+        Some(
+            ranges
+                .map(|((low, high), unit)| (high - low) / unit)
+                .fold(0.0, f64::max),
+        )
+    }
+
+    /// The same where it is at most this.
+    pub fn extent_within(&self, point: &Vector, most: f64) -> Option<f64> {
+        /// How much further an orbit may be than its size in the time of its period at the speed with which it begins.
+        const SLOW: f64 = 1e3;
+        let (n, width) = (self.states(), self.width());
         let units = &self.setting.scales.states;
-        self.extremes(point).is_ok_and(|extremes| {
-            let mut pairs = extremes.iter().zip(units);
-            pairs.all(|((low, high), unit)| high - low <= most * unit)
-        })
+        // most orbits go far on the way to the next entry, or set out fast: that costs little to see
+        let entry = |zone: usize| point.rows(width * zone, n);
+        let may_be = if self.zones() > 1 {
+            let others = &mut (1..self.zones());
+            others.all(|zone| (entry(zone) - entry(0)).amax() <= most)
+        } else {
+            let at = self.at(point).ok()?;
+            let (duration, rate) = (at.zones[0].duration, &at.mode(0).matrix.at * at.entry(0));
+            (0..n).all(|state| (duration * rate[state] / units[state]).abs() <= SLOW * most)
+        };
+        may_be
+            .then(|| self.extent(point))
+            .flatten()
+            .filter(|size| *size <= most)
     }
 
     /// The orbit of half the period that this one is when traversed twice, with its stability, and its unknowns.

@@ -1,0 +1,67 @@
+//! Curves of events of cycles that end where the cycles shrink to a point.
+
+use brakewave::EventType;
+use brakewave::curve::{Curve, Orbits, Point, PointType};
+use brakewave::problem::{Any, parse_any};
+
+use crate::curve::systems::curve;
+
+/// A cycle r = √μ that comes to touch x = g.
+const GRAZING: &str = r#"(
+    system: (states: ["x", "y"], parameters: {"mu": 0.1, "g": 0.4}, define: {"q": "mu - x^2 - y^2"}, modes: {
+        "free": (rates: {"x": "x*q - y", "y": "y*q + x"}, until: [(zero: "g - x", to: "free", reset: {"x": "g - 0.1*y"})]),
+    }),
+    orbit: (start: Simulate(mode: "free", state: {"x": 0.3, "y": 0.0}, settle: 300)),
+    continuation: (parameter: "mu", range: (0.01, 0.5), toward: Up),
+    curve: (event: GR, parameters: ("mu", "g"), range: ((-0.2, 0.2), (-0.5, 0.5))),
+)"#;
+
+/// Cycles μ + br² − r⁴ = 0, which meet at r² = b/2.
+const FOLDING: &str = r#"(
+    system: (states: ["x", "y"], parameters: {"mu": -0.1, "b": 1.0}, define: {"r": "x^2 + y^2", "q": "mu + b*r - r^2"}, modes: {
+        "free": (rates: {"x": "x*q - y", "y": "y*q + x"}),
+    }),
+    orbit: (start: Simulate(mode: "free", state: {"x": 0.9, "y": 0.0}, settle: 100)),
+    continuation: (parameter: "mu", range: (-0.5, 0.1), toward: Down),
+    curve: (event: LP, parameters: ("mu", "b"), range: ((-0.3, 0.5), (-1.0, 2.0))),
+)"#;
+
+/// The curve of a problem, all points of which solve an equation to the tolerance of curves, and whose only points of
+/// codimension two are of this type at the origin.
+fn ends_at_the_origin(text: &str, equation: impl Fn(&Point) -> f64, kind: PointType, most: f64) {
+    let Ok(Any::System(problem)) = parse_any(text, "test") else {
+        panic!("a system");
+    };
+    let found: Curve<Orbits> = curve(&problem);
+    assert!(!found.failed, "{} | {}", found.end(0), found.end(1));
+    let mut ends = 0;
+    for point in &found.points {
+        let off = equation(point).abs();
+        assert!(off <= most, "{:?}: {off:e}", point.parameters);
+        match point.kind {
+            Some(PointType::One(EventType::EP | EventType::GR | EventType::LP)) | None => (),
+            other => {
+                assert_eq!(other, Some(kind));
+                assert!(point.parameters.iter().all(|value| value.abs() <= most));
+                assert!((point.measure - std::f64::consts::TAU).abs() <= most);
+                ends += 1;
+            }
+        }
+    }
+    assert_eq!(ends, 1);
+}
+
+/// μ = g².
+#[test]
+fn a_graze_ends_where_a_hopf_point_is_on_the_guard() {
+    let kind = PointType::Two(EventType::HB, EventType::BE);
+    let equation = |point: &Point| point.parameters[0] - point.parameters[1].powi(2);
+    ends_at_the_origin(GRAZING, equation, kind, 1e-12);
+}
+
+/// μ = −b²/4. Of a fold beside the origin b is known to rounding divided by the cube of its size, 1e-15 / 6e-3³.
+#[test]
+fn a_fold_ends_at_a_degenerate_hopf_point() {
+    let equation = |point: &Point| point.parameters[0] + 0.25 * point.parameters[1].powi(2);
+    ends_at_the_origin(FOLDING, equation, PointType::GH, 5e-9);
+}
