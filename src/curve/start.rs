@@ -28,6 +28,15 @@ use crate::problem::{
 use crate::tube::model::{Parameter, Sectors};
 use crate::tube::wave::Wave;
 
+/// Settings of Newton's method for the first point of a curve of connections, which the end of a branch has told but for
+/// rounding.
+const BEGINS: newton::Settings = newton::Settings {
+    tolerance: 1e-12,
+    most_iterations: 12,
+    halvings: 0,
+    polish: 1,
+};
+
 /// Why there is no curve.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum NoCurve<P: Plane = Tube> {
@@ -87,7 +96,8 @@ pub enum NoCurve<P: Plane = Tube> {
     },
     /// An HC whose connection is not known.
     #[error(
-        "the curve cannot begin: the orbit that leaves the saddle is not found to return, so that the HC has no equations"
+        "the curve cannot begin: the orbit that leaves the saddle is not found to return, so that the HC has no equations; the HC \
+         of a saddle-node is an LP of its equilibria, whose branch has a curve of that"
     )]
     NoConnection,
     /// The equations of the event cannot be posed or solved.
@@ -386,9 +396,17 @@ fn pose_connection(
     let spectral = CriticalEquilibrium::Connection(Box::new(connection));
     let condition = Condition::Spectral(spectral);
     let system = EventSystem::new(plane, curve.signature().clone(), condition);
+    // what is asked of a branch at one value of the other parameter stays there
+    let guess = system.pack(&point, &connected.turns);
+    let index = guess.len() - 1;
+    let mut kept = newton::Fixed {
+        index,
+        value: guess[index],
+    };
+    let solved = newton::solve(&system, &mut kept, &guess, &BEGINS);
     Ok(Start {
         event: EventType::HC,
-        point: system.pack(&point, &connected.turns),
+        point: solved.map_or(guess, |solution| solution.point),
         system,
         limits,
     })

@@ -135,6 +135,43 @@ fn follows(text: &str, first_of: impl Fn(f64) -> f64, most: f64) -> Vec<Point> {
     curve.points
 }
 
+/// A cycle r = 1 whose angle has the rate m − cos φ: a saddle-node at φ = 0 where m = 1.
+const CIRCLE: &str = r#"(
+    system: (states: ["x", "y"], parameters: {"m": 1.5}, define: {"q": "1 - x^2 - y^2", "w": "m - x"}, modes: {
+        "flow": (rates: {"x": "x*q - y*w", "y": "y*q + x*w"})}),
+    orbit: (start: Simulate(mode: "flow", state: {"x": 0.9, "y": 0.0}, settle: 100)),
+    continuation: (parameter: "m", range: (0.5, 2), toward: Down),
+)"#;
+
+/// A quadratic neuron that fires at v = 1 and begins anew at -1: at rest where I ≤ 0.
+const NEURON: &str = r#"(
+    system: (states: ["v"], parameters: {"I": 0.5}, modes: {
+        "rise": (rates: {"v": "I + v^2"}, until: [(zero: "1 - v", to: "rise", reset: {"v": "-1"})])}),
+    orbit: (start: Simulate(mode: "rise", state: {"v": 0.0}, settle: 100)),
+    continuation: (parameter: "I", range: (-0.5, 1), toward: Down),
+)"#;
+
+/// A damped pendulum that a torque turns round: its equilibria meet where the torque is 1, and where it is damped less it comes
+/// to the saddle before.
+const PENDULUM: &str = r#"(
+    system: (states: ["p", "v"], parameters: {"I": 1.5, "a": 2.0}, modes: {
+        "run": (rates: {"p": "v", "v": "I - sin(p) - a*v"}, until: [(zero: "2*pi - p", to: "run", reset: {"p": "p - 2*pi"})])}),
+    orbit: (start: Simulate(mode: "run", state: {"p": 0.0, "v": 0.7}, settle: 100)),
+    continuation: (parameter: "I", range: (0.2, 2), toward: Down),
+)"#;
+
+/// Folds are known to rounding.
+#[test]
+fn a_saddle_node_on_a_cycle_is_its_fold() {
+    for (text, truth) in [(CIRCLE, 1.0), (NEURON, 0.0), (PENDULUM, 1.0)] {
+        located(text, 0, truth, 1e-13);
+    }
+    let saddle = PENDULUM.replace("\"a\": 2.0", "\"a\": 0.5");
+    let last = end(&problem(&saddle));
+    assert!(last.point.parameters[0] < 0.6, "{:?}", last.point);
+    assert!(last.event.unwrap().what.contains("leaves the saddle of"));
+}
+
 #[test]
 fn a_loop_in_closed_form() {
     located(LOOP, 0, 0.05, 1e-13);

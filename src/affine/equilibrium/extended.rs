@@ -18,7 +18,7 @@
 
 use nalgebra::Complex;
 
-use super::curve::{EquilibriumCurve, EquilibriumFailure};
+use super::curve::{EquilibriumCurve, EquilibriumFailure, EquilibriumScales, EquilibriumSetting};
 use super::field::{Linearised, Of};
 use super::normal_form::Eigenvector;
 use crate::continuation::Node;
@@ -107,6 +107,34 @@ pub(super) fn locate(
         point,
         uncertainty: (rounding[last] + solution.correction.min(NEWTON.tolerance))
             * curve.setting.scales.units[n],
+    })
+}
+
+/// A fold of the equilibria of a mode.
+pub struct Fold {
+    /// States.
+    pub state: Vec<f64>,
+    /// The parameter.
+    pub parameter: f64,
+    /// Its error.
+    pub error: f64,
+}
+
+/// The fold of the equilibria of a mode next to the state and the parameter from which the units of a setting come, whether
+/// or not they have an equilibrium. `None` where there is none.
+pub fn fold_near(setting: EquilibriumSetting, mode: usize) -> Option<Fold> {
+    let curve = EquilibriumCurve::new(setting, mode)?;
+    let EquilibriumScales { units, first, .. } = &curve.setting.scales;
+    let n = curve.states();
+    let scaled = first.iter().zip(units).map(|(x, unit)| x / unit);
+    let point = Vector::from_iterator(n + 1, scaled);
+    let located = locate(&curve, &Node::at(point.clone(), point), Condition::Fold)?;
+    let physical = located.point.iter().zip(units).map(|(x, unit)| x * unit);
+    let physical: Vec<f64> = physical.collect();
+    Some(Fold {
+        state: physical[..n].to_vec(),
+        parameter: physical[n],
+        error: located.uncertainty,
     })
 }
 

@@ -26,8 +26,11 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-pub use curve::{EquilibriumCurve, EquilibriumFailure, EquilibriumScales, RestMode};
+pub use curve::{
+    EquilibriumCurve, EquilibriumFailure, EquilibriumScales, EquilibriumSetting, RestMode,
+};
 pub use examine::{EquilibriumExamination, EquilibriumMargin};
+pub use extended::fold_near;
 pub use normal_form::Lyapunov;
 
 /// What is positive at an admissible equilibrium.

@@ -75,7 +75,9 @@ impl AffineOrbit {
             return None;
         }
         let Some(stay) = self.longest_stay(&node.point) else {
-            return (along < stationary).then_some(OrbitStop::Unbounded);
+            return self
+                .passes_a_saddle_node(node)
+                .or_else(|| (along < stationary).then_some(OrbitStop::Unbounded));
         };
         // of a unit of the branch, of which a step is a small part
         let noise = 16.0 * f64::EPSILON * stay.growth.exp();

@@ -72,14 +72,21 @@ impl AffineOrbit {
 
     /// What a branch comes to beside a saddle: the event, with its parameter and the error of that.
     pub(super) fn limit_of(&self, stop: &OrbitStop, node: &Node) -> Option<Limit<Critical>> {
-        let OrbitStop::Homoclinic {
-            mode,
-            next,
-            limit,
-            error,
-        } = stop
-        else {
-            return None;
+        let (mode, next, limit, error) = match stop {
+            OrbitStop::Homoclinic {
+                mode,
+                next,
+                limit,
+                error,
+            } => (mode, next, limit, error),
+            OrbitStop::SaddleNode { mode, limit, error } => {
+                return Some(Limit {
+                    special: Critical::SaddleNode { mode: mode.clone() },
+                    parameter: *limit,
+                    uncertainty: *error,
+                });
+            }
+            _ => return None,
         };
         let here = self.parameter_at(&node.point);
         let left = self.left_beside_a_saddle(node) * self.setting.scales.parameter;

@@ -189,6 +189,11 @@ pub enum Critical {
         /// Name of the mode of the next saddle, where it leads to another one.
         next: Option<String>,
     },
+    /// The orbit comes to one that leaves a saddle-node and returns to it: beyond it equilibria take its place.
+    SaddleNode {
+        /// Name of the mode of the saddle-node.
+        mode: String,
+    },
     /// A pair passes the unit circle at this angle.
     Torus {
         /// In radians, between 0 and π.
@@ -224,6 +229,11 @@ impl fmt::Display for Critical {
                 formatter,
                 "the period grows without bound: the orbit comes to a cycle of connections between saddles, from that of \
                  `{mode}` to that of `{next}` first, a heteroclinic cycle"
+            ),
+            Critical::SaddleNode { mode } => write!(
+                formatter,
+                "the period grows without bound: the orbit comes to one that leaves the saddle-node of `{mode}` and returns to it, \
+                 beyond which equilibria take its place"
             ),
             Critical::Unlocated {
                 outside: [before, after],
@@ -700,7 +710,7 @@ impl Orbit for AffineOrbit {
             | Critical::Shrinking
             | Critical::Vanishing => EventType::BP,
             Critical::Unlocated { .. } => EventType::MX,
-            Critical::Homoclinic { .. } => EventType::HC,
+            Critical::Homoclinic { .. } | Critical::SaddleNode { .. } => EventType::HC,
             Critical::Torus { .. } | Critical::Several { .. } => EventType::NS,
         }
     }

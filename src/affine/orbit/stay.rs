@@ -4,8 +4,11 @@ use std::f64::consts::PI;
 
 use nalgebra::Complex;
 
-use super::layout::AffineOrbit;
+use super::layout::{AffineOrbit, OrbitAt};
+use super::setting::Scales;
 use super::signature::Zone;
+use super::stop::OrbitStop;
+use crate::affine::equilibrium::{EquilibriumScales, EquilibriumSetting, fold_near};
 use crate::continuation::Node;
 use crate::continuation::locate::node_at;
 use crate::linalg::Vector;
@@ -31,6 +34,30 @@ pub(super) struct Stay {
     pub turn: f64,
 }
 
+/// Places of a zone, from its entry to its end.
+fn way(at: &OrbitAt, zone: usize) -> Option<Vec<Vector>> {
+    const PLACES: usize = 256;
+    let time = at.zones[zone].duration;
+    let times = (0..=PLACES).map(|place| time * place as f64 / PLACES as f64);
+    at.along(zone, times).ok()
+}
+
+/// How far two states are apart, in their units.
+fn apart(one: &[f64], other: &[f64], units: &[f64]) -> f64 {
+    let apart = one.iter().zip(other).zip(units);
+    let apart = apart.map(|((one, other), unit)| ((one - other) / unit).abs());
+    apart.fold(0.0, f64::max)
+}
+
+/// The place of a way at which it moves least.
+fn slowest<'a>(way: &'a [Vector], units: &[f64]) -> Option<&'a Vector> {
+    let slowest = way.windows(2).min_by(|one, other| {
+        let moves = |pair: &[Vector]| apart(pair[0].as_slice(), pair[1].as_slice(), units);
+        moves(one).total_cmp(&moves(other))
+    });
+    Some(&slowest?[0])
+}
+
 impl AffineOrbit {
     /// The longest zone.
     pub(super) fn longest(&self, point: &Vector) -> Option<usize> {
@@ -52,8 +79,6 @@ impl AffineOrbit {
 
     /// The same, where it comes so near, in units of the states.
     pub(super) fn stay_within(&self, point: &Vector, zone: usize, most: f64) -> Option<Stay> {
-        /// Places of a zone that are looked at.
-        const PLACES: usize = 256;
         /// It leaves where it is so many times as far as next to the saddle.
         const LEAVES: f64 = 3.0;
         if !self.has_own_period() {
@@ -63,20 +88,11 @@ impl AffineOrbit {
         let Zone { mode, name, .. } = self.sequence.zone(zone);
         let units = &self.setting.scales.states;
         let time = at.zones[zone].duration;
-        let times = (0..=PLACES).map(|place| time * place as f64 / PLACES as f64);
-        let way = at.along(zone, times).ok()?;
-        let far = |one: &[f64], other: &[f64]| {
-            let apart = one.iter().zip(other).zip(units);
-            let apart = apart.map(|((one, other), unit)| ((one - other) / unit).abs());
-            apart.fold(0.0, f64::max)
-        };
+        let way = way(&at, zone)?;
+        let far = |one: &[f64], other: &[f64]| apart(one, other, units);
         // it moves least where it is next to the saddle
-        let slowest = way.windows(2).min_by(|one, other| {
-            let moves = |pair: &[Vector]| far(pair[0].as_slice(), pair[1].as_slice());
-            moves(one).total_cmp(&moves(other))
-        });
+        let near = &slowest(&way, units)?.as_slice()[..units.len()];
         let system = &at.posed.system;
-        let near = &slowest?[0].as_slice()[..units.len()];
         let equilibrium = system.equilibrium_near(*mode, near)?;
         let values = &equilibrium.eigenvalues;
         let growth = values.first().filter(|value| value.re > 0.0)?.re;
@@ -104,6 +120,49 @@ impl AffineOrbit {
             turn: turn(decaying).max(turn(growing)),
             leaving: leaving.to_vec(),
             rest: equilibrium.state.clone(),
+        })
+    }
+
+    /// The saddle-node of equilibria beside which an orbit is slowest, and to which the parameter comes while the period T grows:
+    /// the passage takes a time C/√|p − p₀|, so that what is left is half of T dp/dT.
+    pub(super) fn passes_a_saddle_node(&self, node: &Node) -> Option<OrbitStop> {
+        /// What is left is told by that to this factor: the time elsewhere does not grow.
+        const LIKE: f64 = 1.5;
+        /// It passes as near, in units of the states: about as the root of what is left of its parameter.
+        const NEAR: f64 = 0.1;
+        let Node { point, tangent, .. } = node;
+        if !self.has_own_period() || self.setting.prescribed.is_some() {
+            return None;
+        }
+        let zone = self.longest(point)?;
+        let at = self.at(point).ok()?;
+        let Zone { mode, name, .. } = self.sequence.zone(zone);
+        let Scales {
+            states, parameter, ..
+        } = &self.setting.scales;
+        let way = way(&at, zone)?;
+        let slow = &slowest(&way, states)?.as_slice()[..states.len()];
+        let value = self.parameter_at(point);
+        let setting = EquilibriumSetting {
+            system: self.setting.system.clone(),
+            values: self.values_at(point),
+            parameter: self.setting.parameter,
+            scales: EquilibriumScales {
+                units: states.iter().copied().chain([parameter.abs()]).collect(),
+                first: slow.iter().copied().chain([value]).collect(),
+                rate: self.setting.scales.time.recip(),
+            },
+        };
+        let fold = fold_near(setting, *mode)?;
+        let (index, last) = (self.duration_index(zone), point.len() - 1);
+        let left = 0.5 * point[index] * tangent[last] / tangent[index] * parameter;
+        let like = (fold.parameter - value) / left;
+        let passes =
+            (LIKE.recip()..=LIKE).contains(&like) && apart(&fold.state, slow, states) <= NEAR;
+        passes.then(|| OrbitStop::SaddleNode {
+            mode: name.clone(),
+            limit: fold.parameter,
+            error: fold.error,
         })
     }
 

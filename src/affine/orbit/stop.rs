@@ -39,6 +39,15 @@ pub enum OrbitStop {
         #[serde(default)]
         error: f64,
     },
+    /// It does, beside a place where a saddle-node of equilibria is beyond the end.
+    SaddleNode {
+        /// Name of its mode.
+        mode: String,
+        /// The parameter of the saddle-node.
+        limit: f64,
+        /// Its error.
+        error: f64,
+    },
     /// It does, since the orbit comes to begin where nothing moves: an equilibrium on the boundary of its mode.
     Stalls {
         /// Name of the mode.
@@ -140,6 +149,10 @@ impl fmt::Display for OrbitStop {
                 formatter,
                 "beyond it nothing switches: a family of orbits at one value of the parameter"
             ),
+            OrbitStop::SaddleNode { mode, limit, .. } => {
+                Critical::SaddleNode { mode: mode.clone() }.fmt(formatter)?;
+                write!(formatter, ", at {limit}")
+            }
             OrbitStop::Unbounded => write!(formatter, "the period grows without bound"),
             OrbitStop::Homoclinic {
                 mode, next, limit, ..

@@ -244,7 +244,9 @@ fn prepared(item: &Item, special: &Special<AffineOrbit>, text: &str) -> Result<P
         Special::Own(Critical::Torus { angle }) => Condition::Torus { angle: *angle },
         Special::Own(Critical::Branching) => Condition::Branching,
         Special::Own(Critical::Shrinking | Critical::Vanishing) => return Err(Open::Shrinking),
-        Special::Own(Critical::Homoclinic { .. }) => return Err(Open::Homoclinic),
+        Special::Own(Critical::Homoclinic { .. } | Critical::SaddleNode { .. }) => {
+            return Err(Open::Homoclinic);
+        }
         Special::Own(
             Critical::Doublings { .. }
             | Critical::Branchings { .. }
