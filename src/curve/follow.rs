@@ -2,38 +2,29 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::plane::{
-    Condition, ExaminationOf, FailureOf, MarginOf, Plane, SignatureOf, Test, TestValues,
-};
+use super::entry::successor;
+use super::located::Event;
+use super::plane::{Condition, ExaminationOf, FailureOf, MarginOf, Plane, SignatureOf, TestValues};
 use super::point::{Gone, Limits, Point, PointType, What};
 use super::system::EventSystem;
 use super::tube::Tube;
 use crate::continuation::Node;
-use crate::continuation::limit::limit;
-use crate::continuation::locate::{self, Least, Place, Target};
+use crate::continuation::locate::{self, Least, Place};
 use crate::continuation::newton;
-use crate::continuation::walk::{self, Beginning, Curve, End, Outcome, Segment, Within};
+use crate::continuation::walk::{Curve, End, Outcome, Segment, Within};
 use crate::linalg::{self, Vector};
-use crate::orbit::change::nearest_beyond;
-use crate::orbit::special::{Change, Close};
-use crate::orbit::{AtZero, Candidate, EventType, Examined, Orbit, find};
+use crate::orbit::special::Close;
+use crate::orbit::{EventType, Examined, Orbit};
 
 /// A margin below this on the event's own account is the event itself, but for rounding.
-const OWN: f64 = 1e-8;
+pub(super) const OWN: f64 = 1e-8;
 
 /// F_x with a least singular value below this part of the largest is singular along the whole curve:
 /// a zone without length makes the parameters stationary.
 const SINGULAR: f64 = 1e-10;
 
-/// Margins and residuals of a candidate below this vanish at the point where two events meet: it is
-/// known to 1e-12 or better, and reduced switching functions of nascent zones amplify that.
-const AT_SECOND: f64 = 1e-8;
-
 /// A least margin within this of zero is zero but for rounding: points of a curve are known to 1e-12.
 const ROUNDED: f64 = 1e-12;
-
-/// Lengths of the first step tried into a candidate.
-const TRIES: usize = 8;
 
 /// First step into an orbit beyond an event, as on a branch.
 pub(super) const INTO: f64 = 1e-3;
@@ -53,15 +44,15 @@ pub struct EventCurve<P: Plane> {
 /// Test functions at a point.
 #[derive(Clone, Debug)]
 pub struct Tests<P: Plane> {
-    examination: ExaminationOf<P>,
+    pub(super) examination: ExaminationOf<P>,
     /// The slopes of its margins along the curve.
-    slopes: Vec<f64>,
+    pub(super) slopes: Vec<f64>,
     /// det F_x where it tells a fold.
-    fold: Option<f64>,
+    pub(super) fold: Option<f64>,
     /// The factor that vanishes at a cusp, with the left null vector behind it.
     pub(super) cusp: Option<(f64, Vector)>,
     /// What the plane watches.
-    watched: TestValues,
+    pub(super) watched: TestValues,
 }
 
 /// A point of a curve with the equations that it solves.
@@ -70,25 +61,6 @@ pub struct Solved<P: Plane = Tube> {
     pub(super) point: Point,
     pub(super) system: EventSystem<P>,
     pub(super) unknowns: Vector,
-}
-
-/// What is located within a step.
-#[derive(Clone, Debug)]
-pub enum Event<P: Plane> {
-    /// An edge of the range of a parameter.
-    Edge(usize, f64),
-    /// Another margin vanishes.
-    Margin(MarginOf<P>),
-    /// det F_x changes its sign.
-    Fold,
-    /// The factor of a cusp does.
-    Cusp,
-    /// Another test function does: what it is there.
-    Other(Test),
-    /// The number of multipliers outside the unit circle changes, from the first to the second.
-    Passing([usize; 2]),
-    /// Orbits shrink to a point: the unknowns there, and the part of their ranges to which the parameters are known.
-    Shrinks(Vector, f64),
 }
 
 /// Why an event refuses a step.
@@ -116,7 +88,7 @@ pub enum Stop {
     Gone(Gone),
 }
 
-type Stage<'a, P> = Segment<'a, Tests<P>>;
+pub(super) type Stage<'a, P> = Segment<'a, Tests<P>>;
 
 impl<P: Plane> EventCurve<P> {
     /// An event at a solution of its equations.
@@ -189,7 +161,11 @@ impl<P: Plane> EventCurve<P> {
     }
 
     /// The slopes of margins along the curve: posed in p₁ the orbit gives all but the part of p₂.
-    fn slopes(&self, node: &Node, margins: &[MarginOf<P>]) -> Result<Vec<f64>, FailureOf<P>> {
+    pub(super) fn slopes(
+        &self,
+        node: &Node,
+        margins: &[MarginOf<P>],
+    ) -> Result<Vec<f64>, FailureOf<P>> {
         let count = self.system.orbit_unknowns();
         let parameters = node.tangent.len() - 2;
         let mut along = node.tangent.rows(0, count + 1).clone_owned();
@@ -207,14 +183,14 @@ impl<P: Plane> EventCurve<P> {
             .collect()
     }
 
-    fn determinant(&self, point: &Vector) -> Result<f64, FailureOf<P>> {
+    pub(super) fn determinant(&self, point: &Vector) -> Result<f64, FailureOf<P>> {
         let (_, by) = self.system.orbit_equations(point)?;
         let square = by.columns(0, self.system.orbit_unknowns()).clone_owned();
         Ok(square.determinant())
     }
 
     /// The factor that vanishes at a cusp, and the left null vector behind it.
-    fn cusp(
+    pub(super) fn cusp(
         &self,
         node: &Node,
         near: Option<&Vector>,
@@ -233,334 +209,6 @@ impl<P: Plane> EventCurve<P> {
             (factor, left)
         }))
     }
-
-    /// Edges of the ranges within a step.
-    fn edges(&self, step: &Stage<P>) -> Option<Vec<(Place, Event<P>)>> {
-        let first = step.to.point.len() - 2;
-        let way = [&step.from.point, &step.to.point];
-        let mut located = Vec::new();
-        for (index, (low, high)) in self.limits.ranges.into_iter().enumerate() {
-            for (value, outside) in [(low, -1.0), (high, 1.0)] {
-                let target = Target {
-                    index: first + index,
-                    value: value / self.system.widths()[index],
-                    outside,
-                };
-                let places =
-                    target.meetings(&self.system, step.from, &way, step.steps.tolerance)?;
-                let event = Event::Edge(index, value);
-                located.extend(places.into_iter().map(|place| (place, event.clone())));
-            }
-        }
-        Some(located)
-    }
-
-    /// The zero of a function along a step from its values at both ends, or none where they have one sign.
-    fn zero(
-        &self,
-        step: &Stage<P>,
-        before: f64,
-        after: f64,
-        event: Event<P>,
-        value: impl FnMut(&Node) -> Option<f64>,
-    ) -> Result<(Place, Event<P>), Refusal<P>> {
-        /// Relative width of the bracket, or value, at which the place is known to rounding.
-        const EXACT: f64 = 1e-14;
-        let size = before.abs().max(after.abs());
-        let small = (EXACT * size, EXACT * step.ds);
-        let ends = ((0.0, before), (step.ds, after));
-        let tolerance = step.steps.tolerance;
-        let (place, _) = locate::zero_along(&self.system, step.from, ends, small, tolerance, value)
-            .ok_or(Refusal::NotLocated)?;
-        Ok((place, event))
-    }
-
-    /// Margins that vanish within a step.
-    fn margins(&self, step: &Stage<P>) -> Result<Vec<(Place, Event<P>)>, Refusal<P>> {
-        let mut located = Vec::new();
-        for margin in step.after.examination.margins() {
-            let value = P::Orbit::value(margin);
-            if self.own.contains(&P::key(margin)) || value > 0.0 {
-                continue;
-            }
-            let before = find::<P::Orbit>(&step.before.examination, margin);
-            let before = before.map(P::Orbit::value).filter(|before| *before > 0.0);
-            let before = before.ok_or(Refusal::Posed)?;
-            let mut at = AtZero {
-                margin: margin.clone(),
-            };
-            let event = Event::Margin(margin.clone());
-            located.push(self.zero(step, before, value, event, |node| {
-                let (orbit, unknowns) = self.system.orbit(&node.point, 0).ok()?;
-                Some(P::Orbit::value(at.margin_at(&orbit, &unknowns).ok()?))
-            })?);
-        }
-        Ok(located)
-    }
-
-    /// Smooth test functions that change their sign within a step.
-    fn signs(&self, step: &Stage<P>) -> Result<Vec<(Place, Event<P>)>, Refusal<P>> {
-        let mut located = Vec::new();
-        if let (Some(before), Some(after)) = (step.before.fold, step.after.fold)
-            && before * after < 0.0
-        {
-            located.push(self.zero(step, before, after, Event::Fold, |node| {
-                self.determinant(&node.point).ok()
-            })?);
-        }
-        if let (Some((before, left)), Some((after, _))) = (&step.before.cusp, &step.after.cusp)
-            && before * after < 0.0
-        {
-            located.push(self.zero(step, *before, *after, Event::Cusp, |node| {
-                Some(self.cusp(node, Some(left)).ok()??.0)
-            })?);
-        }
-        let [before, after] = [&step.before, &step.after].map(|tests| &tests.watched.tests);
-        let tests = before.iter().zip(after);
-        for (index, (before, after)) in tests.enumerate() {
-            if before.value * after.value < 0.0 {
-                let tests = |node: &Node| {
-                    let at = self.system.orbit(&node.point, 0)?;
-                    Ok(self.system.watched(&node.point, &at).tests)
-                };
-                let event = Event::Other(*after);
-                let (place, _) = self.zero(step, before.value, after.value, event, |node| {
-                    tests(node).ok()?.get(index).map(|test| test.value)
-                })?;
-                // what it is, the place itself tells
-                let there = tests(&place.node).map_err(Refusal::Flow)?;
-                let there = there.get(index).unwrap_or(after);
-                if there.kind.is_some() || there.ends {
-                    located.push((place, Event::Other(*there)));
-                }
-            }
-        }
-        Ok(located)
-    }
-
-    /// Where the number of multipliers outside the unit circle changes within a step in which nothing else happens that
-    /// would tell: an even number passes the circle, of which no test function changes its sign.
-    fn passing(&self, step: &Stage<P>) -> Result<Option<(Place, Event<P>)>, Refusal<P>> {
-        /// Part of the step to which it is located: nearer the circle the number is not known.
-        const WIDTH: f64 = 1e-9;
-        let outside = [&step.before, &step.after].map(|tests| tests.watched.outside);
-        let [Some(before), Some(after)] = outside else {
-            return Ok(None);
-        };
-        if before == after {
-            return Ok(None);
-        }
-        let (mut low, mut high) = (0.0, step.ds);
-        let mut place = Place {
-            s: high,
-            node: step.to.clone(),
-            blur: 0.0,
-        };
-        while high - low > WIDTH * step.ds {
-            let s = 0.5 * (low + high);
-            let node = locate::node_at(&self.system, step.from, s, step.steps.tolerance);
-            let node = node.ok_or(Refusal::NotLocated)?;
-            let at = self.system.orbit(&node.point, 0).map_err(Refusal::Flow)?;
-            let outside = self.system.watched(&node.point, &at).outside;
-            place = Place {
-                s,
-                node,
-                blur: high - low,
-            };
-            match outside {
-                Some(outside) if outside == before => low = s,
-                Some(_) => high = s,
-                // on the circle
-                None => break,
-            }
-        }
-        Ok(Some((place, Event::Passing([before, after]))))
-    }
-
-    /// Where orbits shrink to a point, which small ones tell: beside it the equations are singular to their size, but the curve
-    /// is smooth in it.
-    fn shrinking(&self, step: &Stage<P>) -> Result<Option<(Place, Event<P>)>, Refusal<P>> {
-        /// Size, in units of the states, of the largest orbit that tells, and the number of orbits: what their polynomial leaves out
-        /// is of order 1e-13, and rounding of the smallest of folds, which is divided by the cube of its size, 1e-12.
-        const SMALL: f64 = 5e-2;
-        const SAMPLES: i32 = 8;
-        /// Most that the limit of the parameters may be off by, in their ranges.
-        const KNOWN: f64 = 1e-8;
-        let size = |node: &Node, most: f64| {
-            let (orbit, unknowns) = self.system.orbit(&node.point, 0).ok()?;
-            P::extent(&orbit, &unknowns, most)
-        };
-        let [before, after] = [step.from, step.to].map(|node| size(node, 1.0));
-        let (Some(before), Some(after)) = (before, after) else {
-            return Ok(None);
-        };
-        // an orbit that has passed a point has moved by its own size
-        let moved = (&step.to.point - &step.from.point).norm();
-        if moved >= 0.5 * before && P::turns(&step.after.examination, &step.before.examination) {
-            return Err(Refusal::NotLocated);
-        }
-        if after > SMALL || after >= before {
-            return Ok(None);
-        }
-        let largest = SMALL.min(before);
-        let samples: Option<Vec<(Place, f64)>> = (1..=SAMPLES)
-            .rev()
-            .map(|sample| {
-                let wanted = largest * f64::from(sample) / f64::from(SAMPLES);
-                let s = step.ds * (before - wanted) / (before - after);
-                let node = locate::node_at(&self.system, step.from, s, step.steps.tolerance)?;
-                let size = size(&node, 1.0)?;
-                Some((Place { s, node, blur: 0.0 }, size))
-            })
-            .collect();
-        let Some(samples) = samples else {
-            return Ok(None);
-        };
-        let sized = samples
-            .iter()
-            .map(|(place, size)| (*size, place.node.point.clone()));
-        let last = samples.last().map(|(place, _)| place.clone());
-        let (Some((point, error)), Some(place)) = (limit(&sized.collect::<Vec<_>>()), last) else {
-            return Ok(None);
-        };
-        let error = error.rows(point.len() - 2, 2).amax();
-        Ok((error <= KNOWN).then_some((place, Event::Shrinks(point, error))))
-    }
-
-    /// The change of regime where another margin vanishes.
-    fn second(
-        &self,
-        point: &Vector,
-        margin: &MarginOf<P>,
-        tolerance: f64,
-    ) -> Result<Change<P::Orbit>, FailureOf<P>> {
-        let (orbit, unknowns) = self.system.orbit(point, 0)?;
-        let here = orbit.margin_at(margin, &unknowns);
-        let here = here.unwrap_or_else(|_| margin.clone());
-        let after = successor(&orbit, &unknowns, &here, tolerance);
-        let after = after.map(|(orbit, _)| orbit.signature().clone());
-        Ok(Change::new(&orbit, after, here))
-    }
-
-    /// The same event of the orbit beyond a change of regime, a step into it being admissible.
-    fn enter(
-        &self,
-        step: &Stage<P>,
-        node: &Node,
-        second: &MarginOf<P>,
-    ) -> Option<Beginning<EventCurve<P>>> {
-        let Condition::Margin(first) = &self.system.condition else {
-            return None;
-        };
-        let first_key = P::key(first);
-        let (orbit, unknowns) = self.system.orbit(&node.point, 0).ok()?;
-        let zone = P::zone(orbit.signature(), first_key.1);
-        let here = orbit.margin_at(second, &unknowns).ok()?;
-        for candidate in orbit.candidates(&unknowns, &here).ok()? {
-            let Ok(examination) = candidate.orbit.examination(&candidate.point) else {
-                continue;
-            };
-            let margins = examination.margins().iter();
-            let vanish: Vec<MarginOf<P>> = margins
-                .filter(|margin| P::Orbit::value(margin).abs() < AT_SECOND)
-                .cloned()
-                .collect();
-            let same = |margin: &&MarginOf<P>| {
-                let key = P::key(margin);
-                key.0 == first_key.0
-                    && P::zone(candidate.orbit.signature(), key.1) == zone
-                    && !(is_duration::<P>(margin) && candidate.nascent.contains(&key.1))
-            };
-            for margin in vanish.iter().filter(same) {
-                let entered = self.enter_candidate(step, node, &candidate, margin, &vanish);
-                if let Some((system, node, ds, own)) = entered {
-                    let next =
-                        EventCurve::new(system, self.event, &node.point, self.limits).ok()?;
-                    let curve = EventCurve { own, ..next };
-                    let watched = curve.tests(&node, None).ok()?;
-                    return Some(Beginning {
-                        curve,
-                        node,
-                        watched,
-                        ds,
-                    });
-                }
-            }
-        }
-        None
-    }
-
-    /// The first admissible step into the curve on which a margin of a candidate vanishes: its equations,
-    /// its beginning, its length, and the margins that vanish along it.
-    #[allow(clippy::type_complexity)] // taken apart at once by its one caller
-    fn enter_candidate(
-        &self,
-        step: &Stage<P>,
-        node: &Node,
-        candidate: &Candidate<P::Orbit>,
-        margin: &MarginOf<P>,
-        vanish: &[MarginOf<P>],
-    ) -> Option<(EventSystem<P>, Node, f64, Vec<(P::Watch, usize)>)> {
-        let signature = candidate.orbit.signature().clone();
-        let system = self.system.of(signature, Condition::Margin(margin.clone()));
-        let count = system.orbit_unknowns();
-        let parameters = node.point.len() - 2;
-        let point = Vector::from_fn(count + 2, |row, _| match row {
-            row if row < count => candidate.point[row],
-            row => node.point[parameters + row - count],
-        });
-        let from = Node::on(&system, point).filter(|node| node.residual <= AT_SECOND)?;
-        let (ds, tolerance) = (step.ds.min(step.steps.ds), step.steps.tolerance);
-        let (node, ds, own) = walk::enter(
-            &system,
-            (&from, &walk::EITHER_WAY),
-            ds,
-            TRIES,
-            tolerance,
-            |_, to| {
-                let own = vanishing(&system, &to.ok()?, vanish)?;
-                let nascent = |margin: &MarginOf<P>| {
-                    let key = P::key(margin);
-                    is_duration::<P>(margin)
-                        && candidate.nascent.contains(&key.1)
-                        && own.contains(&key)
-                };
-                // the event itself goes on, alone as before, and new zones do grow
-                let admitted = own.contains(&P::key(margin))
-                    && own.len() <= self.own.len()
-                    && !vanish.iter().any(nascent);
-                admitted.then_some(own)
-            },
-        )?;
-        Some((system, node, ds, own))
-    }
-}
-
-/// Whether a margin is the duration of a zone, which says most about what comes next.
-fn is_duration<P: Plane>(margin: &MarginOf<P>) -> bool {
-    P::Orbit::precedence(margin) == 0
-}
-
-/// Which of the margins that vanish at the beginning of a step vanish at its end too; `None` where that
-/// is not admissible.
-fn vanishing<P: Plane>(
-    system: &EventSystem<P>,
-    to: &Node,
-    vanish: &[MarginOf<P>],
-) -> Option<Vec<(P::Watch, usize)>> {
-    let (orbit, unknowns) = system.orbit(&to.point, 0).ok()?;
-    let examination = orbit.examination(&unknowns).ok()?;
-    let mut along = Vec::new();
-    for margin in examination.margins() {
-        let (key, value) = (P::key(margin), P::Orbit::value(margin));
-        let began = vanish.iter().any(|known| P::key(known) == key);
-        if began && value.abs() < OWN {
-            along.push(key);
-        } else if value.is_nan() || value <= 0.0 {
-            return None;
-        }
-    }
-    Some(along)
 }
 
 impl<P: Plane> Curve for EventCurve<P> {
@@ -859,15 +507,4 @@ impl<P: Plane> Curve for EventCurve<P> {
             _ => None,
         }
     }
-}
-
-/// The orbit beyond a change of regime, and the event in its unknowns.
-fn successor<O: Orbit>(
-    orbit: &O,
-    point: &Vector,
-    margin: &O::Margin,
-    tolerance: f64,
-) -> Option<(O, Node)> {
-    let beyond = nearest_beyond(orbit, point, margin, INTO, tolerance)?;
-    Some((beyond.orbit, beyond.node))
 }

@@ -1,0 +1,226 @@
+//! What is located within a step of a curve of an event.
+
+use super::follow::{EventCurve, Refusal, Stage};
+use super::plane::{MarginOf, Plane, Test};
+use crate::continuation::Node;
+use crate::continuation::limit::limit;
+use crate::continuation::locate::{self, Place, Target};
+use crate::linalg::Vector;
+use crate::orbit::{AtZero, Examined, Orbit, find};
+
+/// What is located within a step.
+#[derive(Clone, Debug)]
+pub enum Event<P: Plane> {
+    /// An edge of the range of a parameter.
+    Edge(usize, f64),
+    /// Another margin vanishes.
+    Margin(MarginOf<P>),
+    /// det F_x changes its sign.
+    Fold,
+    /// The factor of a cusp does.
+    Cusp,
+    /// Another test function does: what it is there.
+    Other(Test),
+    /// The number of multipliers outside the unit circle changes, from the first to the second.
+    Passing([usize; 2]),
+    /// Orbits shrink to a point: the unknowns there, and the part of their ranges to which the parameters are known.
+    Shrinks(Vector, f64),
+}
+
+impl<P: Plane> EventCurve<P> {
+    /// Edges of the ranges within a step.
+    pub(super) fn edges(&self, step: &Stage<P>) -> Option<Vec<(Place, Event<P>)>> {
+        let first = step.to.point.len() - 2;
+        let way = [&step.from.point, &step.to.point];
+        let mut located = Vec::new();
+        for (index, (low, high)) in self.limits.ranges.into_iter().enumerate() {
+            for (value, outside) in [(low, -1.0), (high, 1.0)] {
+                let target = Target {
+                    index: first + index,
+                    value: value / self.system.widths()[index],
+                    outside,
+                };
+                let places =
+                    target.meetings(&self.system, step.from, &way, step.steps.tolerance)?;
+                let event = Event::Edge(index, value);
+                located.extend(places.into_iter().map(|place| (place, event.clone())));
+            }
+        }
+        Some(located)
+    }
+
+    /// The zero of a function along a step from its values at both ends, or none where they have one sign.
+    fn zero(
+        &self,
+        step: &Stage<P>,
+        before: f64,
+        after: f64,
+        event: Event<P>,
+        value: impl FnMut(&Node) -> Option<f64>,
+    ) -> Result<(Place, Event<P>), Refusal<P>> {
+        /// Relative width of the bracket, or value, at which the place is known to rounding.
+        const EXACT: f64 = 1e-14;
+        let size = before.abs().max(after.abs());
+        let small = (EXACT * size, EXACT * step.ds);
+        let ends = ((0.0, before), (step.ds, after));
+        let tolerance = step.steps.tolerance;
+        let (place, _) = locate::zero_along(&self.system, step.from, ends, small, tolerance, value)
+            .ok_or(Refusal::NotLocated)?;
+        Ok((place, event))
+    }
+
+    /// Margins that vanish within a step.
+    pub(super) fn margins(&self, step: &Stage<P>) -> Result<Vec<(Place, Event<P>)>, Refusal<P>> {
+        let mut located = Vec::new();
+        for margin in step.after.examination.margins() {
+            let value = P::Orbit::value(margin);
+            if self.own.contains(&P::key(margin)) || value > 0.0 {
+                continue;
+            }
+            let before = find::<P::Orbit>(&step.before.examination, margin);
+            let before = before.map(P::Orbit::value).filter(|before| *before > 0.0);
+            let before = before.ok_or(Refusal::Posed)?;
+            let mut at = AtZero {
+                margin: margin.clone(),
+            };
+            let event = Event::Margin(margin.clone());
+            located.push(self.zero(step, before, value, event, |node| {
+                let (orbit, unknowns) = self.system.orbit(&node.point, 0).ok()?;
+                Some(P::Orbit::value(at.margin_at(&orbit, &unknowns).ok()?))
+            })?);
+        }
+        Ok(located)
+    }
+
+    /// Smooth test functions that change their sign within a step.
+    pub(super) fn signs(&self, step: &Stage<P>) -> Result<Vec<(Place, Event<P>)>, Refusal<P>> {
+        let mut located = Vec::new();
+        if let (Some(before), Some(after)) = (step.before.fold, step.after.fold)
+            && before * after < 0.0
+        {
+            located.push(self.zero(step, before, after, Event::Fold, |node| {
+                self.determinant(&node.point).ok()
+            })?);
+        }
+        if let (Some((before, left)), Some((after, _))) = (&step.before.cusp, &step.after.cusp)
+            && before * after < 0.0
+        {
+            located.push(self.zero(step, *before, *after, Event::Cusp, |node| {
+                Some(self.cusp(node, Some(left)).ok()??.0)
+            })?);
+        }
+        let [before, after] = [&step.before, &step.after].map(|tests| &tests.watched.tests);
+        let tests = before.iter().zip(after);
+        for (index, (before, after)) in tests.enumerate() {
+            if before.value * after.value < 0.0 {
+                let tests = |node: &Node| {
+                    let at = self.system.orbit(&node.point, 0)?;
+                    Ok(self.system.watched(&node.point, &at).tests)
+                };
+                let event = Event::Other(*after);
+                let (place, _) = self.zero(step, before.value, after.value, event, |node| {
+                    tests(node).ok()?.get(index).map(|test| test.value)
+                })?;
+                // what it is, the place itself tells
+                let there = tests(&place.node).map_err(Refusal::Flow)?;
+                let there = there.get(index).unwrap_or(after);
+                if there.kind.is_some() || there.ends {
+                    located.push((place, Event::Other(*there)));
+                }
+            }
+        }
+        Ok(located)
+    }
+
+    /// Where the number of multipliers outside the unit circle changes within a step in which nothing else happens that
+    /// would tell: an even number passes the circle, of which no test function changes its sign.
+    pub(super) fn passing(&self, step: &Stage<P>) -> Result<Option<(Place, Event<P>)>, Refusal<P>> {
+        /// Part of the step to which it is located: nearer the circle the number is not known.
+        const WIDTH: f64 = 1e-9;
+        let outside = [&step.before, &step.after].map(|tests| tests.watched.outside);
+        let [Some(before), Some(after)] = outside else {
+            return Ok(None);
+        };
+        if before == after {
+            return Ok(None);
+        }
+        let (mut low, mut high) = (0.0, step.ds);
+        let mut place = Place {
+            s: high,
+            node: step.to.clone(),
+            blur: 0.0,
+        };
+        while high - low > WIDTH * step.ds {
+            let s = 0.5 * (low + high);
+            let node = locate::node_at(&self.system, step.from, s, step.steps.tolerance);
+            let node = node.ok_or(Refusal::NotLocated)?;
+            let at = self.system.orbit(&node.point, 0).map_err(Refusal::Flow)?;
+            let outside = self.system.watched(&node.point, &at).outside;
+            place = Place {
+                s,
+                node,
+                blur: high - low,
+            };
+            match outside {
+                Some(outside) if outside == before => low = s,
+                Some(_) => high = s,
+                // on the circle
+                None => break,
+            }
+        }
+        Ok(Some((place, Event::Passing([before, after]))))
+    }
+
+    /// Where orbits shrink to a point, which small ones tell: beside it the equations are singular to their size, but the curve
+    /// is smooth in it.
+    pub(super) fn shrinking(
+        &self,
+        step: &Stage<P>,
+    ) -> Result<Option<(Place, Event<P>)>, Refusal<P>> {
+        /// Size, in units of the states, of the largest orbit that tells, and the number of orbits: what their polynomial leaves out
+        /// is of order 1e-13, and rounding of the smallest of folds, which is divided by the cube of its size, 1e-12.
+        const SMALL: f64 = 5e-2;
+        const SAMPLES: i32 = 8;
+        /// Most that the limit of the parameters may be off by, in their ranges.
+        const KNOWN: f64 = 1e-8;
+        let size = |node: &Node, most: f64| {
+            let (orbit, unknowns) = self.system.orbit(&node.point, 0).ok()?;
+            P::extent(&orbit, &unknowns, most)
+        };
+        let [before, after] = [step.from, step.to].map(|node| size(node, 1.0));
+        let (Some(before), Some(after)) = (before, after) else {
+            return Ok(None);
+        };
+        // an orbit that has passed a point has moved by its own size
+        let moved = (&step.to.point - &step.from.point).norm();
+        if moved >= 0.5 * before && P::turns(&step.after.examination, &step.before.examination) {
+            return Err(Refusal::NotLocated);
+        }
+        if after > SMALL || after >= before {
+            return Ok(None);
+        }
+        let largest = SMALL.min(before);
+        let samples: Option<Vec<(Place, f64)>> = (1..=SAMPLES)
+            .rev()
+            .map(|sample| {
+                let wanted = largest * f64::from(sample) / f64::from(SAMPLES);
+                let s = step.ds * (before - wanted) / (before - after);
+                let node = locate::node_at(&self.system, step.from, s, step.steps.tolerance)?;
+                let size = size(&node, 1.0)?;
+                Some((Place { s, node, blur: 0.0 }, size))
+            })
+            .collect();
+        let Some(samples) = samples else {
+            return Ok(None);
+        };
+        let sized = samples
+            .iter()
+            .map(|(place, size)| (*size, place.node.point.clone()));
+        let last = samples.last().map(|(place, _)| place.clone());
+        let (Some((point, error)), Some(place)) = (limit(&sized.collect::<Vec<_>>()), last) else {
+            return Ok(None);
+        };
+        let error = error.rows(point.len() - 2, 2).amax();
+        Ok((error <= KNOWN).then_some((place, Event::Shrinks(point, error))))
+    }
+}
