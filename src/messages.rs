@@ -672,17 +672,26 @@ impl<O: Told> Display for What<O> {
                 f.write_str("a pair of multipliers has the product 1 here too")
             }
             What::Other(kind) => write!(f, "{kind}"),
-            What::Shrinks { kind, error } => {
-                let point = match kind {
-                    PointType::GH => "a degenerate Hopf point",
-                    PointType::Two(EventType::HB, EventType::BE) => "a Hopf point on its guard",
-                    PointType::Two(_, EventType::BE) => "a boundary equilibrium",
-                    _ => "a Hopf point",
-                };
+            What::Limit { kind, error } => {
+                f.write_str(match kind {
+                    PointType::GH => "the orbit shrinks to an equilibrium, a degenerate Hopf point",
+                    PointType::Two(EventType::HB, EventType::BE) => {
+                        "the orbit shrinks to an equilibrium, a Hopf point on its guard"
+                    }
+                    PointType::Two(_, EventType::BE) => {
+                        "the orbit shrinks to an equilibrium on a boundary"
+                    }
+                    PointType::Two(EventType::HC, EventType::LP) => {
+                        "the saddle comes to a saddle-node, whose fold goes on"
+                    }
+                    PointType::BT => {
+                        "the saddle comes to a double zero eigenvalue, and its homoclinic orbit to a point"
+                    }
+                    _ => "the orbit shrinks to an equilibrium, a Hopf point",
+                })?;
                 write!(
                     f,
-                    "the {} shrinks to an equilibrium, {point}: the parameters there are limits, to {error:.0e} of their ranges",
-                    O::NAME
+                    ": the parameters there are limits, to {error:.0e} of their ranges"
                 )
             }
             What::Passing([before, after]) => write!(

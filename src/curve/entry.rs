@@ -1,6 +1,6 @@
 //! The curve of an event beyond a point at which another inequality fails.
 
-use super::follow::{EventCurve, INTO, OWN, Stage};
+use super::event::{EventCurve, INTO, OWN, Stage};
 use super::plane::{Condition, FailureOf, MarginOf, Plane};
 use super::system::EventSystem;
 use crate::continuation::Node;

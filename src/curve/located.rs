@@ -1,9 +1,9 @@
 //! What is located within a step of a curve of an event.
 
-use super::follow::{EventCurve, Refusal, Stage};
+use super::event::{EventCurve, Refusal, Stage};
 use super::plane::{MarginOf, Plane, Test};
 use crate::continuation::Node;
-use crate::continuation::limit::limit;
+use crate::continuation::limit;
 use crate::continuation::locate::{self, Place, Target};
 use crate::linalg::Vector;
 use crate::orbit::{AtZero, Examined, Orbit, find};
@@ -23,8 +23,9 @@ pub enum Event<P: Plane> {
     Other(Test),
     /// The number of multipliers outside the unit circle changes, from the first to the second.
     Passing([usize; 2]),
-    /// Orbits shrink to a point: the unknowns there, and the part of their ranges to which the parameters are known.
-    Shrinks(Vector, f64),
+    /// A limit of the curve, at which its equations are singular: the unknowns there, and the part of their ranges to which the
+    /// parameters are known.
+    Limit(Vector, f64),
 }
 
 impl<P: Plane> EventCurve<P> {
@@ -171,13 +172,10 @@ impl<P: Plane> EventCurve<P> {
         Ok(Some((place, Event::Passing([before, after]))))
     }
 
-    /// Where orbits shrink to a point, which small ones tell: beside it the equations are singular to their size, but the curve
-    /// is smooth in it.
-    pub(super) fn shrinking(
-        &self,
-        step: &Stage<P>,
-    ) -> Result<Option<(Place, Event<P>)>, Refusal<P>> {
-        /// Size, in units of the states, of the largest orbit that tells, and the number of orbits: what their polynomial leaves out
+    /// Where orbits shrink to a point, or a saddle comes to a node, which those next to it tell: there the equations are singular
+    /// to their extent, but the curve is smooth in it.
+    pub(super) fn limit(&self, step: &Stage<P>) -> Result<Option<(Place, Event<P>)>, Refusal<P>> {
+        /// Extent of the largest orbit that tells, and the number of orbits: what their polynomial leaves out
         /// is of order 1e-13, and rounding of the smallest of folds, which is divided by the cube of its size, 1e-12.
         const SMALL: f64 = 5e-2;
         const SAMPLES: i32 = 8;
@@ -185,7 +183,7 @@ impl<P: Plane> EventCurve<P> {
         const KNOWN: f64 = 1e-8;
         let size = |node: &Node, most: f64| {
             let (orbit, unknowns) = self.system.orbit(&node.point, 0).ok()?;
-            P::extent(&orbit, &unknowns, most)
+            P::extent(&self.system.condition, &orbit, &unknowns, most)
         };
         let [before, after] = [step.from, step.to].map(|node| size(node, 1.0));
         let (Some(before), Some(after)) = (before, after) else {
@@ -217,10 +215,11 @@ impl<P: Plane> EventCurve<P> {
             .iter()
             .map(|(place, size)| (*size, place.node.point.clone()));
         let last = samples.last().map(|(place, _)| place.clone());
-        let (Some((point, error)), Some(place)) = (limit(&sized.collect::<Vec<_>>()), last) else {
+        let (Some((point, error)), Some(place)) = (limit::limit(&sized.collect::<Vec<_>>()), last)
+        else {
             return Ok(None);
         };
         let error = error.rows(point.len() - 2, 2).amax();
-        Ok((error <= KNOWN).then_some((place, Event::Shrinks(point, error))))
+        Ok((error <= KNOWN).then_some((place, Event::Limit(point, error))))
     }
 }

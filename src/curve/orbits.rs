@@ -278,7 +278,12 @@ impl Plane for Orbits {
         (cycle.map_or(f64::NAN, |cycle| cycle.period), None)
     }
 
-    fn extent(orbit: &AffineOrbit, point: &Vector, most: f64) -> Option<f64> {
+    fn extent(
+        _: &Condition<Orbits>,
+        orbit: &AffineOrbit,
+        point: &Vector,
+        most: f64,
+    ) -> Option<f64> {
         let shrinks = orbit.has_own_period();
         shrinks.then(|| orbit.extent_within(point, most)).flatten()
     }
@@ -289,7 +294,7 @@ impl Plane for Orbits {
 
     /// An equilibrium with a pair on the imaginary axis, and on the guard where the orbits graze it; an orbit that switches
     /// shrinks to a boundary equilibrium.
-    fn of_no_size(
+    fn at_limit(
         event: EventType,
         condition: &Condition<Orbits>,
         orbit: &AffineOrbit,

@@ -18,7 +18,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::follow::{INTO, Solved};
+use super::event::{INTO, Solved};
 use super::plane::{Condition, Plane};
 use super::point::{Limits, Name, PointType, Region};
 use super::system::EventSystem;

@@ -1,6 +1,6 @@
 //! A curve of events from its beginning to both ends, step by step, and its state between two steps.
 
-use super::follow::{EventCurve, Refusal, Solved, Stop};
+use super::event::{EventCurve, Refusal, Solved, Stop};
 use super::plane::{Condition, FailureOf, NotEvaluated, Plane};
 use super::point::{Limits, Point, PointType, Region, What};
 use super::regions;

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::follow::Refusal;
+use super::event::Refusal;
 use super::plane::{Condition, NotEvaluated, Plane, SignatureOf};
 use super::point::{Gone, Limits, Point};
 use super::system::EventSystem;
