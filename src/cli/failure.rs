@@ -118,6 +118,8 @@ pub(crate) enum Usage {
     Ends(String),
     #[error("`--spectrum` is of waves; of a system leave it out: multipliers are counted anyway")]
     OfWaves,
+    #[error("`--arcs` is of waves and orbits; of equilibria leave it out")]
+    OfOrbits,
     #[error("write NAME=VALUE, for example mismatch=0.045")]
     Assignment,
     #[error("`{name}` is no parameter; known: {known}")]
