@@ -175,7 +175,10 @@ impl Stated for equilibrium::Proof {
                 equilibrium::Condition::Hopf { .. } => " beside ± iω",
                 _ => "",
             };
-            format!(" {growing} of its eigenvalues have a positive real part, all others{beside} a negative one.")
+            format!(
+                " {growing} eigenvalues of `{}` have a positive real part there, all others{beside} a negative one.",
+                self.near.mode
+            )
         });
         format!(
             "**Hypothesis.** The system of `source.ron`{given}; {name} is free. A guard is positive in its mode; a sliding mode \
@@ -237,13 +240,13 @@ impl equilibrium::Proof {
                 let what = system.and_then(|system| self.vanishing(system));
                 let beyond = self.beyond.as_ref().map(|beyond| {
                     let sides = match beyond.persists {
-                        true => "the equilibria of the one mode on one side of this value of the parameter and those of the other \
-                            beyond it: it persists",
-                        false => "the equilibria of both modes on one side of this value of the parameter: a nonsmooth fold",
+                        true => "different sides of it: the equilibrium persists",
+                        false => "one side of it: a nonsmooth fold",
                     };
                     format!(
-                        " `{}` rests there, too, with every other of its guards positive. Near it there are, as far as they are \
-                         admissible, {sides}.",
+                        " `{}` rests there, too, with every other of its guards positive. Next to this value of the parameter the \
+                         equilibria of either mode are a curve with the parameter as its coordinate; those that are admissible lie on \
+                         {sides}.",
                         beyond.mode
                     )
                 });

@@ -36,35 +36,42 @@ impl Guard {
     }
 }
 
+/// All switches of a mode, of a sliding mode those of the modes on its sides, by mode and index.
+pub fn switches(system: &System, resting: &Resting) -> Vec<[usize; 2]> {
+    let sides = match resting {
+        Resting::Mode(mode) => vec![*mode],
+        Resting::Sliding(surface) => surface.sides.to_vec(),
+    };
+    let of_mode = |mode: usize| {
+        let count = system.modes.get(mode).map_or(0, |mode| mode.switches.len());
+        (0..count).map(move |switch| [mode, switch])
+    };
+    sides.into_iter().flat_map(of_mode).collect()
+}
+
 /// The guards of a mode, those of one formula once. A sliding mode has, beside the pushes that hold it, those of the modes on its sides
 /// but its surface.
 pub fn guards(system: &System, resting: &Resting) -> Vec<Guard> {
     let place = formulas(system, None);
-    let (mut found, sides, surface) = match resting {
-        Resting::Mode(mode) => (Vec::new(), vec![*mode], None),
+    let (mut found, surface) = match resting {
+        Resting::Mode(_) => (Vec::new(), None),
         Resting::Sliding(surface) => (
             vec![Guard::FirstPush, Guard::SecondPush],
-            surface.sides.to_vec(),
             place.zero(surface.zero),
         ),
     };
+    let surface = surface.into_iter();
     let mut known: Vec<_> = surface
-        .into_iter()
         .flat_map(|surface| [surface.clone().negative(), surface])
         .collect();
-    for mode in sides {
-        let switches = system.modes.get(mode).map_or(0, |mode| mode.switches.len());
-        for switch in 0..switches {
-            let Some(formula) = place.zero([mode, switch]) else {
-                // a formula without a value is no other's
-                found.push(Guard::Zero([mode, switch]));
-                continue;
-            };
-            let minus = formula.clone().negative();
-            if !known.iter().any(|one| are_opposite(one, &minus)) {
-                known.push(formula);
-                found.push(Guard::Zero([mode, switch]));
-            }
+    for at in switches(system, resting) {
+        // a formula without a value is no other's
+        let formula = place.zero(at);
+        let minus = formula.clone().map(Algebra::negative);
+        let is_known = |one: &_| minus.as_ref().is_some_and(|minus| are_opposite(one, minus));
+        if !known.iter().any(is_known) {
+            known.extend(formula);
+            found.push(Guard::Zero(at));
         }
     }
     found

@@ -4,8 +4,9 @@
 //!
 //! > l₁ = 1/(2ω⟨q, q⟩) Re[⟨p, C(q, q, q̄)⟩ + 2⟨p, B(q, h₁₁)⟩ + ⟨p, B(q̄, h₂₀)⟩], Ah₁₁ = −B(q, q̄), (2iω − A)h₂₀ = B(q, q)
 //!
-//! (Yu. A. Kuznetsov, Elements of Applied Bifurcation Theory, 5.4), as of a q of length 1. Linear equations are solved over
-//! all of the intervals, those of p with a border: (Aᵀ + iω)p + sq = 0, Σ pᵢq̄ᵢ = 1, where s is 0.
+//! (Yu. A. Kuznetsov, Elements of Applied Bifurcation Theory, 5.4), as of a q of length 1. In a sliding mode Mẏ = E(y) has the same
+//! expansion, with E_y in the place of A and iωM in that of iω; ⟨p, Mq⟩ = 1, and ⟨q, q⟩ is that of the states. Linear equations are
+//! solved over all of the intervals, those of p with a border: (Aᵀ + iωM)p + sq = 0, Σ pᵢ(Mq̄)ᵢ = 1, where s is 0.
 
 use serde::{Deserialize, Serialize};
 
@@ -13,6 +14,7 @@ use super::Rows;
 use super::place::is_affine;
 use super::resting::Resting;
 use super::system::EquilibriumSystem;
+use crate::certify::analytic::Analytic;
 use crate::certify::krawczyk::LinearEquations;
 use crate::interval::{Gradient, Interval, Number};
 
@@ -68,7 +70,7 @@ fn solved(matrix: &[Rows; 2], [re, im]: Complexes) -> Option<Complexes> {
     Some([both, im])
 }
 
-/// A mode of the file at an equilibrium.
+/// The equations of an equilibrium next to it.
 struct Curvature<'a, 'b> {
     system: &'b EquilibriumSystem<'a>,
     state: &'b [Interval],
@@ -112,43 +114,55 @@ impl Curvature<'_, '_> {
 }
 
 impl EquilibriumSystem<'_> {
-    /// The coefficient of a Hopf point of a mode of the file; `None` where it is not enclosed.
-    pub fn lyapunov(&self, x: &[Interval]) -> Option<Lyapunov> {
-        let Resting::Mode(mode) = self.resting else {
-            return None;
+    /// A multiple of M.
+    fn mass(&self, value: Interval) -> Rows {
+        let entry = |i: usize, j: usize| match i == j && self.is_rate(i) {
+            true => value,
+            false => Interval::ZERO,
         };
-        if is_affine(self.system, mode) {
+        let row = |i: usize| (0..self.size).map(|j| entry(i, j)).collect();
+        (0..self.size).map(row).collect()
+    }
+
+    /// p, from the derivatives of E, ω and q.
+    fn adjoint(&self, slopes: &Rows, omega: Interval, [a, b]: &Complexes) -> Option<Complexes> {
+        let n = self.size;
+        let column = |i: usize| slopes.iter().map(|row| row[i]).collect();
+        let mut real: Rows = (0..n).map(column).collect();
+        let mut imaginary = self.mass(omega);
+        for (rows, q) in [(&mut real, a), (&mut imaginary, b)] {
+            rows.iter_mut().zip(q).for_each(|(row, q)| row.push(*q));
+        }
+        let states = |v: &[Interval], sign: f64| -> Vec<Interval> {
+            let sign = Interval::point(sign);
+            let mut row: Vec<Interval> = v[..self.states()].iter().map(|x| sign * *x).collect();
+            row.resize(n + 1, Interval::ZERO);
+            row
+        };
+        real.push(states(a, 1.0));
+        imaginary.push(states(b, -1.0));
+        let mut side = [vec![Interval::ZERO; n + 1], vec![Interval::ZERO; n + 1]];
+        side[0][n] = Interval::ONE;
+        let [mut re, mut im] = solved(&[real, imaginary], side)?;
+        re.truncate(n);
+        im.truncate(n);
+        Some([re, im])
+    }
+
+    /// The coefficient of a Hopf point; `None` where it is not enclosed, or zero for a reason that is not told.
+    pub fn lyapunov(&self, x: &[Interval]) -> Option<Lyapunov> {
+        if let Resting::Mode(mode) = self.resting
+            && is_affine(self.system, mode)
+        {
             return Some(Lyapunov::Vertical);
         }
-        let (n, omega) = (self.states(), *x.last()?);
-        let (zero, one) = (Interval::ZERO, Interval::ONE);
+        let (n, omega) = (self.size, *x.last()?);
+        let zero = Interval::ZERO;
         let slopes = self.matrix(x)?;
         let [a, b] = [0, 1].map(|which| self.vector(x, which));
         let q: Complexes = [a.to_vec(), b.to_vec()];
         let conjugate: Complexes = [a.to_vec(), b.iter().map(|b| -*b).collect()];
-        let diagonal = |value: Interval| -> Rows {
-            let entry = |i: usize, j: usize| if i == j { value } else { zero };
-            (0..n)
-                .map(|i| (0..n).map(|j| entry(i, j)).collect())
-                .collect()
-        };
-        let p = {
-            let mut real: Rows = (0..n)
-                .map(|i| slopes.iter().map(|row| row[i]).collect())
-                .collect();
-            let mut imaginary = diagonal(omega);
-            for (rows, q) in [(&mut real, a), (&mut imaginary, b)] {
-                rows.iter_mut().zip(q).for_each(|(row, q)| row.push(*q));
-            }
-            real.push(a.iter().copied().chain([zero]).collect());
-            imaginary.push(conjugate[1].iter().copied().chain([zero]).collect());
-            let mut side = [vec![zero; n + 1], vec![zero; n + 1]];
-            side[0][n] = one;
-            let [mut re, mut im] = solved(&[real, imaginary], side)?;
-            re.truncate(n);
-            im.truncate(n);
-            [re, im]
-        };
+        let p = self.adjoint(&slopes, omega, &q)?;
         let at = Curvature {
             system: self,
             state: &x[..n],
@@ -161,7 +175,7 @@ impl EquilibriumSystem<'_> {
             let row = |row: &Vec<Interval>| row.iter().map(|x| -*x).collect();
             slopes.iter().map(row).collect()
         };
-        let twice = diagonal(Interval::point(2.0) * omega);
+        let twice = self.mass(Interval::point(2.0) * omega);
         let second = solved(&[opposite, twice], at.bent(&q, &q)?)?;
         // C(q, q, q̄) = C(a, a, a) + C(a, b, b) + i(C(a, a, b) + C(b, b, b))
         let cubic = [
@@ -172,9 +186,9 @@ impl EquilibriumSystem<'_> {
             + Interval::point(2.0) * product(&p, &at.bent(&q, &[mean, vec![zero; n]])?)
             + product(&p, &at.bent(&conjugate, &second)?);
         let square = |v: &[Interval]| v.iter().fold(zero, |sum, x| sum + x.square());
-        let length = square(a) + square(b);
+        let length = square(&a[..self.states()]) + square(&b[..self.states()]);
         let found = terms / (Interval::point(2.0) * omega * length);
-        let known = found.low.is_finite() && found.high.is_finite() && !found.is_empty();
+        let known = found.is_finite() && found != zero;
         known.then_some(Lyapunov::Within(found))
     }
 }

@@ -44,6 +44,9 @@ use crate::problem::decimal_of;
 use guard::Guard;
 use system::EquilibriumSystem;
 
+/// Stated intervals are wider than proven by this share of their unit, 2⁻⁶⁰, which is less than a rounding of it.
+const ROOM: f64 = 8.673_617_379_884_035e-19;
+
 /// A matrix of intervals.
 type Rows = Vec<Vec<Interval>>;
 
@@ -172,15 +175,34 @@ fn prepared(
         state: item.point.state.clone(),
         parameter: value,
     };
-    let condition = match special {
+    let condition = singled_out(&system, &near, (curve, special), text)?;
+    let posed = Posed {
+        system: Some(system),
+        values,
+        parameter: at,
+        units: setting.scales.units.clone(),
+    };
+    let after = special.after().map(|after| after.name);
+    prove(posed, near, condition, after.as_deref())
+}
+
+/// What singles out a special point.
+fn singled_out(
+    system: &System,
+    near: &Near,
+    (curve, special): (&EquilibriumCurve, &Special<EquilibriumCurve>),
+    text: &str,
+) -> Result<Condition, Open> {
+    let setting = &curve.setting;
+    Ok(match special {
         Special::User(..) | Special::Edge(..) => {
-            Condition::Value(decimal_of(text, "continuation", value))
+            Condition::Value(decimal_of(text, "continuation", near.parameter))
         }
         Special::Monitor(..) => return Err(Open::Monitor),
         Special::Start | Special::Closed => {
             let path = format!("system.parameters.{}", curve.parameter());
             // scaled unknowns know it to rounding
-            Condition::Value(decimal_of(text, &path, setting.values[at]))
+            Condition::Value(decimal_of(text, &path, setting.values[setting.parameter]))
         }
         Special::Fold(_) => Condition::Fold,
         Special::Own(EquilibriumBifurcation::Hopf { omega, .. }) => {
@@ -191,27 +213,19 @@ fn prepared(
             EquilibriumBifurcation::Several { .. } | EquilibriumBifurcation::Unlocated { .. },
         ) => return Err(Open::Several),
         Special::Change(change) => {
-            let resting = resting::Resting::new(&system, &near.mode)?;
+            let resting = resting::Resting::new(system, &near.mode)?;
             let is_vanishing = |guard: &Guard| match (curve.written_guard(&change.margin), guard) {
                 (None, Guard::FirstPush) => change.margin.guard == 0,
                 (None, Guard::SecondPush) => change.margin.guard == 1,
-                (Some(at), Guard::Zero(own)) => guard::are_one(&system, at, *own),
+                (Some(at), Guard::Zero(own)) => guard::are_one(system, at, *own),
                 _ => false,
             };
-            let guards = guard::guards(&system, &resting);
+            let guards = guard::guards(system, &resting);
             let guard = guards.iter().position(is_vanishing).ok_or(Open::System)?;
             Condition::Boundary { guard }
         }
         Special::Failed(_) => return Err(Open::System),
-    };
-    let posed = Posed {
-        system: Some(system),
-        values,
-        parameter: at,
-        units: setting.scales.units.clone(),
-    };
-    let after = special.after().map(|after| after.name);
-    prove(posed, near, condition, after.as_deref())
+    })
 }
 
 /// Proves the point next to an equilibrium in doubles; the mode beyond it, of which the name is given, is left out where nothing is
@@ -278,16 +292,17 @@ fn statement(
     }
     let inequalities = system.inequalities(&zero.at)?;
     let lyapunov = omega.and_then(|_| system.lyapunov(&zero.at));
+    // balls of another program have a width even where a number is zero
+    let told = |index: usize| {
+        let room = units[index] * ROOM;
+        wider(zero.at[index]) + Interval::new(-room, room)
+    };
     Ok(Statement {
         parameter: match condition {
             Condition::Value(value) => value.interval(),
-            _ => wider(zero.at[parameter]),
+            _ => told(parameter),
         },
-        states: zero.at[..system.states()]
-            .iter()
-            .copied()
-            .map(wider)
-            .collect(),
+        states: (0..system.states()).map(told).collect(),
         unique: zero.distance(&equations, &middle, &units, parameter, stored),
         inequalities,
         omega: omega.map(wider),
@@ -309,6 +324,12 @@ impl EquilibriumSystem<'_> {
         };
         let y: Vec<_> = x[..self.size].iter().map(|x| place::still(*x)).collect();
         let parameter = place::still(x[self.size]);
+        // of one formula with another, or of the surface: it has a value at least
+        let at = self.place(&y[..self.states()], parameter);
+        let mut zeros = guard::switches(self.system, &self.resting).into_iter();
+        if !zeros.all(|zero| at.zero(zero).is_some()) {
+            return Err(Open::NotEnclosed);
+        }
         let mut proven = 0;
         for (index, guard) in self.guards.iter().enumerate() {
             if vanishing == Some(index) {

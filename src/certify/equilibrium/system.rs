@@ -311,7 +311,7 @@ impl<'a> EquilibriumSystem<'a> {
     }
 
     /// Whether an equation has the rate of a state: M.
-    fn is_rate(&self, row: usize) -> bool {
+    pub fn is_rate(&self, row: usize) -> bool {
         row < self.states()
     }
 
