@@ -16,7 +16,7 @@ from pathlib import Path
 from test_check import BINARY, ROOT, check
 
 try:
-    from flint import acb, arb
+    from flint import acb, acb_mat, arb
 
     from brakewave.ball_equilibria import Degree, Formula, evaluated, right_of_axis
     from brakewave.balls import Dual, NotCovered, Refused
@@ -94,12 +94,18 @@ class Mathematics(unittest.TestCase):
         degree = lambda text: evaluated(text, {"x": Degree(1), "y": Degree(1), "p": Degree(0)}, Degree.number).degree
         self.assertEqual([degree(text) for text in ["p^2/3", "x/p - 2*y", "x*y", "sin(p)*x", "p/x", "exp(x)"]], [0, 1, 2, 1, 2, 2])
 
-    def test_zeros_right_of_the_axis(self):
-        # (λ + 1)³, λ² − 0.2λ + 4 with λ + 3, and 1e6, −1e-6
-        for polynomial, expected in [([1, 3, 3, 1], 0), ([12, 3.4, 2.8, 1], 2), ([-1, -1e6 + 1e-6, 1], 1), ([5], 0)]:
-            self.assertEqual(right_of_axis([acb(it) for it in polynomial]), expected, polynomial)
-        with self.assertRaises(Refused):
-            right_of_axis([acb(1), acb(0), acb(1)])
+    def test_eigenvalues_right_of_the_axis(self):
+        # Jordan blocks of −1 and of 2 beside 0, 0.1 ± 2i beside −3, 1e6 and −1e-6, 0 beside 1, and ± i beside 2
+        one, zero, pair = [1], [0, 1], [1, 0, 1]
+        for rows, critical, expected in [
+            ([[-1, 1, 0], [0, -1, 1], [0, 0, -1]], one, 0), ([[2, 1, 5], [0, 2, 1], [0, 0, 0]], zero, 2), ([[0.1, -2, 5], [2, 0.1, -7], [0, 0, -3]], one, 2),
+            ([[1e6, 0], [0, -1e-6]], one, 1), ([[0, 3], [0, 1]], zero, 1), ([[0, -1, 4], [1, 0, 1], [0, 0, 2]], pair, 1),
+            ([[0, -1, 4, 0], [1, 0, 1, 0], [0, 0, 2, 1], [0, 0, 0, 2]], pair, 2),
+        ]:  # fmt: skip
+            self.assertEqual(right_of_axis(acb_mat(rows), critical), expected, rows)
+        for rows in [[0, -1], [1, 0]], [[0, 1], [0, 0]]:
+            with self.assertRaises(Refused):
+                right_of_axis(acb_mat(rows), one)
 
 
 @unittest.skipUnless(BINARY, "no binary of brakewave")

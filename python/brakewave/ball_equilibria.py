@@ -366,24 +366,18 @@ class Rest:
     # ------------------------------------------------------------------------------------------------ eigenvalues
     def growing(self):
         """How many eigenvalues have a positive real part; the critical ones are 0 or ± iω."""
-        matrix = acb_mat(self.matrix(self.y, self.parameter))
+        rows = self.matrix(self.y, self.parameter)
         if self.sides is not None:
-            rows = matrix.tolist()
             normal, along = rows[self.n][: self.n], [row[self.n] for row in rows[: self.n]]
             inner = [row[: self.n] for row in rows[: self.n]]
             across = sum(a * d for a, d in zip(normal, along))
             fall = [sum(a * row[j] for a, row in zip(normal, inner)) for j in range(self.n)]
-            matrix = acb_mat([[x - d * f / across for x, f in zip(row, fall)] for row, d in zip(inner, along)])
-        polynomial = matrix.charpoly().coeffs()
-        # 0 of the direction across the surface, and at a fold
-        polynomial = polynomial[(self.sides is not None) + (self.kind == "Fold") :]
-        if self.kind == "Hopf":
-            # over λ² + ω²
-            quotient = [acb(0), acb(0)]
-            for coefficient in reversed(polynomial[2:]):
-                quotient.insert(0, coefficient - self.omega**2 * quotient[1])
-            polynomial = quotient[:-2]
-        return right_of_axis(polynomial)
+            rows = [[x - d * f / across for x, f in zip(row, fall)] for row, d in zip(inner, along)]
+            # in the surface one state follows from the others
+            k = max(range(self.n), key=lambda j: float(abs(acb(normal[j])).lower()))
+            others = [j for j in range(self.n) if j != k]
+            rows = [[rows[i][j] - rows[i][k] * normal[j] / normal[k] for j in others] for i in others]
+        return right_of_axis(acb_mat(rows), {"Fold": [0, 1], "Hopf": [self.omega and self.omega**2, 0, 1]}.get(self.kind, [1]))
 
     def lyapunov(self):
         """The first Lyapunov coefficient, with |q| = 1 in the states and the factor 1/ω. The share of a sliding mode is no state: the
@@ -468,13 +462,28 @@ def null_vector(matrix):
         raise NotCovered("the critical vector") from None
 
 
-def right_of_axis(polynomial):
-    """How many zeros of a polynomial have a positive real part: those of (z + 1)ⁿp((z − 1)/(z + 1)) outside the unit circle."""
-    n, image = len(polynomial) - 1, acb_poly([])
-    # in a unit in which zeros are of order one
-    size = max((float(abs(x / polynomial[-1]).mid()) ** (1 / (n - k)) for k, x in enumerate(polynomial[:-1]) if abs(x).mid() > 0), default=1.0)
-    for k, coefficient in enumerate(polynomial):
-        image += acb_poly([-1, 1]) ** k * acb_poly([1, 1]) ** (n - k) * (coefficient * arb(size) ** k)
+def right_of_axis(matrix, critical):
+    """How many eigenvalues have a positive real part, where the zeros of a polynomial, 1, λ or λ² + ω², are known to be the only ones
+    with none."""
+    try:
+        eigenvalues = matrix.eig(multiple=True) if matrix.nrows() else []
+        beside = sum(not (it.real > 0 or it.real < 0) for it in eigenvalues)
+        must(beside == len(critical) - 1, "an eigenvalue may be on the axis")
+        return sum(bool(it.real > 0) for it in eigenvalues)
+    except ValueError:
+        pass
+    # of a defective one: the characteristic polynomial over the other, which divides it
+    left, quotient = matrix.charpoly().coeffs(), []
+    while len(left) >= len(critical):
+        quotient.insert(0, left[-1])
+        shift = len(left) - len(critical)
+        left = [x - left[-1] * critical[k - shift] if k >= shift else x for k, x in enumerate(left)][:-1]
+    # zeros of (z + 1)ⁿp((z − 1)/(z + 1)) outside the unit circle, in a unit in which those of p are of order one
+    n, image = len(quotient) - 1, acb_poly([])
+    sizes = [float(abs(x / quotient[-1]).mid()) ** (1 / (n - k)) for k, x in enumerate(quotient[:-1])]
+    unit = arb(max(sizes, default=1.0) or 1.0)
+    for k, coefficient in enumerate(quotient):
+        image += acb_poly([-1, 1]) ** k * acb_poly([1, 1]) ** (n - k) * (coefficient * unit**k)
     return counted(image.coeffs())
 
 

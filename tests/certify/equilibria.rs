@@ -329,11 +329,17 @@ fn what_is_not_proven_is_said() {
         assert_eq!(boundary[0]["beyond"], "", "{rows:?}");
     }
     let text = r#"(
-        system: (states: ["x", "v"], parameters: {"F": 0.5, "w": 0.2}, contacts: {"r": Coulomb(speed: "v", bound: "1")},
+        system: (states: ["x", "v"], parameters: {"F": 0.5}, contacts: {"r": Friction(slip: "v - 0.2", bound: "1")},
             rates: {"x": "v", "v": "F - x + r"}),
-        equilibrium: (start: Given(mode: "r stick", state: {"x": 0.0, "v": 0.0})),
+        equilibrium: (start: Given(mode: "backward", state: {"x": 1.5, "v": 0.0})),
         continuation: (parameter: "F", range: (0.0, 0.9)),
     )"#;
+    let (code, rows) = certified(text, folder.path());
+    assert_eq!(code, Some(1), "{rows:?}");
+    assert!(
+        rows.iter()
+            .all(|row| row["why"] == "not covered: systems with `contacts`")
+    );
     let file = folder.path().join("contact.ron");
     fs::write(&file, text).unwrap();
     let run = brakewave(&["certify", file.to_str().unwrap(), "--arcs"]);
