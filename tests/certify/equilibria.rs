@@ -67,7 +67,7 @@ fn boundary_equilibria_and_a_fold_of_sliding_ones() {
     let (code, rows) = certified(&problem("harvest"), folder.path());
     assert_eq!(code, Some(0), "{rows:?}");
     let boundary = of_type(&rows, "BE");
-    encloses(boundary[0], VALUE, 0.404_875_148_632_580_26, 1e-13);
+    encloses(boundary[0], VALUE, 0.404_875_148_632_580_3, 1e-13);
     encloses(boundary[1], VALUE, 0.420_227_149_810_708_5, 1e-13);
     let beyond: Vec<[&str; 3]> = boundary
         .iter()

@@ -201,10 +201,6 @@ fn what_has_no_equilibria_is_refused() {
             "no event of equilibria",
         ),
         (
-            changed(&text, "output: (", "certify: true, output: ("),
-            "`certify` is for orbits",
-        ),
-        (
             changed(
                 &text,
                 "Given(mode: \"flow\", state: {\"x\": 1.0, \"y\": 1.5})",

@@ -16,6 +16,7 @@ use super::resting::Resting;
 use super::system::EquilibriumSystem;
 use crate::certify::analytic::Analytic;
 use crate::certify::krawczyk::LinearEquations;
+use crate::certify::orbit::flow::dot;
 use crate::interval::{Gradient, Interval, Number};
 
 /// The first Lyapunov coefficient.
@@ -45,10 +46,6 @@ fn added(one: &[Interval], sign: f64, other: &[Interval]) -> Vec<Interval> {
 
 /// Re ⟨p, v⟩.
 fn product([p_re, p_im]: &Complexes, [re, im]: &Complexes) -> Interval {
-    let dot = |one: &[Interval], other: &[Interval]| {
-        let terms = one.iter().zip(other);
-        terms.fold(Interval::ZERO, |sum, (a, b)| sum + *a * *b)
-    };
     dot(p_re, re) + dot(p_im, im)
 }
 

@@ -128,7 +128,7 @@ impl Provable for Proof {
 
 impl Proof {
     /// In words, the guard that vanishes at a boundary equilibrium.
-    pub(crate) fn vanishing(&self, system: &System) -> Option<String> {
+    pub fn vanishing(&self, system: &System) -> Option<String> {
         let Condition::Boundary { guard } = self.condition else {
             return None;
         };
@@ -363,7 +363,15 @@ fn kind(condition: &Condition, said: EventType) -> EventType {
     }
 }
 
-/// Proves a stored statement again, without continuation; returns the proof with intervals of it that are no wider than they are proven.
+/// Proves a stored statement again, without continuation.
+///
+/// # Errors
+/// The proof fails, or it proves something else.
+pub fn verify(point: &Point<Proof>, proof: &Proof) -> Result<(), Refused> {
+    proven_again(point, proof).map(|_| ())
+}
+
+/// Proves a stored statement again; returns the proof with intervals of it that are no wider than they are proven.
 ///
 /// # Errors
 /// The proof fails, or it proves something else.

@@ -11,7 +11,7 @@ use nalgebra::Complex;
 
 use super::Rows;
 use super::system::{Condition, EquilibriumSystem};
-use crate::certify::orbit::flow::{product, sum};
+use crate::certify::orbit::flow::{dot, product, sum};
 use crate::certify::orbit::multipliers::{self, Complexes, negative, part};
 use crate::interval::Interval;
 
@@ -153,19 +153,14 @@ impl EquilibriumSystem<'_> {
         let normal = matrix.pop()?[..states].to_vec();
         let along: Vec<Interval> = matrix.iter().map(|row| row[states]).collect();
         matrix.iter_mut().for_each(|row| row.truncate(states));
-        let across = product(&[normal.clone()], &columns(&along)).pop()?.pop()?;
-        let fall = product(&[normal.clone()], &matrix).pop()?;
+        let across = dot(&normal, &along);
+        let fall = product(std::slice::from_ref(&normal), &matrix).pop()?;
         for (row, d) in matrix.iter_mut().zip(along) {
             minus(row, d / across, &fall);
         }
         let (matrix, vectors) = within(matrix, &normal, vectors)?;
         growing(&modulo(matrix, vectors)?)
     }
-}
-
-/// A vector as a matrix of one column.
-fn columns(vector: &[Interval]) -> Rows {
-    vector.iter().map(|x| vec![*x]).collect()
 }
 
 #[cfg(test)]
