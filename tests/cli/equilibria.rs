@@ -231,6 +231,13 @@ fn what_has_no_equilibria_is_refused() {
         "{}",
         outcome.stderr
     );
+    // what is proven of an equilibrium is no matter of arcs
     bench.put("problem.ron", problem("brusselator.ron"));
-    bench.run(&["certify", "problem.ron"]).expect(3);
+    bench.run(&["certify", "problem.ron"]).expect(0);
+    let outcome = bench.run(&["certify", "problem.ron", "--arcs"]).expect(2);
+    assert!(
+        outcome.stderr.contains("`--arcs` is of waves and orbits"),
+        "{}",
+        outcome.stderr
+    );
 }
