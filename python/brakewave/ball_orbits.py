@@ -205,15 +205,20 @@ OPERATORS = {
 }  # fmt: skip
 
 
-def evaluate(text, names, divisors):
-    """The form of an expression, where names stand for forms; what it divides by joins the divisors. Operators bind as in
-    Python, `^` as `**` there."""
-    # a sign before each name keeps those that are words of Python
+def parsed(text):
+    """The tree of an expression, with the text that it was made from: its names begin with a sign. Operators bind as in Python, `^` as
+    `**` there."""
+    # the sign keeps those that are words of Python
     spelled = re.sub(r"(?<![\w.])(?=[^\W\d])", "_", " ".join(text.split())).replace("^", "**")
     try:
-        tree = ast.parse(spelled, mode="eval").body
+        return spelled, ast.parse(spelled, mode="eval").body
     except (SyntaxError, ValueError, MemoryError):
         raise Refused(f"`{text}` cannot be read") from None
+
+
+def evaluate(text, names, divisors):
+    """The form of an expression, where names stand for forms; what it divides by joins the divisors."""
+    spelled, tree = parsed(text)
 
     def form(node):
         if isinstance(node, ast.Constant) and type(node.value) in (int, float):

@@ -28,11 +28,11 @@ try:
     from .ball_spectrum import Perturbed
     from .ball_waves import Signs
     from .balls import NotCovered, Refused, Tagged, decimal, must, prove_zero, whole
+    from .check_equilibria import EquilibriumPoint
+    from .statements import Statements, between, fields
 except ImportError as error:
     sys.exit(f"{error}: `pip install python-flint` gives the balls that this check needs")
 
-WIDEST = 0.01
-"""A distance of uniqueness is stated up to this share of the units."""
 COUNTING = 96
 """Bits in which eigenvalues are counted: their number is whole."""
 
@@ -147,27 +147,6 @@ def read_ron(text):
     return result
 
 
-# ------------------------------------------------------------------------------------------------ statements
-def fields(record, needed, optional=""):
-    """Refuses a record with other fields than these, all of which but the optional ones it has."""
-    must(isinstance(record, dict), "something else stands in the place of a record")
-    needed, optional = needed.split(), optional.split()
-    for name in needed:
-        must(name in record, f"`{name}` is not there")
-    for name in record:
-        must(name in needed or name in optional, f"`{name}` is no field of it")
-
-
-def inside(ball, low, high):
-    """Whether a ball lies between two numbers, taken as they are."""
-    return bool(arb(low) <= ball and ball <= arb(high))
-
-
-def between(ball, interval):
-    """Whether a ball lies in an interval of doubles."""
-    return inside(ball, float(interval["low"]), float(interval["high"]))
-
-
 def type_of(wave, said):
     """Type of a point by what singles it out."""
     if wave.kind == "Value":
@@ -186,92 +165,6 @@ def type_of(wave, said):
 def snake(name):
     """MassDamping as mass_damping."""
     return re.sub(r"(?<!^)(?=[A-Z])", "_", name).lower()
-
-
-class Statements:
-    """A point that is said to be proven, with the problem and the row of the table that belong to it."""
-
-    def __init__(self, point, source, row, before=None):
-        self.point, self.source, self.row, self.before = point, source, row, before
-        self.proof = point["outcome"].value
-        self.posed, self.said = self.proof["posed"], self.proof["statement"]
-        self.growth, self.discs, self.others = point.get("growth"), {}, {}
-
-    def common(self):
-        """Names of statements on all points and what checks them."""
-        yield "numbers of the problem", self.numbers
-        yield "type", self.type
-        yield "inequalities", self.inequalities
-        yield f"no other within {float(self.said['unique']):.0e}", self.unique
-        yield "row of certificates.csv", self.table
-        if self.point.get("arc") == "Proven":
-            yield "arc", self.arc
-
-    def first(self):
-        """That no point before it is of the same event."""
-        for other in self.earlier:
-            same = hasattr(other, "solved") and other.point["kind"] == self.point["kind"] and self.is_event_of(other)
-            must(not same, f"it is that of label {whole(other.point['label'])}")
-
-    def arc_is_one(self):
-        arc = self.point.get("arc")
-        must(arc in (None, "Proven") or isinstance(arc, Tagged) and arc.name == "Open", "an arc that is neither proven nor open")
-
-    def distance_is_one(self, unit):
-        told = float(self.said["unique"])
-        must(0 <= told <= unit * WIDEST * (1 + 1e-9), "a distance is negative, or more than a hundredth of the range of the parameter")
-
-    @staticmethod
-    def compare(found):
-        for what, ball, interval in found:
-            must(between(ball, interval), f"{what} is {ball.str(20, radius=False)}")
-
-    def type(self):
-        found = self.kind()
-        must(found == self.point["kind"], f"what vanishes there makes it {found}")
-
-    def unique(self):
-        distance = self.said["unique"]
-        for _ in range(2):
-            norm = self.solved.unique(self.zero, distance)
-            if norm < 1:
-                break
-            # about in proportion to the distance
-            distance *= 0.7 / float(norm) if norm < 1e6 else 1e-3
-        else:
-            raise NotCovered("not shown over a box that large; the solution is regular")
-        if distance < self.said["unique"]:
-            raise NotCovered(f"shown within {distance:.0e}; over a larger box balls overestimate the Jacobian")
-
-    def arc(self):
-        raise NotCovered("what lies between two points")
-
-    def asked(self, text):
-        """That a value is one of the problem."""
-        continuation = self.source["continuation"]
-        ends = [number for number in (*continuation["range"], text) if number is not None]
-        # pairs are values of monitors, and a value may have the name of the parameter
-        bare = lambda it: next(iter(it.values())) if isinstance(it, dict) and it else it
-        values = continuation.get("stop_at", []) if self.point["kind"] == "UZ" else ends
-        listed = Fraction(self.proof["condition"].value) in [Fraction(it.text) for it in map(bare, values) if not isinstance(it, tuple)]
-        must(listed, "the value is not asked for in the problem")
-
-    def compare_row(self, name, intervals, **stated):
-        """That the row of the table is of this point, with these balls in their intervals, and says this."""
-        if self.row is None:
-            raise NotCovered("a certificate without its table")
-        row, point, arc = self.row, self.point, self.point.get("arc")
-        named = [str(int(point["label"])), point["kind"], name, "yes"]
-        must([row[it] for it in ("label", "type", "parameter", "proven")] == named, "it is of another point")
-        for what, (low, high), ball in intervals:
-            must(inside(ball, row[low], row[high]), f"the {what} is not in its interval")
-        must(float(row["unique"]) == self.said["unique"], "`unique` is not that of the certificate")
-        opened = isinstance(arc, Tagged)
-        stated |= {"inequalities": self.said["inequalities"], "arc": "" if arc is None else "no" if opened else "yes"}
-        stated |= {"why": "", "arc_why": arc.value if opened else ""}
-        for column, value in stated.items():
-            told = value if isinstance(value, str) else "" if value is None else str(int(value))
-            must(row[column] == told, f"`{column}` is not that of the certificate")
 
 
 UNDECIDED = {
@@ -707,27 +600,10 @@ class OrbitPoint(Statements):
         return orbit, zero, x, value, (1 + orbit.half) * sum(times, arb(0))
 
     def numbers(self):
-        source, posed = self.source, self.posed
-        if source is None or "system" not in source or source["orbit"]["start"].name not in ("Given", "Simulate"):
+        source = self.source
+        if source is None or "system" not in source or source.get("orbit", {"start": Tagged("", None)})["start"].name not in ("Given", "Simulate"):
             raise NotCovered("numbers that do not stand in a problem file")
-        written, system = dict(source["system"]), dict(posed["system"])
-        given, held = written.pop("parameters", {}), system.pop("parameters")
-        must(list(given) == list(held), "the parameters are not those of the problem")
-        for (name, number), value in zip(given.items(), posed["values"]):
-            varies = name == self.point["parameter"]
-            must(Fraction(number.text) == Fraction(value) or varies, f"{name} is {number.text} in the problem")
-        plain = lambda it: (
-            {k: plain(v) for k, v in it.items() if v not in (None, [], {}, ())}
-            if isinstance(it, dict)
-            else [plain(v) for v in it]
-            if isinstance(it, (list, tuple))
-            else it
-        )
-        must(plain(written) == plain(system), "the system is not that of the problem")
-        continuation = source["continuation"]
-        must(continuation["parameter"] == self.point["parameter"], "the parameter is not that of the problem")
-        low, high = continuation["range"]
-        must(float(posed["units"]["parameter"]) == high - low, "the unit of the parameter is not the width of its range")
+        given = self.of_system(float(self.posed["units"]["parameter"]))
         self.units(given[self.point["parameter"]])
         asked = whole(source["orbit"].get("periods", Number("1")))
         periods, simulated = self.solved.periods, source["orbit"]["start"].name == "Simulate"
@@ -788,7 +664,7 @@ class OrbitPoint(Statements):
         self.compare_row(self.point["parameter"], intervals, outside=self.said.get("outside"), **angles)
 
 
-EMPTY = "low high speed_low speed_high period_low period_high unique inequalities unstable growing stable outside angle_low angle_high".split()
+EMPTY = "low high speed_low speed_high period_low period_high unique inequalities unstable growing stable outside angle_low angle_high omega_low omega_high lyapunov_low lyapunov_high beyond persists".split()
 """Columns of which a point that is not proven has none."""
 
 
@@ -832,8 +708,9 @@ def main(folder):
                     refused += 1
                 before, skipped = None, True
                 continue
-            of_system = "system" in point["outcome"].value["posed"]
-            before = (OrbitPoint if of_system else Point)(point, source, row, before)
+            held = point["outcome"].value
+            of_system = OrbitPoint if "zones" in held["near"] else EquilibriumPoint
+            before = (of_system if "system" in held["posed"] else Point)(point, source, row, before)
             before.earlier, before.skipped = list(shown), skipped
             shown += [before]
             for what, statement in before.statements():
@@ -847,7 +724,7 @@ def main(folder):
                     outcome = f"refused: {reason}"
                     refused += 1
                 print(f"{name} {what}: {outcome}", flush=True)
-                if what.startswith(("wave,", "orbit", "fields")) and outcome != "proven again":
+                if what.startswith(("wave,", "orbit", "equilibrium,", "fields")) and outcome != "proven again":
                     break
     except (OSError, ValueError, LookupError, TypeError, AttributeError, ArithmeticError, RecursionError) as error:
         print(f"{name}: cannot be read: {error!r}", file=sys.stderr)

@@ -266,7 +266,7 @@ impl LinearEquations {
             .iter()
             .map(|x| 1.1 * x.magnitude() + f64::MIN_POSITIVE)
             .collect();
-        for _ in 0..INFLATIONS {
+        for round in 0..2 * INFLATIONS {
             let image = image(&about, &self.defect, &size);
             if inside(&image, &size) {
                 let rest = self::image(&still, &self.defect, &size);
@@ -274,7 +274,10 @@ impl LinearEquations {
                 return Some(both.map(|(x, r)| *x + Interval::new(-r, *r)).collect());
             }
             for (size, image) in size.iter_mut().zip(image.iter()) {
-                *size = 1.5 * size.max(*image);
+                // where all grow alike what is zero stays behind the others: at last only what is too small grows
+                if round < INFLATIONS || image >= size {
+                    *size = 1.5 * size.max(*image);
+                }
             }
         }
         None

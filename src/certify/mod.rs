@@ -10,15 +10,17 @@
 //! 4. What is said of parameter, speed and lengths follows from the enclosure of that zero.
 //!
 //! Beyond that there are arcs between two points ([`arc`]), and the number of eigenvalues that grow ([`count`]).
-//! [`orbit`] does the same for orbits of a user's system.
+//! [`orbit`] does the same for orbits of a user's system, and [`equilibrium`] for its equilibria.
 //!
 //! A [`Certificate`] has what is needed to do steps 2 to 4 again without continuation.
 
+mod analytic;
 mod arc;
 mod certificate;
 mod change;
 mod count;
 mod equations;
+pub mod equilibrium;
 mod flow;
 mod fold;
 mod frame;
@@ -32,6 +34,8 @@ mod perturbation;
 mod propagator;
 #[cfg(feature = "cli")]
 mod requested;
+#[cfg(feature = "cli")]
+mod requested_system;
 mod stretch;
 mod system;
 mod tail;

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use clap::Args;
 
+use super::equilibria::{self, PreparedEquilibrium};
 use super::failure::{Exit, Failure, Usage};
 use super::options::{Task, read_any};
 use super::prepare::{Prepared, PreparedSystem, early_end, follow, ready, ready_system};
@@ -12,9 +13,11 @@ use super::progress::each;
 use super::{print, stopped};
 use crate::branch::run::Item;
 use crate::certify::{
-    self, Certificate, Counted, Outcome, Point, Provable, Refused, Requested, Stretch, orbit,
+    self, Certificate, Counted, Outcome, Point, Provable, Refused, Requested, Stretch, equilibrium,
+    orbit,
 };
 use crate::hybrid;
+use crate::hybrid::equilibrium::EquilibriumItem;
 use crate::output::certify::{CertificateFolder, Certified, Read, read, table_agrees};
 use crate::output::layout::CERTIFICATES;
 use crate::output::store::{Kind, SOURCE};
@@ -45,6 +48,10 @@ pub(crate) fn certify(arguments: &CertifyArguments) -> Result<Exit, Failure> {
     let (problem, text) = read_any(&task.problem)?;
     match problem {
         Any::Tube(problem) => waves(arguments, ready(*problem, text, &task.problem)?),
+        Any::System(problem) if problem.equilibrium.is_some() => {
+            let prepared = equilibria::ready(*problem, text, &task.problem)?;
+            of_equilibria(arguments, &prepared)
+        }
         Any::System(problem) => orbits(arguments, ready_system(*problem, text, &task.problem)?),
     }
 }
@@ -98,6 +105,31 @@ fn orbits(arguments: &CertifyArguments, prepared: PreparedSystem) -> Result<Exit
         join(task.quiet, &mut points);
     }
     compare(&mut points);
+    finish(task, &out, folder, points, &branch)
+}
+
+fn of_equilibria(
+    arguments: &CertifyArguments,
+    prepared: &PreparedEquilibrium,
+) -> Result<Exit, Failure> {
+    let task = &arguments.task;
+    if arguments.spectrum {
+        return Err(Usage::OfWaves.into());
+    }
+    if arguments.arcs {
+        return Err(Usage::OfOrbits.into());
+    }
+    let out = task.folder("_certify");
+    let store = task.open_system(&out, Kind::Certificate, &prepared.problem)?;
+    let mut branch = prepared.begin()?;
+    let folder = CertificateFolder::create::<equilibrium::Proof>(store)?;
+    let special = located(task.quiet, &mut branch, |item: &EquilibriumItem| {
+        item.event.is_some()
+    })?;
+    let proofs: Vec<_> = each(task.quiet, &special, "points", |item| {
+        equilibrium::certify(item, prepared.text())
+    });
+    let points = proofs.into_iter().flatten().collect();
     finish(task, &out, folder, points, &branch)
 }
 
@@ -175,13 +207,19 @@ fn verify(path: &Path, quiet: bool) -> Result<Exit, Failure> {
     let is_empty = match &read {
         Read::Waves(certificate) => certificate.points.is_empty(),
         Read::Orbits(certificate) => certificate.points.is_empty(),
+        Read::Equilibria(certificate) => certificate.points.is_empty(),
+    };
+    let belongs = match (&read, &problem) {
+        (_, None) => true,
+        (Read::Waves(_), Some((Any::Tube(_), _))) => true,
+        (Read::Waves(_), _) | (_, Some((Any::Tube(_), _))) => false,
+        (read, Some((Any::System(problem), _))) => {
+            matches!(read, Read::Equilibria(_)) == problem.equilibrium.is_some()
+        }
     };
     match (read, &problem) {
         _ if is_empty => said_of_all("nothing is stated", quiet),
-        (Read::Waves(_), Some((Any::System(_), _)))
-        | (Read::Orbits(_), Some((Any::Tube(_), _))) => {
-            said_of_all("it is not that of the problem file", quiet)
-        }
+        _ if !belongs => said_of_all("it is not that of the problem file", quiet),
         (Read::Waves(certificate), problem) => {
             let points = &certificate.points;
             let requested = match problem {
@@ -208,6 +246,22 @@ fn verify(path: &Path, quiet: bool) -> Result<Exit, Failure> {
                 let request = requested.as_ref().map(|it| it.check(point, proof));
                 request.unwrap_or(Ok(()))?;
                 orbit::proven_again(point, proof)
+            })
+        }
+        (Read::Equilibria(certificate), problem) => {
+            let requested = match problem {
+                Some((Any::System(problem), text)) => equilibrium::Requested::new(problem, text),
+                _ => None,
+            };
+            let points = &certificate.points;
+            let units = requested.as_ref().map(|it| it.check_units(points));
+            if let Some(Err(reason)) = units {
+                return said_of_all(&reason.to_string(), quiet);
+            }
+            told(&file, points, quiet, |point, proof| {
+                let request = requested.as_ref().map(|it| it.check(point, proof));
+                request.unwrap_or(Ok(()))?;
+                equilibrium::proven_again(point, proof)
             })
         }
     }

@@ -11,7 +11,7 @@ use super::junit::{self, Suite, Verdict};
 use super::options::{read_any, spare, write};
 use super::prepare::{early_end, follow, ready, ready_system};
 use super::{print, warn};
-use crate::certify::{Point, certify, orbit};
+use crate::certify::{Point, certify, equilibrium, orbit};
 use crate::orbit::legs::Run;
 use crate::output::certify::Certified;
 use crate::output::store::Offers;
@@ -134,10 +134,17 @@ fn check_system(path: &Path, problem: SystemProblem, text: String) -> Result<Out
     if problem.equilibrium.is_some() {
         let prepared = equilibria::ready(problem, text, path)?;
         let mut branch = prepared.begin()?;
-        let events = events(&file, &mut branch, |item| item.event)?;
+        let mut certified = Vec::new();
+        let events = events(&file, &mut branch, |item| {
+            if prepared.problem.certify {
+                certified.extend(equilibrium::certify(&item, prepared.text()));
+            }
+            item.event
+        })?;
         let compared = compare(&prepared.problem.expect, &events);
         let column = &prepared.continuation.parameter;
-        let found = compared.iter().map(|one| found(one, column)).collect();
+        let compared = compared.iter().map(|one| found(one, column));
+        let found = compared.chain(certified.iter().map(proven)).collect();
         return Ok(Outcome::of(file, found, &branch));
     }
     let prepared = ready_system(problem, text, path)?;

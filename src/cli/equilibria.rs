@@ -25,6 +25,11 @@ impl PreparedEquilibrium {
         })
     }
 
+    /// The text of the problem file.
+    pub(crate) fn text(&self) -> &str {
+        self.source.text()
+    }
+
     /// The beginning of the branch.
     pub(crate) fn start(&self) -> Result<EquilibriumRunner, NoEquilibriumStart> {
         EquilibriumRunner::begin(&self.problem, &self.continuation, self.named.as_ref())

@@ -116,8 +116,12 @@ pub(crate) enum Usage {
     Format(String),
     #[error("`{0}` is no range: write LOW,HIGH, for example 0.001,0.01")]
     Ends(String),
-    #[error("`--spectrum` is of waves; of a system leave it out: multipliers are counted anyway")]
+    #[error(
+        "`--spectrum` is of waves; of a system leave it out: multipliers or eigenvalues are counted anyway"
+    )]
     OfWaves,
+    #[error("`--arcs` is of waves and orbits; of equilibria leave it out")]
+    OfOrbits,
     #[error("write NAME=VALUE, for example mismatch=0.045")]
     Assignment,
     #[error("`{name}` is no parameter; known: {known}")]

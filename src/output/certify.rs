@@ -9,7 +9,7 @@ use super::store::{self, Growing, Store, StoreError, damaged, decode};
 use super::theorem::{Stated, enclosing, theorems, written};
 use crate::certify::{
     Certificate, Counted, Eigenvalue, Growth, Outcome, Point, Proof, Provable, Stretch, Verdict,
-    orbit,
+    equilibrium, orbit,
 };
 use crate::interval::Interval;
 use crate::table;
@@ -169,6 +169,82 @@ impl Certified for orbit::Proof {
             written(said.period),
             angle.unwrap_or_default(),
             outside.unwrap_or_default(),
+            said.inequalities,
+        )
+    }
+}
+
+/// A row of the table of an equilibrium of a system.
+#[derive(Clone, Debug, Default, Serialize)]
+pub(crate) struct EquilibriumRow {
+    head: Head,
+    said: Said,
+    growing: Option<usize>,
+    omega_low: Option<f64>,
+    omega_high: Option<f64>,
+    lyapunov_low: Option<f64>,
+    lyapunov_high: Option<f64>,
+    beyond: String,
+    persists: &'static str,
+    arc: Arc,
+}
+
+impl Certified for equilibrium::Proof {
+    type Row = EquilibriumRow;
+
+    fn row(point: &Point<equilibrium::Proof>) -> EquilibriumRow {
+        let said = point.proof().map(|proof| &proof.statement);
+        let (omega_low, omega_high) = ends(said.and_then(|said| said.omega));
+        let lyapunov = said.and_then(|said| said.lyapunov);
+        let (lyapunov_low, lyapunov_high) = ends(lyapunov.map(|lyapunov| match lyapunov {
+            equilibrium::Lyapunov::Within(interval) => interval,
+            equilibrium::Lyapunov::Vertical => Interval::ZERO,
+        }));
+        let beyond = point.proof().and_then(|proof| proof.beyond.as_ref());
+        EquilibriumRow {
+            head: Head::new(point, &point.parameter, said.map(|said| said.parameter)),
+            said: Said::new(point, |proof| {
+                (proof.statement.unique, proof.statement.inequalities)
+            }),
+            growing: said.and_then(|said| said.growing),
+            omega_low,
+            omega_high,
+            lyapunov_low,
+            lyapunov_high,
+            beyond: beyond.map(|one| one.mode.clone()).unwrap_or_default(),
+            persists: beyond.map_or("", |one| if one.persists { "yes" } else { "no" }),
+            arc: Arc::new(point),
+        }
+    }
+
+    fn sentence(point: &Point<equilibrium::Proof>) -> String {
+        let (kind, before) = (point.kind, before(point, "HB"));
+        let (said, beyond) = match &point.outcome {
+            Outcome::Proven(proof) => (&proof.statement, &proof.beyond),
+            Outcome::Open(reason) => return format!("{before}{kind}: not proven; {reason}\n"),
+        };
+        let beyond = beyond.as_ref().map(|beyond| match beyond.persists {
+            true => format!("; persistence, beyond it `{}`", beyond.mode),
+            false => format!("; a nonsmooth fold with `{}`", beyond.mode),
+        });
+        let omega = said.omega.map(|omega| format!("; ω in {}", written(omega)));
+        let lyapunov = said.lyapunov.map(|lyapunov| match lyapunov {
+            equilibrium::Lyapunov::Within(interval) => format!("; l₁ in {}", written(interval)),
+            equilibrium::Lyapunov::Vertical => "; a vertical family".to_owned(),
+        });
+        let growing = said.growing.map(|growing| match growing {
+            1 => "; 1 eigenvalue grows".to_owned(),
+            _ => format!("; {growing} eigenvalues grow"),
+        });
+        format!(
+            "{before}{kind}: proven; {} in {}, unique within {:.0e}{}{}{}{}; {} inequalities proven\n",
+            point.parameter,
+            written(said.parameter),
+            said.unique,
+            beyond.unwrap_or_default(),
+            omega.unwrap_or_default(),
+            lyapunov.unwrap_or_default(),
+            growing.unwrap_or_default(),
             said.inequalities,
         )
     }
@@ -386,10 +462,11 @@ pub(crate) fn table_agrees<P: Certified>(
         && (0..stored.len()).all(|row| expected.columns().all(|column| agrees(row, column))))
 }
 
-/// A certificate of either kind.
+/// A certificate of any kind.
 pub(crate) enum Read {
     Waves(Certificate),
     Orbits(Certificate<orbit::Proof>),
+    Equilibria(Certificate<equilibrium::Proof>),
 }
 
 /// Reads a certificate.
@@ -397,9 +474,12 @@ pub(crate) enum Read {
 /// # Errors
 /// When it cannot be read, or is none.
 pub(crate) fn read(path: &Path) -> Result<Read, StoreError> {
-    // that of waves says what is wrong with one of neither kind
-    match decode(path) {
-        Ok(certificate) => Ok(Read::Orbits(Certificate::spread(certificate))),
-        Err(_) => Ok(Read::Waves(decode(path)?)),
+    if let Ok(certificate) = decode(path) {
+        return Ok(Read::Orbits(Certificate::spread(certificate)));
     }
+    if let Ok(certificate) = decode(path) {
+        return Ok(Read::Equilibria(Certificate::spread(certificate)));
+    }
+    // that of waves says what is wrong with one of no kind
+    Ok(Read::Waves(decode(path)?))
 }

@@ -2,7 +2,9 @@
 
 use crate::affine::orbit::Watch;
 use crate::affine::system::System;
-use crate::certify::{self, Counted, Outcome, Point, Proof, Provable, Stretch, Verdict, orbit};
+use crate::certify::{
+    self, Counted, Outcome, Point, Proof, Provable, Stretch, Verdict, equilibrium, orbit,
+};
 use crate::interval::{Decimal, Interval};
 
 /// A point as a theorem.
@@ -144,6 +146,114 @@ impl orbit::Proof {
                 };
                 format!(
                     "There {what}, and along the branch in this sequence of zones that passes through zero with a slope that is not zero."
+                )
+            }
+        }
+    }
+}
+
+impl Stated for equilibrium::Proof {
+    const CURVE: &'static str = "The equilibria between these two are one curve.";
+
+    fn theorem(&self, point: &Point<Self>, system: Option<&System>) -> String {
+        let (said, name) = (&self.statement, &point.parameter);
+        let source = system.map(|system| &system.source);
+        let names = source.map(|source| source.parameters.names());
+        let values = names.into_iter().flatten().zip(&self.posed.values);
+        let given = listed(values.filter(|(other, _)| other != name));
+        let given = match given.is_empty() {
+            true => String::new(),
+            false => format!(" with {given}"),
+        };
+        let states = source.into_iter().flat_map(|source| &source.states);
+        let states = states.zip(&said.states);
+        let states = states.map(|(state, interval)| format!("{state} in {}", written(*interval)));
+        let states: Vec<String> = states.collect();
+        let growing = said.growing.map(|growing| {
+            let beside = match self.condition {
+                equilibrium::Condition::Fold => " beside 0",
+                equilibrium::Condition::Hopf { .. } => " beside ± iω",
+                _ => "",
+            };
+            format!(
+                " {growing} eigenvalues of `{}` have a positive real part there, all others{beside} a negative one.",
+                self.near.mode
+            )
+        });
+        format!(
+            "**Hypothesis.** The system of `source.ron`{given}; {name} is free. A guard is positive in its mode; a sliding mode \
+             lasts while the fields of both modes on its sides push to its surface and their other guards are positive.\n\n\
+             **Conclusion.** There are a number {name} in {} and an equilibrium of `{}` with {}. Every guard of the mode is positive \
+             there, except what vanishes at the event ({} inequalities). {}{} No other equilibrium of the mode that satisfies the \
+             equations of the point has its parameter within {:e} and its other unknowns within the same share of their units.\n",
+            written(said.parameter),
+            self.near.mode,
+            states.join(", "),
+            said.inequalities,
+            self.singled_out(system),
+            growing.unwrap_or_default(),
+            said.unique,
+        )
+    }
+}
+
+impl equilibrium::Proof {
+    /// What makes the point a special one.
+    fn singled_out(&self, system: Option<&System>) -> String {
+        let said = &self.statement;
+        match &self.condition {
+            equilibrium::Condition::Value(value) => format!(
+                "The parameter is {value}; the equilibrium is one of a curve on which the parameter is the coordinate."
+            ),
+            equilibrium::Condition::Fold => "It is one of a curve along which the parameter is stationary there and has a second \
+                derivative that is not zero: a quadratic fold. 0 is a geometrically simple eigenvalue."
+                .to_owned(),
+            equilibrium::Condition::Hopf { .. } => {
+                let omega = said.omega.map(written).unwrap_or_default();
+                let lyapunov = match said.lyapunov {
+                    Some(equilibrium::Lyapunov::Vertical) => {
+                        " The rates of the mode are affine in the states: the cycles in the plane of the pair all belong to this \
+                         value of the parameter, as far as they lie in the mode."
+                            .to_owned()
+                    }
+                    Some(equilibrium::Lyapunov::Within(interval)) => {
+                        let sign = if interval.is_negative() {
+                            ": it is supercritical"
+                        } else if interval.is_positive() {
+                            ": it is subcritical"
+                        } else {
+                            ""
+                        };
+                        format!(
+                            " Its first Lyapunov coefficient, with ⟨q, q⟩ = 1 and the factor 1/ω, is in {}{sign}.",
+                            written(interval)
+                        )
+                    }
+                    None => String::new(),
+                };
+                format!(
+                    "± iω with ω in {omega} are simple eigenvalues, and their real part passes zero along the branch with a speed \
+                     that is not zero.{lyapunov}"
+                )
+            }
+            equilibrium::Condition::Boundary { .. } => {
+                let what = system.and_then(|system| self.vanishing(system));
+                let beyond = self.beyond.as_ref().map(|beyond| {
+                    let sides = match beyond.persists {
+                        true => "different sides of it: the equilibrium persists",
+                        false => "one side of it: a nonsmooth fold",
+                    };
+                    format!(
+                        " `{}` rests there, too, with every other of its guards positive. Next to this value of the parameter the \
+                         equilibria of either mode are a curve with the parameter as its coordinate; those that are admissible lie on \
+                         {sides}.",
+                        beyond.mode
+                    )
+                });
+                format!(
+                    "There {} is zero, and along the branch in this mode it passes through zero with a slope that is not zero.{}",
+                    what.unwrap_or_default(),
+                    beyond.unwrap_or_default()
                 )
             }
         }

@@ -4,6 +4,7 @@
 mod arcs;
 mod command;
 mod count;
+mod equilibria;
 mod laws;
 mod layers;
 mod orbits;

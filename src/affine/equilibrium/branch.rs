@@ -301,6 +301,12 @@ impl EquilibriumCurve {
         })
     }
 
+    /// The mode and the switch of the file whose `zero` a margin is; `None` for what holds a sliding mode.
+    pub fn written_guard(&self, margin: &EquilibriumMargin) -> Option<[usize; 2]> {
+        let guards = &self.lifted.modes[self.signature.mode].guards;
+        guards.get(margin.guard)?.written
+    }
+
     /// A node next to the zero of a function of the stability between two arclengths of a step.
     fn near_zero(&self, test: usize, from: &Node, ends: [f64; 2], tolerance: f64) -> Option<Node> {
         let value = |node: &Node| match test {

@@ -13,13 +13,13 @@ mod beyond;
 mod critical;
 mod enclosure;
 mod equations;
-mod exact;
+pub(super) mod exact;
 mod extended;
 mod facts;
-mod flow;
+pub(super) mod flow;
 mod inequality;
 mod modes;
-mod multipliers;
+pub(super) mod multipliers;
 mod open;
 // certificates are compared with their problem file by the command line
 #[cfg(feature = "cli")]
@@ -260,7 +260,10 @@ fn prepared(item: &Item, special: &Special<AffineOrbit>, text: &str) -> Result<P
 }
 
 /// Values of parameters as a text has them; one that is another there, after a restart, is the decimal of its double.
-fn decimals<'a>(parameters: impl Iterator<Item = (&'a str, f64)>, text: &str) -> Vec<Decimal> {
+pub(super) fn decimals<'a>(
+    parameters: impl Iterator<Item = (&'a str, f64)>,
+    text: &str,
+) -> Vec<Decimal> {
     let written = |(name, value): (&str, f64)| {
         let there = decimal_at(text, &format!("system.parameters.{name}"));
         let there = there.filter(|decimal| decimal.nearest() == value);

@@ -16,7 +16,8 @@ const SHORTER: [f64; 3] = [0.1, 1e-2, 1e-3];
 /// Sweeps of the iteration for a Schur form.
 const SWEEPS: usize = 10_000;
 
-type Complexes = DMatrix<Complex<f64>>;
+/// A complex matrix in doubles.
+pub type Complexes = DMatrix<Complex<f64>>;
 
 /// Eigenvectors in columns, and the inverse of that matrix.
 fn eigenvectors(matrix: &Complexes) -> Option<(Complexes, Complexes)> {
@@ -52,13 +53,15 @@ fn schur_vectors(matrix: &Complexes, ratio: f64) -> Option<(Complexes, Complexes
     Some((vectors, inverse))
 }
 
-fn part(matrix: &Complexes, of: impl Fn(&Complex<f64>) -> f64) -> Rows {
+/// A part of a matrix of doubles.
+pub fn part(matrix: &Complexes, of: impl Fn(&Complex<f64>) -> f64) -> Rows {
     let rows = matrix.row_iter();
     rows.map(|row| row.iter().map(|x| Interval::point(of(x))).collect())
         .collect()
 }
 
-fn negative(rows: &Rows) -> Rows {
+/// −M.
+pub fn negative(rows: &Rows) -> Rows {
     let row = |row: &Vec<Interval>| row.iter().map(|x| -*x).collect();
     rows.iter().map(row).collect()
 }
@@ -112,14 +115,15 @@ fn count(matrix: &Rows, (vectors, inverse): &(Complexes, Complexes)) -> Option<u
 pub fn outside(matrix: &Rows) -> Option<usize> {
     let size = matrix.len();
     let middle = Complexes::from_fn(size, size, |i, j| Complex::new(matrix[i][j].middle(), 0.0));
-    let counted = |vectors| count(matrix, &vectors);
-    let scaled = || {
-        let mut vectors = SHORTER
-            .into_iter()
-            .map(|ratio| schur_vectors(&middle, ratio));
-        vectors.find_map(|vectors| counted(vectors?))
-    };
-    eigenvectors(&middle).and_then(counted).or_else(scaled)
+    bases(&middle).find_map(|basis| count(matrix, &basis))
+}
+
+/// Bases in which a matrix is about diagonal, each with about the inverse of its matrix.
+pub fn bases(middle: &Complexes) -> impl Iterator<Item = (Complexes, Complexes)> {
+    let scaled = SHORTER
+        .into_iter()
+        .filter_map(|ratio| schur_vectors(middle, ratio));
+    eigenvectors(middle).into_iter().chain(scaled)
 }
 
 #[cfg(test)]

@@ -1,29 +1,18 @@
 //! What a problem file says of the statements on its branch: its system, its numbers, and the values that it asks for.
 
 use super::system::{Condition, Posed};
-use super::{Proof, Refused, decimals};
-use crate::affine::system::Source;
+use super::{Proof, Refused};
 use crate::certify::Point;
-use crate::certify::requested::RequestedValues;
-use crate::interval::Decimal;
+use crate::certify::requested_system::RequestedSystem;
 use crate::problem::{OrbitStart, SystemProblem};
 
 /// What the branch of a problem file is about.
 pub(crate) struct Requested {
-    source: Source,
-    /// Values of the parameters in order, as they are written.
-    values: Vec<Decimal>,
-    /// Index of the continuation parameter.
-    parameter: usize,
-    /// Width of its range.
-    unit: f64,
-    /// Whether there is a forcing; without, periods of it have no meaning.
-    forced: bool,
+    system: RequestedSystem,
     /// Periods of the forcing in an orbit, or the most that are looked for.
     periods: usize,
     /// Whether an orbit of fewer periods may be found.
     at_most: bool,
-    asked: RequestedValues,
 }
 
 impl Requested {
@@ -37,25 +26,10 @@ impl Requested {
                 return None;
             }
         };
-        let source = &problem.system.source;
-        let section = problem.continuation.as_ref()?;
-        let (low, high) = section.range;
-        let given = source.parameters.0.iter();
-        let values = decimals(given.map(|(name, value)| (&**name, *value)), text);
-        let parameter = source
-            .parameters
-            .names()
-            .position(|name| *name == section.parameter)?;
-        let start = values[parameter].clone();
         Some(Requested {
-            source: source.clone(),
-            values,
-            parameter,
-            unit: high - low,
-            forced: source.forcing.is_some(),
+            system: RequestedSystem::new(problem, text)?,
             periods: problem.orbit.periods,
             at_most,
-            asked: RequestedValues::new(section, Some(start), text),
         })
     }
 
@@ -76,12 +50,11 @@ impl Requested {
         if proofs.any(|proof| proof.posed.units != *units) {
             return refused;
         }
-        let begins = |value: &Decimal| *value == self.values[self.parameter];
         let Condition::Value(value) = &first.condition else {
             return Ok(());
         };
         let zones = &first.near.zones;
-        let is_first = points.first().is_some_and(Point::is_proven) && begins(value);
+        let is_first = points.first().is_some_and(Point::is_proven) && self.system.begins(value);
         let period: f64 = zones.iter().map(|zone| zone.duration).sum();
         let largest = |state: usize| {
             zones
@@ -110,31 +83,21 @@ impl Requested {
             periods,
             units,
         } = &proof.posed;
-        if !system
-            .as_ref()
-            .is_some_and(|system| system.source.is_same(&self.source))
-        {
-            return Err(Refused::Problem("the system"));
-        }
-        let mut both = values.iter().zip(&self.values).enumerate();
-        let equal = values.len() == self.values.len()
-            && both.all(|(index, (one, other))| index == self.parameter || one == other);
-        if !equal || *parameter != self.parameter || units.parameter != self.unit {
-            return Err(Refused::Problem("the numbers"));
-        }
+        let of = (*parameter, units.parameter);
+        self.system.check(system.as_ref(), values, of)?;
         let periods = usize::try_from(*periods).unwrap_or(usize::MAX);
         // a doubling on the branch of the doubled orbit is one of the shorter orbit
         let part = proof.condition == Condition::Doubling
             && periods > 0
             && self.periods.is_multiple_of(periods);
         let fewer = self.at_most && periods > 0 && periods <= self.periods;
-        if self.forced && periods != self.periods && !part && !fewer {
+        if self.system.is_forced() && periods != self.periods && !part && !fewer {
             return Err(Refused::Problem("the number of periods"));
         }
         let value = match &proof.condition {
             Condition::Value(value) => Some(value),
             _ => None,
         };
-        self.asked.check(point.kind, value)
+        self.system.check_value(point.kind, value)
     }
 }

@@ -1,5 +1,7 @@
 //! The pipeline from a problem to a branch of equilibria: first equilibrium, legs, points, labels and events.
 
+use std::sync::Arc;
+
 use serde::{Deserialize, Serialize};
 
 use super::super::begin::plan;
@@ -20,6 +22,8 @@ pub struct EquilibriumItem {
     pub point: EquilibriumPoint,
     /// The event, at special points.
     pub event: Option<EquilibriumEvent>,
+    /// What makes the point special, on the curve of its mode.
+    pub special: Option<(Arc<EquilibriumCurve>, Special<EquilibriumCurve>)>,
     /// Eigenvalues at labelled points.
     pub eigenvalues: Vec<EigenvalueRow>,
     /// The equilibrium in physical numbers, at labelled points.
@@ -234,6 +238,7 @@ impl Itemised for EquilibriumRunner {
         let special = found.special.as_ref();
         EquilibriumItem {
             event: special.map(|special| self.event(&point, special, &found)),
+            special: special.map(|special| (found.orbit.clone(), special.clone())),
             point,
             eigenvalues,
             saved,

@@ -123,14 +123,9 @@ impl Checks<'_, SystemProblem> {
             let message = "a system with `forcing` has no equilibria";
             return self.refuse("equilibrium", message, "write `orbit` in its place");
         }
-        for (path, given) in [
-            ("map", self.problem.map.is_some()),
-            ("certify", self.problem.certify),
-        ] {
-            if given {
-                let message = format!("`{path}` is for orbits, and this is a branch of equilibria");
-                return self.refuse(path, message, "leave it out");
-            }
+        if self.problem.map.is_some() {
+            let message = "`map` is for orbits, and this is a branch of equilibria";
+            return self.refuse("map", message, "leave it out");
         }
         for (name, monitor) in &self.problem.monitor.0 {
             let what = match monitor {

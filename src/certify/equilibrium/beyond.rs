@@ -1,0 +1,173 @@
+//! The mode beyond a boundary equilibrium.
+//!
+//! That the equilibrium of one mode rests in another, too, no interval can tell: formulas do. In a sliding mode with λ = 0 or 1 the field is
+//! that of one of its sides. Two modes of the file whose rates are the same wherever a guard is zero rest there together; for that a state
+//! is expressed by the others, where the guard is ± this state and what has nothing to do with it. Both branches have the parameter as
+//! their coordinate, and the guards pass zero with slopes: where these have one sign, both branches lie on one side.
+
+use serde::{Deserialize, Serialize};
+
+use super::guard::{Guard, are_one};
+use super::resting::{Resting, are_opposite, formulas};
+use super::system::{Condition, EquilibriumSystem, Near, Posed};
+use super::{Open, place};
+use crate::affine::expression::{Algebra, Operation};
+use crate::affine::system::System;
+use crate::certify::krawczyk::LinearEquations;
+use crate::certify::orbit::exact::Exact;
+use crate::interval::Interval;
+
+/// The mode beyond a boundary equilibrium, as it is proven.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Beyond {
+    /// Its name.
+    pub mode: String,
+    /// The guard of it that vanishes there.
+    pub guard: usize,
+    /// Whether the equilibria of the two modes lie on different sides of the parameter; else both lie on one, a nonsmooth fold.
+    pub persists: bool,
+}
+
+/// A state and the formula that it is equal to wherever another one is zero: of a formula that is ± a state and what
+/// has nothing to do with it.
+fn expressed(system: &System, zero: [usize; 2]) -> Option<(usize, Exact)> {
+    let place = formulas(system, None);
+    let whole = place.zero(zero)?;
+    let of_state = |state: usize| {
+        let rest = formulas(system, Some((state, Exact::default()))).zero(zero)?;
+        let name = Exact::named(system.source.states.get(state)?.clone());
+        let alone = whole.clone().operate(Operation::Minus, rest.clone()).ok()?;
+        let formula = if are_opposite(&alone, &name) {
+            rest
+        } else if are_opposite(&alone, &name.negative()) {
+            rest.negative()
+        } else {
+            return None;
+        };
+        Some((state, formula))
+    };
+    (0..system.source.states.len()).find_map(of_state)
+}
+
+/// Whether two modes of the file rest together where the `zero` of a switch of the one is zero, and that of one of the other is, too.
+fn rest_alike(system: &System, zero: [usize; 2], back: [usize; 2]) -> Option<bool> {
+    let place = formulas(system, Some(expressed(system, zero)?));
+    let (one, other) = (place.rates(zero[0])?, place.rates(back[0])?);
+    let mut both = one.iter().zip(other);
+    let alike = both.all(|(one, other)| are_opposite(one, &other.negative()));
+    Some(alike && place.zero(back)?.is_zero())
+}
+
+/// Whether a switch with the `zero` of another leads to a mode and leaves all states as they are, whatever they are.
+fn leads(system: &System, [mode, switch]: [usize; 2], to: usize) -> bool {
+    let switches = system.modes[mode].switches.iter().enumerate();
+    let mut leading = switches.filter(|(_, one)| one.to == to);
+    leading.any(|(index, one)| {
+        one.reset.is_empty()
+            && one.conditions.is_empty()
+            && are_one(system, [mode, index], [mode, switch])
+    })
+}
+
+/// Whether the equilibrium of one mode at which a guard is zero is one of another at which a guard of that is zero, by formulas.
+fn is_one_of(
+    system: &System,
+    (own, guard): (&Resting, Guard),
+    (beyond, other): (&Resting, Guard),
+) -> bool {
+    let holds =
+        |sliding: &Resting, push: Guard, mode: usize, zero: [usize; 2]| match (sliding, push) {
+            (Resting::Sliding(surface), Guard::FirstPush) => {
+                surface.sides[0] == mode && are_one(system, zero, surface.zero)
+            }
+            (Resting::Sliding(surface), Guard::SecondPush) => {
+                surface.sides[1] == mode && are_one(system, zero, surface.back)
+            }
+            _ => false,
+        };
+    match ((own, guard), (beyond, other)) {
+        ((Resting::Mode(mode), Guard::Zero(zero)), (sliding @ Resting::Sliding(_), push))
+        | ((sliding @ Resting::Sliding(_), push), (Resting::Mode(mode), Guard::Zero(zero))) => {
+            holds(sliding, push, *mode, zero)
+        }
+        ((Resting::Mode(_), Guard::Zero(zero)), (Resting::Mode(to), Guard::Zero(back))) => {
+            leads(system, zero, *to) && rest_alike(system, zero, back) == Some(true)
+        }
+        _ => false,
+    }
+}
+
+impl EquilibriumSystem<'_> {
+    /// ∂/∂p of a guard along the equilibria of the mode, which have the parameter as their coordinate.
+    fn guard_slope(&self, guard: &Guard, x: &[Interval]) -> Option<Interval> {
+        let mut matrix = self.slopes(x)?;
+        let last = |row: &mut Vec<Interval>| row.pop().map(|by| -by);
+        let side: Vec<Interval> = matrix.iter_mut().map(last).collect::<Option<_>>()?;
+        let along = LinearEquations::new(&matrix)?.solve(&side)?;
+        let y = x[..self.size].iter().zip(along);
+        let y: Vec<_> = y.map(|(x, by)| place::moving(*x, by)).collect();
+        let parameter = place::moving(x[self.size], Interval::ONE);
+        Some(self.guard(guard, &y, parameter)?.by[0])
+    }
+}
+
+/// Whether the equilibria of a mode beyond lie on the other side of the parameter than those of this mode, whose boundary equilibrium is
+/// enclosed.
+///
+/// # Errors
+/// It is not proven, or not covered.
+pub fn persists(
+    own: &EquilibriumSystem,
+    x: &[Interval],
+    (mode, guard): (&str, usize),
+) -> Result<bool, Open> {
+    let Condition::Boundary { guard: vanishing } = own.condition else {
+        return Err(Open::System);
+    };
+    let near = Near {
+        mode: mode.to_owned(),
+        ..own.near.clone()
+    };
+    let condition = Condition::Boundary { guard };
+    let (other, _) = EquilibriumSystem::new(own.posed, &near, &condition)?;
+    let (own_guard, other_guard) = (own.guards[*vanishing], other.guards[guard]);
+    let of_own = (&own.resting, own_guard);
+    if !is_one_of(own.system, of_own, (&other.resting, other_guard)) {
+        return Err(Open::Beyond);
+    }
+    let share = match other_guard {
+        Guard::FirstPush => Some(Interval::ZERO),
+        Guard::SecondPush => Some(Interval::ONE),
+        Guard::Zero(_) => None,
+    };
+    let states = x[..own.states()].iter().copied();
+    let there = states.chain(share).chain([x[own.parameter()]]);
+    let there: Vec<Interval> = there.collect();
+    other.inequalities(&there)?;
+    let slopes = own
+        .guard_slope(&own_guard, x)
+        .zip(other.guard_slope(&other_guard, &there));
+    let (one, two) = slopes.ok_or(Open::NotEnclosed)?;
+    let product = one * two;
+    match (product.is_negative(), product.is_positive()) {
+        (true, _) => Ok(true),
+        (_, true) => Ok(false),
+        _ => Err(Open::Beyond),
+    }
+}
+
+/// The mode of a name beyond a boundary equilibrium, by whatever guard of it is zero there; `None` where that is not proven.
+pub fn found(posed: &Posed, near: &Near, condition: &Condition, mode: &str) -> Option<Beyond> {
+    let (system, _, zero) = super::enclosed(posed, near, condition).ok()?;
+    let resting = Resting::new(system.system, mode).ok()?;
+    let guards = super::guard::guards(system.system, &resting).len();
+    (0..guards).find_map(|guard| {
+        let persists = persists(&system, &zero.at, (mode, guard)).ok()?;
+        Some(Beyond {
+            mode: mode.to_owned(),
+            guard,
+            persists,
+        })
+    })
+}

@@ -1,0 +1,85 @@
+//! What is positive at an equilibrium of a mode.
+
+use super::resting::{Resting, are_opposite, formulas};
+use crate::affine::expression::Algebra;
+use crate::affine::system::System;
+
+/// What is positive at an equilibrium of a mode.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Guard {
+    /// λ of a sliding mode: the field of its first mode pushes to the surface.
+    FirstPush,
+    /// 1 − λ: that of its second mode does.
+    SecondPush,
+    /// The `zero` of a switch, by mode and index.
+    Zero([usize; 2]),
+}
+
+impl Guard {
+    /// In words, as the messages of a run have it.
+    pub fn name(self, system: &System, resting: &Resting) -> String {
+        let push = |side: usize| match resting {
+            Resting::Sliding(surface) => {
+                format!("the push of `{}`", system.mode_name(surface.sides[side]))
+            }
+            Resting::Mode(_) => String::new(),
+        };
+        match self {
+            Guard::FirstPush => push(0),
+            Guard::SecondPush => push(1),
+            Guard::Zero([mode, switch]) => {
+                let known = system.source.modes.0.get(mode);
+                let known = known.and_then(|(_, mode)| mode.until.get(switch));
+                format!("`{}`", known.map_or("", |switch| switch.zero.as_str()))
+            }
+        }
+    }
+}
+
+/// All switches of a mode, of a sliding mode those of the modes on its sides, by mode and index.
+pub fn switches(system: &System, resting: &Resting) -> Vec<[usize; 2]> {
+    let sides = match resting {
+        Resting::Mode(mode) => vec![*mode],
+        Resting::Sliding(surface) => surface.sides.to_vec(),
+    };
+    let of_mode = |mode: usize| {
+        let count = system.modes.get(mode).map_or(0, |mode| mode.switches.len());
+        (0..count).map(move |switch| [mode, switch])
+    };
+    sides.into_iter().flat_map(of_mode).collect()
+}
+
+/// The guards of a mode, those of one formula once. A sliding mode has, beside the pushes that hold it, those of the modes on its sides
+/// but its surface.
+pub fn guards(system: &System, resting: &Resting) -> Vec<Guard> {
+    let place = formulas(system, None);
+    let (mut found, surface) = match resting {
+        Resting::Mode(_) => (Vec::new(), None),
+        Resting::Sliding(surface) => (
+            vec![Guard::FirstPush, Guard::SecondPush],
+            place.zero(surface.zero),
+        ),
+    };
+    let surface = surface.into_iter();
+    let mut known: Vec<_> = surface
+        .flat_map(|surface| [surface.clone().negative(), surface])
+        .collect();
+    for at in switches(system, resting) {
+        // a formula without a value is no other's
+        let formula = place.zero(at);
+        let minus = formula.clone().map(Algebra::negative);
+        let is_known = |one: &_| minus.as_ref().is_some_and(|minus| are_opposite(one, minus));
+        if !known.iter().any(is_known) {
+            known.extend(formula);
+            found.push(Guard::Zero(at));
+        }
+    }
+    found
+}
+
+/// Whether the `zero`s of two switches are one by their formulas.
+pub fn are_one(system: &System, one: [usize; 2], other: [usize; 2]) -> bool {
+    let place = formulas(system, None);
+    let both = place.zero(one).zip(place.zero(other));
+    one == other || both.is_some_and(|(one, other)| are_opposite(&one, &other.negative()))
+}

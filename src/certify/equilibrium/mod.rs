@@ -1,0 +1,446 @@
+//! Special points of a branch of equilibria of a user's system, proven.
+//!
+//! 1. The numbers of the system are the decimals that were written; expressions are evaluated in intervals with derivatives to
+//!    any order ([`place`]).
+//! 2. The equations of the equilibrium and the condition of the event ([`system`]) have exactly one zero in a box, and it is
+//!    regular.
+//! 3. Every guard of the mode is positive there but the one that vanishes at the event ([`guard`]).
+//! 4. Parameter, states, ω and l₁ ([`lyapunov`]) follow from the enclosure of that zero, and how many eigenvalues grow there
+//!    ([`spectrum`]).
+//! 5. At a boundary equilibrium of two modes the signs of slopes tell on which sides of it either is admissible ([`beyond`]).
+
+mod beyond;
+mod guard;
+mod lyapunov;
+mod open;
+mod place;
+// certificates are compared with their problem file by the command line
+#[cfg(feature = "cli")]
+mod requested;
+mod resting;
+mod spectrum;
+mod system;
+
+use serde::{Deserialize, Serialize};
+
+pub use beyond::Beyond;
+pub use lyapunov::Lyapunov;
+pub use open::Open;
+#[cfg(feature = "cli")]
+pub(crate) use requested::Requested;
+pub use system::{Condition, Near, Posed};
+
+use super::arc::Broken;
+use super::certificate::{Point, Provable, Refused, Tally};
+use super::orbit::decimals;
+use super::{krawczyk, wider};
+use crate::affine::equilibrium::{EquilibriumBifurcation, EquilibriumCurve};
+use crate::affine::system::System;
+use crate::hybrid::equilibrium::EquilibriumItem;
+use crate::interval::Interval;
+use crate::orbit::special::Special;
+use crate::orbit::{EventType, Orbit};
+use crate::problem::decimal_of;
+use guard::Guard;
+use system::EquilibriumSystem;
+
+/// Stated intervals are wider than proven by this share of their unit, 2⁻⁶⁰, which is less than a rounding of it.
+const ROOM: f64 = 8.673_617_379_884_035e-19;
+
+/// A matrix of intervals.
+type Rows = Vec<Vec<Interval>>;
+
+/// What is proven of a point.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Statement {
+    /// The continuation parameter lies in here.
+    pub parameter: Interval,
+    /// The states.
+    pub states: Vec<Interval>,
+    /// No other equilibrium that satisfies the equations of the point has its parameter within this distance and all its other unknowns
+    /// within the same share of their units.
+    pub unique: f64,
+    /// Inequalities proven.
+    pub inequalities: usize,
+    /// Imaginary part of the pair at a Hopf point.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub omega: Option<Interval>,
+    /// The first Lyapunov coefficient there, where it is enclosed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lyapunov: Option<Lyapunov>,
+    /// Eigenvalues with a positive real part, where no other than the critical ones has the real part zero and that is proven.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub growing: Option<usize>,
+}
+
+/// A statement, and what it takes to check it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Proof {
+    /// The system and its equations.
+    pub posed: Posed,
+    /// What singles out the point.
+    pub condition: Condition,
+    /// The equilibrium in doubles.
+    pub near: Near,
+    /// The mode beyond a boundary equilibrium, where that is proven.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub beyond: Option<Beyond>,
+    /// What is proven.
+    pub statement: Statement,
+}
+
+impl Provable for Proof {
+    type Parameter = String;
+    type Unproven = Open;
+    type Beyond = Open;
+
+    fn arc(_: &Proof, _: &Proof) -> Result<(), Broken<Open, Open>> {
+        Err(Broken::Beyond(Open::Arcs))
+    }
+
+    fn is_event_of(&self, other: &Proof) -> bool {
+        let meet = |a: Interval, b: Interval| !a.intersection(b).is_empty();
+        let (first, second) = (&self.statement, &other.statement);
+        let is_value = |proof: &Proof| matches!(proof.condition, Condition::Value(_));
+        let mut states = first.states.iter().zip(&second.states);
+        let frequencies = first.omega.zip(second.omega);
+        !is_value(self)
+            && !is_value(other)
+            && meet(first.parameter, second.parameter)
+            && states.all(|(a, b)| meet(*a, *b))
+            && frequencies.is_none_or(|(a, b)| meet(a, b))
+    }
+
+    fn tally(_: &Point<Proof>) -> Tally {
+        Tally::Unknown
+    }
+
+    fn take_system(&mut self) -> Option<System> {
+        self.posed.system.take()
+    }
+
+    fn give_system(&mut self, system: &System) {
+        self.posed.system.get_or_insert_with(|| system.clone());
+    }
+}
+
+impl Proof {
+    /// In words, the guard that vanishes at a boundary equilibrium.
+    pub fn vanishing(&self, system: &System) -> Option<String> {
+        let Condition::Boundary { guard } = self.condition else {
+            return None;
+        };
+        let resting = resting::Resting::new(system, &self.near.mode).ok()?;
+        let guards = guard::guards(system, &resting);
+        Some(guards.get(guard)?.name(system, &resting))
+    }
+}
+
+/// Proves a special point of a branch; `None` for points without an event, and for failures. `text` is that of the
+/// problem file, whose decimals are taken as they are written.
+pub fn certify(item: &EquilibriumItem, text: &str) -> Option<Point<Proof>> {
+    let (event, (curve, special)) = (item.event.as_ref()?, item.special.as_ref()?);
+    if event.kind == EventType::MX {
+        return None;
+    }
+    Some(Point {
+        label: event.label,
+        kind: event.kind,
+        parameter: curve.parameter(),
+        leg: item.point.leg,
+        arc: None,
+        growth: None,
+        outcome: prepared(item, (curve, special), text).into(),
+    })
+}
+
+fn prepared(
+    item: &EquilibriumItem,
+    (curve, special): (&EquilibriumCurve, &Special<EquilibriumCurve>),
+    text: &str,
+) -> Result<Proof, Open> {
+    let setting = &curve.setting;
+    let at = setting.parameter;
+    let system = setting.system.clone().with_monitors(Vec::new());
+    if system.products.is_some() {
+        return Err(Open::Contacts);
+    }
+    let names = system.source.parameters.names();
+    let values = decimals(names.zip(setting.values.iter().copied()), text);
+    let value = item.point.parameters.get(at).copied().unwrap_or(f64::NAN);
+    let near = Near {
+        mode: item.point.mode.clone(),
+        state: item.point.state.clone(),
+        parameter: value,
+    };
+    let condition = singled_out(&system, &near, (curve, special), text)?;
+    let posed = Posed {
+        system: Some(system),
+        values,
+        parameter: at,
+        units: setting.scales.units.clone(),
+    };
+    let after = special.after().map(|after| after.name);
+    prove(posed, near, condition, after.as_deref())
+}
+
+/// What singles out a special point.
+fn singled_out(
+    system: &System,
+    near: &Near,
+    (curve, special): (&EquilibriumCurve, &Special<EquilibriumCurve>),
+    text: &str,
+) -> Result<Condition, Open> {
+    let setting = &curve.setting;
+    Ok(match special {
+        Special::User(..) | Special::Edge(..) => {
+            Condition::Value(decimal_of(text, "continuation", near.parameter))
+        }
+        Special::Monitor(..) => return Err(Open::Monitor),
+        Special::Start | Special::Closed => {
+            let path = format!("system.parameters.{}", curve.parameter());
+            // scaled unknowns know it to rounding
+            Condition::Value(decimal_of(text, &path, setting.values[setting.parameter]))
+        }
+        Special::Fold(_) => Condition::Fold,
+        Special::Own(EquilibriumBifurcation::Hopf { omega, .. }) => {
+            Condition::Hopf { omega: *omega }
+        }
+        Special::Own(EquilibriumBifurcation::Branching) => return Err(Open::Branching),
+        Special::Own(
+            EquilibriumBifurcation::Several { .. } | EquilibriumBifurcation::Unlocated { .. },
+        ) => return Err(Open::Several),
+        Special::Change(change) => {
+            let resting = resting::Resting::new(system, &near.mode)?;
+            let is_vanishing = |guard: &Guard| match (curve.written_guard(&change.margin), guard) {
+                (None, Guard::FirstPush) => change.margin.guard == 0,
+                (None, Guard::SecondPush) => change.margin.guard == 1,
+                (Some(at), Guard::Zero(own)) => guard::are_one(system, at, *own),
+                _ => false,
+            };
+            let guards = guard::guards(system, &resting);
+            let guard = guards.iter().position(is_vanishing).ok_or(Open::System)?;
+            Condition::Boundary { guard }
+        }
+        Special::Failed(_) => return Err(Open::System),
+    })
+}
+
+/// Proves the point next to an equilibrium in doubles; the mode beyond it, of which the name is given, is left out where nothing is
+/// proven of it.
+///
+/// # Errors
+/// It is not covered, or not proven.
+pub fn prove(
+    posed: Posed,
+    near: Near,
+    condition: Condition,
+    after: Option<&str>,
+) -> Result<Proof, Open> {
+    let (system, guess) = EquilibriumSystem::new(&posed, &near, &condition)?;
+    let equations = |x: &[Interval]| system.evaluate(x);
+    let found = krawczyk::refined(&equations, &guess).ok_or(Open::NotEnclosed)?;
+    let (near, condition) = system.refined(&found);
+    // from what is stored, as a check does it
+    let statement = statement(&posed, &near, &condition, None)?;
+    let beyond = after.and_then(|mode| beyond::found(&posed, &near, &condition, mode));
+    Ok(Proof {
+        posed,
+        condition,
+        near,
+        beyond,
+        statement,
+    })
+}
+
+/// The equations of the point next to an equilibrium in doubles, their unknowns in doubles, and their zero.
+fn enclosed<'a>(
+    posed: &'a Posed,
+    near: &'a Near,
+    condition: &'a Condition,
+) -> Result<(EquilibriumSystem<'a>, Vec<f64>, krawczyk::Zero), Open> {
+    /// The equilibrium in doubles is known to this share of its units, or it is not that of the point.
+    const KNOWN: f64 = 1e-7;
+    let (system, middle) = EquilibriumSystem::new(posed, near, condition)?;
+    let units = system.units(&middle);
+    let equations = |x: &[Interval]| system.evaluate(x);
+    let zero = krawczyk::known(&equations, &middle, &units, KNOWN).ok_or(Open::NotIsolated)?;
+    Ok((system, middle, zero))
+}
+
+/// What is proven of the point next to an equilibrium. The distance of uniqueness is looked for, or that of a stored statement, which is
+/// 0 where it does not hold.
+fn statement(
+    posed: &Posed,
+    near: &Near,
+    condition: &Condition,
+    stored: Option<f64>,
+) -> Result<Statement, Open> {
+    let (system, middle, zero) = enclosed(posed, near, condition)?;
+    let units = system.units(&middle);
+    let equations = |x: &[Interval]| system.evaluate(x);
+    let parameter = system.parameter();
+    let omega = match condition {
+        Condition::Hopf { .. } => zero.at.last().copied(),
+        _ => None,
+    };
+    // two real eigenvalues with the sum zero have no ω, and at ω = 0 any multiple of one vector is a pair
+    if omega.is_some_and(|omega| !omega.is_positive()) {
+        return Err(Open::Frequency);
+    }
+    let inequalities = system.inequalities(&zero.at)?;
+    let lyapunov = omega.and_then(|_| system.lyapunov(&zero.at));
+    // balls of another program have a width even where a number is zero
+    let told = |index: usize| {
+        let room = units[index] * ROOM;
+        wider(zero.at[index]) + Interval::new(-room, room)
+    };
+    Ok(Statement {
+        parameter: match condition {
+            Condition::Value(value) => value.interval(),
+            _ => told(parameter),
+        },
+        states: (0..system.states()).map(told).collect(),
+        unique: zero.distance(&equations, &middle, &units, parameter, stored),
+        inequalities,
+        omega: omega.map(wider),
+        lyapunov: lyapunov.map(|lyapunov| match lyapunov {
+            Lyapunov::Within(interval) => Lyapunov::Within(wider(interval)),
+            Lyapunov::Vertical => Lyapunov::Vertical,
+        }),
+        growing: system.growing(&zero.at),
+    })
+}
+
+impl EquilibriumSystem<'_> {
+    /// Proves that every guard but the one that vanishes is positive; returns how many there are. Of a sliding mode ∇h·(F₊ − F₋) > 0 is
+    /// one more.
+    fn inequalities(&self, x: &[Interval]) -> Result<usize, Open> {
+        let vanishing = match self.condition {
+            Condition::Boundary { guard } => Some(*guard),
+            _ => None,
+        };
+        let y: Vec<_> = x[..self.size].iter().map(|x| place::still(*x)).collect();
+        let parameter = place::still(x[self.size]);
+        // of one formula with another, or of the surface: it has a value at least
+        let at = self.place(&y[..self.states()], parameter);
+        let mut zeros = guard::switches(self.system, &self.resting).into_iter();
+        if !zeros.all(|zero| at.zero(zero).is_some()) {
+            return Err(Open::NotEnclosed);
+        }
+        let mut proven = 0;
+        for (index, guard) in self.guards.iter().enumerate() {
+            if vanishing == Some(index) {
+                continue;
+            }
+            let value = self.guard(guard, &y, parameter).ok_or(Open::NotEnclosed)?;
+            if !value.value.is_positive() {
+                return Err(Open::Guard(guard.name(self.system, &self.resting)));
+            }
+            proven += 1;
+        }
+        if self.resting.is_sliding() {
+            let [below, above] = self.pushes(x).ok_or(Open::NotEnclosed)?;
+            if !(above - below).is_positive() {
+                return Err(Open::Guard("what holds the sliding mode".to_owned()));
+            }
+            proven += 1;
+        }
+        Ok(proven)
+    }
+}
+
+/// The type of a point by what singles it out; of a value the certificate does not say who asked for it.
+fn kind(condition: &Condition, said: EventType) -> EventType {
+    match condition {
+        Condition::Value(_) if said == EventType::EP => EventType::EP,
+        Condition::Value(_) => EventType::UZ,
+        Condition::Fold => EventType::LP,
+        Condition::Hopf { .. } => EventType::HB,
+        Condition::Boundary { .. } => EventType::BE,
+    }
+}
+
+/// Proves a stored statement again, without continuation.
+///
+/// # Errors
+/// The proof fails, or it proves something else.
+pub fn verify(point: &Point<Proof>, proof: &Proof) -> Result<(), Refused> {
+    proven_again(point, proof).map(|_| ())
+}
+
+/// Proves a stored statement again; returns the proof with intervals of it that are no wider than they are proven.
+///
+/// # Errors
+/// The proof fails, or it proves something else.
+pub(crate) fn proven_again(point: &Point<Proof>, proof: &Proof) -> Result<Proof, Refused> {
+    let Proof {
+        posed,
+        condition,
+        near,
+        beyond,
+        statement: said,
+    } = proof;
+    if point.growth.is_some() {
+        return Err(Refused::Statement("what grows"));
+    }
+    if posed.name() != Some(&point.parameter) {
+        return Err(Refused::Statement("the parameter"));
+    }
+    let (said_kind, found) = (point.kind, kind(condition, point.kind));
+    if found != said_kind {
+        return Err(Refused::Kind {
+            said: said_kind,
+            found,
+        });
+    }
+    let open = |open: Open| Refused::NoProof(open.to_string());
+    let proven = statement(posed, near, condition, Some(said.unique)).map_err(open)?;
+    super::compared("the parameter", said.parameter, proven.parameter)?;
+    if said.states.len() != proven.states.len() {
+        return Err(Refused::Statement("the number of states"));
+    }
+    for (said, proven) in said.states.iter().zip(&proven.states) {
+        super::compared("a state", *said, *proven)?;
+    }
+    match (said.omega, proven.omega) {
+        (Some(said), Some(proven)) => super::compared("ω", said, proven)?,
+        (None, None) => {}
+        _ => return Err(Refused::Statement("ω")),
+    }
+    match (said.lyapunov, proven.lyapunov) {
+        (Some(Lyapunov::Within(said)), Some(Lyapunov::Within(proven))) => {
+            super::compared("the first Lyapunov coefficient", said, proven)?;
+        }
+        (None, _) => {}
+        (said, proven) if said == proven => {}
+        _ => return Err(Refused::Statement("the first Lyapunov coefficient")),
+    }
+    super::compared_unique(said.unique, proven.unique)?;
+    if said.inequalities != proven.inequalities {
+        return Err(Refused::Statement("the number of inequalities"));
+    }
+    if said.growing.is_some() && said.growing != proven.growing {
+        return Err(Refused::Statement("the number of growing eigenvalues"));
+    }
+    if let Some(said) = beyond {
+        let (system, _, zero) = enclosed(posed, near, condition).map_err(open)?;
+        let found = beyond::persists(&system, &zero.at, (&said.mode, said.guard)).map_err(open)?;
+        if found != said.persists {
+            return Err(Refused::Statement("on which sides equilibria lie"));
+        }
+    }
+    let mut again = proof.clone();
+    let statement = &mut again.statement;
+    statement.parameter = super::narrowed(said.parameter, proven.parameter);
+    let frequencies = said.omega.zip(proven.omega);
+    statement.omega = frequencies.map(|(said, proven)| super::narrowed(said, proven));
+    if let (Some(Lyapunov::Within(said)), Some(Lyapunov::Within(proven))) =
+        (said.lyapunov, proven.lyapunov)
+    {
+        statement.lyapunov = Some(Lyapunov::Within(super::narrowed(said, proven)));
+    }
+    Ok(again)
+}

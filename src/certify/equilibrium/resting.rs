@@ -1,0 +1,79 @@
+//! The mode that an equilibrium is one of.
+
+use super::Open;
+use super::place::Place;
+use crate::affine::expression::{Algebra, Operation};
+use crate::affine::system::System;
+use crate::certify::orbit::exact::Exact;
+
+/// The mode that an equilibrium is one of.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Resting {
+    /// One of the file.
+    Mode(usize),
+    /// A sliding mode.
+    Sliding(Surface),
+}
+
+/// The surface of a sliding mode.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Surface {
+    /// The modes on its two sides.
+    pub sides: [usize; 2],
+    /// The switch of the first whose `zero` is its form h, positive in the first, as mode and index.
+    pub zero: [usize; 2],
+    /// That of the second, whose `zero` is −h.
+    pub back: [usize; 2],
+}
+
+/// The names of a system as formulas, but for a state that stands for another.
+pub fn formulas(system: &System, replaced: Option<(usize, Exact)>) -> Place<'_, Exact> {
+    let named = |name: &str| Exact::named(name.to_owned());
+    let states = system.source.states.iter().map(|name| named(name));
+    let mut states: Vec<Exact> = states.collect();
+    if let Some((state, formula)) = replaced {
+        states[state] = formula;
+    }
+    let parameters = system.source.parameters.names().map(named).collect();
+    Place::new(system, states, parameters, named("pi"))
+}
+
+/// Whether two formulas add up to zero.
+pub fn are_opposite(one: &Exact, other: &Exact) -> bool {
+    let sum = one.clone().operate(Operation::Plus, other.clone());
+    sum.is_ok_and(|sum| sum.is_zero())
+}
+
+impl Resting {
+    /// The mode of a name.
+    ///
+    /// # Errors
+    /// There is none, or its surface is not known.
+    pub fn new(system: &System, name: &str) -> Result<Resting, Open> {
+        let mode = system.mode(name).ok_or(Open::System)?;
+        let Some(index) = mode.checked_sub(system.modes.len()) else {
+            return Ok(Resting::Mode(mode));
+        };
+        let sides = *system.sliding.get(index).ok_or(Open::System)?;
+        let place = formulas(system, None);
+        let leading = |from: usize, to: usize| {
+            let switches = system.modes[from].switches.iter().enumerate();
+            let leading = switches.filter(move |(_, switch)| switch.to == to);
+            leading.map(move |(index, _)| [from, index])
+        };
+        let [first, second] = sides;
+        let mut pairs = leading(first, second)
+            .flat_map(|zero| leading(second, first).map(move |back| (zero, back)));
+        let is_surface = |(zero, back): &([usize; 2], [usize; 2])| {
+            let both = place.zero(*zero).zip(place.zero(*back));
+            both.is_some_and(|(zero, back)| are_opposite(&zero, &back))
+        };
+        let (zero, back) = pairs.find(is_surface).ok_or(Open::Sliding)?;
+        Ok(Resting::Sliding(Surface { sides, zero, back }))
+    }
+
+    /// Whether it is a sliding mode.
+    pub fn is_sliding(&self) -> bool {
+        matches!(self, Resting::Sliding(_))
+    }
+}

@@ -1,0 +1,88 @@
+//! What a problem file says of a system and its numbers, and the values that it asks for.
+
+use super::Refused;
+use super::orbit::decimals;
+use super::requested::RequestedValues;
+use crate::affine::system::{Source, System};
+use crate::interval::Decimal;
+use crate::orbit::EventType;
+use crate::problem::SystemProblem;
+
+/// What the branch of a system is about.
+pub(super) struct RequestedSystem {
+    source: Source,
+    /// Values of the parameters in order, as they are written.
+    values: Vec<Decimal>,
+    /// Index of the continuation parameter.
+    parameter: usize,
+    /// Width of its range.
+    unit: f64,
+    asked: RequestedValues,
+}
+
+impl RequestedSystem {
+    /// Of a problem with its text.
+    pub(super) fn new(problem: &SystemProblem, text: &str) -> Option<RequestedSystem> {
+        let source = &problem.system.source;
+        let section = problem.continuation.as_ref()?;
+        let (low, high) = section.range;
+        let given = source.parameters.0.iter();
+        let values = decimals(given.map(|(name, value)| (&**name, *value)), text);
+        let parameter = source
+            .parameters
+            .names()
+            .position(|name| *name == section.parameter)?;
+        let start = values[parameter].clone();
+        Some(RequestedSystem {
+            source: source.clone(),
+            values,
+            parameter,
+            unit: high - low,
+            asked: RequestedValues::new(section, Some(start), text),
+        })
+    }
+
+    /// Whether a value of the parameter is that at which the branch begins.
+    pub(super) fn begins(&self, value: &Decimal) -> bool {
+        *value == self.values[self.parameter]
+    }
+
+    /// Whether a forcing is part of it.
+    pub(super) fn is_forced(&self) -> bool {
+        self.source.forcing.is_some()
+    }
+
+    /// Whether a system, values of its parameters, the index of the one that varies and the unit of that are these.
+    ///
+    /// # Errors
+    /// They are not.
+    pub(super) fn check(
+        &self,
+        system: Option<&System>,
+        values: &[Decimal],
+        (parameter, unit): (usize, f64),
+    ) -> Result<(), Refused> {
+        if !system.is_some_and(|system| system.source.is_same(&self.source)) {
+            return Err(Refused::Problem("the system"));
+        }
+        let mut both = values.iter().zip(&self.values).enumerate();
+        let equal = values.len() == self.values.len()
+            && both.all(|(index, (one, other))| index == self.parameter || one == other);
+        match equal && parameter == self.parameter && unit == self.unit {
+            true => Ok(()),
+            false => Err(Refused::Problem("the numbers")),
+        }
+    }
+
+    /// Whether the value at a point, where it is one of the parameter, is asked for.
+    ///
+    /// # Errors
+    /// It is not.
+    pub(super) fn check_value(
+        &self,
+        kind: EventType,
+        value: Option<&Decimal>,
+    ) -> Result<(), Refused> {
+        self.asked.check(kind, value)
+    }
+}
