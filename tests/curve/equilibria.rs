@@ -2,6 +2,8 @@
 
 #![allow(clippy::excessive_precision)] // figures as they are printed
 
+use std::collections::BTreeSet;
+
 use brakewave::EventType;
 use brakewave::continuation::newton::System as _;
 use brakewave::curve::start::{NoCurve, Start};
@@ -171,6 +173,18 @@ fn hopf_curves_of_fitzhugh_and_nagumo_have_gh_and_end_in_bt() {
             let mut seen = types(&curve);
             seen.sort();
             assert_eq!(seen, ["BT", "GH"]);
+            // the trace changes its sign, and beyond a fold of the branch, where it is negative again, nothing is named
+            let sides = [true, false].map(|left| {
+                let side = curve.regions.iter().filter(|region| region.left == left);
+                side.map(|region| region.name.to_string())
+                    .collect::<BTreeSet<String>>()
+            });
+            let mut names: Vec<Vec<&str>> = sides
+                .iter()
+                .map(|side| side.iter().map(String::as_str).collect())
+                .collect();
+            names.sort();
+            assert_eq!(names, [["2 eigenvalues grow"], ["stable"]]);
             let at = |b: f64| {
                 let v = side * (1.0 - eps * b).sqrt();
                 let w = (v + a) / b;
