@@ -318,6 +318,52 @@ fn multipliers(spectrum: &str) -> Picture {
     picture(&folder, Plot::Multipliers)
 }
 
+/// Where the leading eigenvalue is known along the branch its multiplier is shown there: exp(λT) with T = 2π/(k|c|), in the plane with
+/// its conjugate, and its modulus over the parameter.
+#[test]
+fn the_leading_multiplier_is_shown_along_the_branch() {
+    let lambda = [(0.1, 3.0), (-0.02, 2.9)];
+    let rows = [0.1, 0.2]
+        .into_iter()
+        .zip(lambda)
+        .map(|(mismatch, (re, im))| {
+            let row = row("", "", mismatch, "no", 1);
+            row.replacen("no,,,,,", &format!("no,1,{re},{im},3,"), 1)
+        });
+    let labelled = row("1", "EP", 0.3, "", 1);
+    let folder = folder(&rows.chain([labelled]).collect::<Vec<_>>());
+    let spectrum = "label,sector,re,im,error\n1,0,-0.1,5,0\n";
+    fs::write(folder.path().join("spectrum.csv"), spectrum).unwrap();
+    let picture = picture(&folder, Plot::Multipliers);
+    assert_eq!(captions(&picture), ["Re μ", "Im μ", "mismatch δ", "|μ|"]);
+    let lines = |panel: usize| -> Vec<Point> {
+        let layers = picture.panels[panel].layers.iter();
+        let lines = layers.filter_map(|layer| match layer {
+            Layer::Line(points, pen) if pen.width < 1.9 => Some(points.clone()),
+            _ => None,
+        });
+        lines
+            .flatten()
+            .filter(|point| point.1.is_finite())
+            .collect()
+    };
+    let near = |points: &[Point], (x, y): Point| {
+        let close = points
+            .iter()
+            .filter(|point| (point.0 - x).hypot(point.1 - y) < 1e-12);
+        assert_eq!(close.count(), 1, "{points:?} {x} {y}");
+    };
+    for (mismatch, (re, im)) in [0.1, 0.2].into_iter().zip(lambda) {
+        let period = std::f64::consts::TAU / (8.0 * (1.24 + 0.01 * mismatch));
+        let size = f64::exp(re * period);
+        let (sine, cosine) = f64::sin_cos(im * period);
+        near(&lines(0), (size * cosine, size * sine));
+        near(&lines(0), (size * cosine, -size * sine));
+        near(&lines(1), (mismatch, size));
+    }
+    assert_eq!(points(&picture, 0).len(), 2);
+}
+
 /// Points of a panel without the cross at 1.
 fn points(picture: &Picture, panel: usize) -> Vec<Point> {
     let layers = picture.panels[panel].layers.iter();
