@@ -173,18 +173,6 @@ fn hopf_curves_of_fitzhugh_and_nagumo_have_gh_and_end_in_bt() {
             let mut seen = types(&curve);
             seen.sort();
             assert_eq!(seen, ["BT", "GH"]);
-            // the trace changes its sign, and beyond a fold of the branch, where it is negative again, nothing is named
-            let sides = [true, false].map(|left| {
-                let side = curve.regions.iter().filter(|region| region.left == left);
-                side.map(|region| region.name.to_string())
-                    .collect::<BTreeSet<String>>()
-            });
-            let mut names: Vec<Vec<&str>> = sides
-                .iter()
-                .map(|side| side.iter().map(String::as_str).collect())
-                .collect();
-            names.sort();
-            assert_eq!(names, [["2 eigenvalues grow"], ["stable"]]);
             let at = |b: f64| {
                 let v = side * (1.0 - eps * b).sqrt();
                 let w = (v + a) / b;
@@ -213,6 +201,27 @@ fn hopf_curves_of_fitzhugh_and_nagumo_have_gh_and_end_in_bt() {
             has(&curve, "BT", &at(1.0 / eps.sqrt()));
         }
     }
+}
+
+/// Where v² is larger than on the curve both eigenvalues decay, and on the other side both grow, up to a fold of the branch. What lies
+/// beyond it is elsewhere: there the upper branch is stable again.
+#[test]
+fn beside_a_curve_of_hopf_points_nothing_is_named_beyond_a_fold() {
+    let asked = "event: HB, parameters: (\"I\", \"b\"), range: ((-1.0, 4.0), (0.1, 5.0))";
+    let mut run = run(&FITZHUGH.problem(&[], asked));
+    while run.step().unwrap().is_some() {}
+    let curve = run.curve();
+    let sides = [true, false].map(|left| {
+        let side = curve.regions.iter().filter(|region| region.left == left);
+        let names = side.map(|region| region.name.to_string());
+        names.collect::<BTreeSet<String>>()
+    });
+    let mut names: Vec<Vec<&str>> = sides
+        .iter()
+        .map(|side| side.iter().map(String::as_str).collect())
+        .collect();
+    names.sort();
+    assert_eq!(names, [["2 eigenvalues grow"], ["stable"]]);
 }
 
 /// LP at v² = 1 − 1/b: round their cusp at v = 0, I = a, b = 1, through both BT.
