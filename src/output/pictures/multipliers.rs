@@ -41,7 +41,7 @@ struct Window {
     half: f64,
 }
 
-/// The picture of a wave of `spectrum.csv`, and of the leading multiplier along the branch where that is known.
+/// The picture of a wave of `spectrum.csv`, with the modulus of the leading multiplier along the branch where that is known.
 pub(super) fn picture(tables: &Tables) -> Result<Picture, StoreError> {
     let table = tables.spectrum()?;
     let chosen = Chosen::of(table.as_ref(), 1);
@@ -68,83 +68,68 @@ pub(super) fn picture(tables: &Tables) -> Result<Picture, StoreError> {
         multipliers.extend(multiplied(one.value, period, !partner).map(|place| (place, mark)));
     }
     let leading = leading(tables);
-    let known = leading.iter().filter(|(_, (re, _))| re.is_finite());
+    let known = leading.iter().filter(|(_, size)| size.is_finite());
     let legend = chosen.legend(tables);
     Ok(match known.count() > 1 {
-        true => with_branch(&multipliers, &leading, parameter_axis(tables), legend),
+        true => with_branch(&multipliers, leading, parameter_axis(tables), legend),
         false => plane(&multipliers, legend, period, "k|c|"),
     })
 }
 
-/// The leading multiplier of the waves of a branch, point by point; gaps between legs and where it is unknown.
-fn leading(tables: &Tables) -> Vec<(f64, Point)> {
-    const UNKNOWN: Point = (f64::NAN, f64::NAN);
+/// The modulus of the leading multiplier over the parameter, wave by wave; gaps between legs and where it is unknown.
+fn leading(tables: &Tables) -> Vec<Point> {
     let branch = &tables.branch;
     let values = column(branch, &tables.parameter);
     let mut leading = Vec::with_capacity(branch.len());
     for (row, value) in values.into_iter().enumerate() {
         if row > 0 && !same_leg(branch, row - 1) {
-            leading.push((f64::NAN, UNKNOWN));
+            leading.push((f64::NAN, f64::NAN));
         }
-        let known = || {
+        let size = || {
             let number = |name| value_of(branch, row, name);
             let length = list(branch, row, "switches").last().copied()?;
             let period = period_of(length, number("speed")?)?;
-            multiplied((number("lead_re")?, number("lead_im")?), period, false).next()
+            Some((number("lead_re")? * period).exp()).filter(|size| drawable(*size))
         };
-        leading.push((value, known().unwrap_or(UNKNOWN)));
+        leading.push((value, size().unwrap_or(f64::NAN)));
     }
     leading
 }
 
-/// The multipliers of one wave on the left with the path of the leading one along the branch, whose modulus over the parameter is on
-/// the right.
+/// The multipliers of one wave on the left, and the modulus of the leading one over the parameter on the right.
 fn with_branch(
     multipliers: &[Multiplier],
-    leading: &[(f64, Point)],
+    leading: Vec<Point>,
     parameter: Axis,
     legend: Legend,
 ) -> Picture {
-    let path = Pen::solid(VERMILLION, 1.6);
-    let sizes = leading
-        .iter()
-        .map(|(value, (re, im))| (*value, re.hypot(*im)));
-    let over: Vec<Point> = sizes.collect();
-    let known = over
-        .iter()
-        .map(|place| place.1)
-        .filter(|size| size.is_finite());
+    let line = Pen::solid(BLACK, 1.6);
+    let sizes = leading.iter().map(|place| place.1);
+    let known = sizes.filter(|size| size.is_finite());
     let (low, high) = known.fold((1.0_f64, 1.0_f64), |(low, high), size| {
         (low.min(size), high.max(size))
     });
+    let room = ROOM_OVER * (high - low).max(LEAST_OVER);
+    let extent = Extent::Fixed(low - room, high + room);
     let largest = |(re, im): Point| re.abs().max(im.abs());
     let all = multipliers.iter().map(|one| largest(one.0));
     let all = Window {
         centre: (0.0, 0.0),
-        half: 1.12 * all.fold(high.min(FAR), f64::max),
+        half: 1.12 * all.fold(1.0, f64::max),
     };
-    let mut left = all.layers(multipliers);
-    for sign in [1.0, -1.0] {
-        let places = leading.iter().map(|(_, (re, im))| (*re, sign * im));
-        left.push(Layer::Line(all.cut_line(&unjumped(places)), path));
-    }
     let right = vec![
-        Layer::Across(1.0, Pen::solid(BLACK, 1.2)),
-        Layer::Line(over, path),
+        Layer::Across(1.0, Pen::solid(GREY, 1.2)),
+        Layer::Line(leading, line),
     ];
-    let room = ROOM_OVER * (high - low).max(LEAST_OVER);
-    let extent = Extent::Fixed(low - room, high + room);
+    let keys = [
+        (Key::Mark(CROSS), "translation, μ = 1"),
+        (Key::Line(line), "the leading one along the branch"),
+    ];
     let legend = legend
-        .with(
-            "",
-            [
-                (Key::Line(path), "along the branch, the leading one"),
-                (Key::Mark(CROSS), "translation, μ = 1"),
-            ],
-        )
+        .with("", keys)
         .with::<&str>("μ = exp(λT), T = 2π/(k|c|)", []);
     let panels = vec![
-        all.panel("Im μ", left),
+        all.panel("Im μ", all.layers(multipliers)),
         Panel::new(parameter, Axis::new(("", "|μ|"), extent), right),
     ];
     Picture {
