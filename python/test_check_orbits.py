@@ -57,6 +57,8 @@ FRICTION = """(
     continuation: (parameter: "w", range: (0.7, 0.8), toward: Down, stop_at: [0.71]), stability: (),
 )"""
 """An end without stick, the onset of stick at 0.7227, a value with it, an end."""
+NAMED = SYSTEM.replace('(zero: "d - x", ', '(zero: "d - x", name: "hit", ')
+"""The same where the impact has a name."""
 THRESHOLD = SYSTEM.replace('"e": 0.8', '"e": 0.8, "s": 0.01').replace(
     "until: [(", 'until: [(zero: "d - x", to: "free", if: ["v - s"], reset: {"v": "-e*v"}), ('
 )
@@ -231,7 +233,7 @@ class Certificates(unittest.TestCase):
     def setUpClass(cls):
         cls.work, cls.folders = Path(tempfile.mkdtemp()), {}
         cls.addClassCleanup(shutil.rmtree, cls.work)
-        for name, problem in [("impact", SYSTEM), ("pair", PAIR), ("friction", FRICTION), ("threshold", THRESHOLD), ("loss", LOSS), ("graze", SYSTEM), ("beside", BESIDE), ("pole", POLE), ("dip", DIP), ("doubled", DOUBLED), ("mark", MARK)]:
+        for name, problem in [("impact", SYSTEM), ("named", NAMED), ("pair", PAIR), ("friction", FRICTION), ("threshold", THRESHOLD), ("loss", LOSS), ("graze", SYSTEM), ("beside", BESIDE), ("pole", POLE), ("dip", DIP), ("doubled", DOUBLED), ("mark", MARK)]:
             (cls.work / f"{name}.ron").write_text(problem, encoding="utf-8")
             cls.folders[name] = cls.work / name
             cls.program("certify", f"{name}.ron", "--out", name, "--quiet", *["--arcs"] * (name in ("graze", "dip")))
@@ -243,7 +245,7 @@ class Certificates(unittest.TestCase):
         return run.stdout
 
     def test_honest(self):
-        for name, points, counts in [("impact", 4, 2), ("pair", 3, 2), ("friction", 4, 3), ("loss", 2, 1)]:
+        for name, points, counts in [("impact", 4, 2), ("named", 4, 2), ("pair", 3, 2), ("friction", 4, 3), ("loss", 2, 1)]:
             code, told = check(self.folders[name])
             self.assertEqual(code, 3 if "not covered" in told else 0, told)
             self.assertNotIn("refused", told)
@@ -535,6 +537,16 @@ class Certificates(unittest.TestCase):
     def test_names_of_modes_beyond_a_change(self):
         another = lambda text: re.sub('(after: .*?)name: "stick"', r'\1name: "forth"', text, count=1, flags=re.S)
         self.refused("friction", "type", another)
+
+    def test_names_of_switches(self):
+        label = 'label: Some("hit"),'
+        self.refused("named", "orbit", lambda text: text.replace(label, 'label: Some("miss"),', 1))
+        self.refused("named", "orbit", lambda text: text.replace(label, "", 1))
+        # of the sequence before the graze
+        before = lambda text: re.sub(f'(before: .*?){re.escape(label)}', r'\1label: Some("miss"),', text, count=1, flags=re.S)
+        self.refused("named", "type", before)
+        # an impact without a name has no label
+        self.refused("impact", "orbit", lambda text: text.replace('name: "free",', f'name: "free", {label}', 1))
 
     def test_a_change_that_is_none(self):
         # with one sequence before and after another type would follow

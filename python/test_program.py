@@ -241,6 +241,25 @@ class Verbs(InFolder):
         self.assertEqual(folder.kind, "accuracy")
         self.assertIn("method", folder.accuracy)
 
+    def test_shards_are_joined(self):
+        plane = dict(
+            first=dict(parameter="A", range=(0.05, 0.09)), second=dict(parameter="w", range=(1.0, 1.1)), points=variant.Grid(rows=2, columns=2)
+        )
+        values = variant.Linear(0.05, 0.09, 4)
+        scan = dict(parameter="A", values=values, sweep=variant.Both, settle=300, keep=3, section=variant.Phase(0.0))
+        for verb, problem, table in [(brakewave.map, impact(map=plane), "map.csv"), (brakewave.scan, impact(scan=scan), "scan.csv")]:
+            kind = verb.__name__
+            whole = verb(problem, out=kind, quiet=True)
+            shards = [verb(problem, out=f"{kind}-{index}", shard=f"{index}/2", quiet=True) for index in (1, 2)]
+            joined = brakewave.merge(shards, out=f"{kind}-joined", quiet=True, plot=f"{kind}.svg")
+            self.assertEqual(joined.kind, kind)
+            self.assertEqual((joined.path / table).read_bytes(), (whole.path / table).read_bytes())
+            self.assertTrue(Path(f"{kind}.svg").is_file())
+            with self.assertRaises(brakewave.Refused):
+                brakewave.merge(shards[:1], out=f"{kind}-part", quiet=True)
+        with self.assertRaises(ValueError):
+            brakewave.merge([], out="none")
+
     def test_modes_of_steady_sliding(self):
         with self.assertWarnsRegex(UserWarning, "a higher one may go earlier"):
             folder = brakewave.steady(WAVES, out="modes", modes="3..4", at={"friction": 0.4}, families=1, quiet=True)

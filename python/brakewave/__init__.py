@@ -40,6 +40,7 @@ if TYPE_CHECKING:
         check as check,
         curve as curve,
         map as map,
+        merge as merge,
         plot as plot,
         report as report,
         run as run,
@@ -66,7 +67,7 @@ _MODULES = {
     "pictures": "draw_branch draw_curve draw_exponents draw_map draw_profile draw_regimes draw_scan draw_spectrum COLOURS MARKS SEQUENCES",
     "problem": "Variant ron variant",
     "process": "binary",
-    "program": "Checked Incomplete Refused accuracy certify check curve map plot report run scan simulate spectrum steady verify",
+    "program": "Checked Incomplete Refused accuracy certify check curve map merge plot report run scan simulate spectrum steady verify",
     "reader": "PARAMETERS REGIMES Folder Pictures Tube inertia parameters read varying zones",
 }
 _HOMES = {name: module for module, names in _MODULES.items() for name in names.split()}

@@ -290,6 +290,7 @@ class Modes:
                         self.names.index(switch["to"]),
                         {self.states.index(name): form(text) for name, text in switch.get("reset", {}).items()},
                         [form(text) for text in switch.get("if", [])],
+                        switch.get("name"),
                     )
                     for switch in mode.get("until", [])
                 ],
@@ -297,7 +298,7 @@ class Modes:
             for mode in system["modes"].values()
         ]
         every = [it for rates, switches in written for it in rates]
-        every += [it for _, switches in written for zero, _, reset, held in switches for it in [zero, *reset.values(), *held]]
+        every += [it for _, switches in written for zero, _, reset, held, _ in switches for it in [zero, *reset.values(), *held]]
         must(not any(it.phase for it in every), "the phase outside of sin and cos")
         self.harmonics = max((h for it in every for h, _ in it.waves), default=0)
         self.size = n + 1 + 2 * self.harmonics
@@ -308,7 +309,7 @@ class Modes:
                 cosine = n + 2 * h - 1
                 rows[cosine][cosine + 1], rows[cosine + 1][cosine] = -h * self.omega, h * self.omega
             guards = []
-            for form, to, reset, held in switches:
+            for form, to, reset, held, name in switches:
                 row, new = self.row(form), [self.row(reset[i]) if i in reset else self.unit(i) for i in range(n)]
                 # switches of one form are exits of one guard
                 same = (exits for known, exits in guards if not any(x - y for x, y in zip(known, row)))
@@ -316,7 +317,7 @@ class Modes:
                 if exits is None:
                     exits = []
                     guards.append((row, exits))
-                exits.append((to, new, [self.row(it) for it in held]))
+                exits.append((to, new, [self.row(it) for it in held], name))
             self.matrices.append(rows)
             self.guards.append(guards)
             self.surfaces.append(None)
@@ -361,11 +362,20 @@ class Modes:
         for row, _ in self.guards[first] + self.guards[second]:
             if not multiple(row) and not any(not any(x - y for x, y in zip(row, known)) for known in watched):
                 watched.append(row)
-        own_conditions = [(ends, [(first, stay, [])]), (away, [(second, stay, [])])]
+        own_conditions = [(ends, [(first, stay, [], None)]), (away, [(second, stay, [], None)])]
         self.guards.append(own_conditions + [(row, []) for row in watched])
         self.surfaces.append(normal)
-        out.insert(0, (own, stay, [away]))
-        back.insert(0, (own, stay, [ends]))
+        out.insert(0, (own, stay, [away], None))
+        back.insert(0, (own, stay, [ends], None))
+
+    def check_zone(self, zone):
+        """That a zone has the name of its mode, and the label of the switch that ends it: the name of that, where the same mode goes on."""
+        mode, way = whole(zone["mode"], len(self.names)), zone["way"]
+        must(zone["name"] == self.names[mode], "a mode has another name")
+        guards = self.guards[mode][whole(way["guard"]) :][:1] if way else []
+        exits = [it for _, exits in guards for it in exits[whole(way["exit"]) :][:1]]
+        label = next((name for to, *_, name in exits if to == mode), None)
+        must(zone.get("label") == label, "a switch has another name")
 
     def derivative(self, mode, row, order):
         for _ in range(order):
@@ -381,7 +391,7 @@ class Modes:
         number = lambda x: x.at(parameter) if isinstance(x, Ratio) else x
         there.row_of = lambda row: [number(x) for x in row]
         rows = lambda lines: [there.row_of(line) for line in lines]
-        exits = lambda ways: [(to, rows(reset), rows(held)) for to, reset, held in ways]
+        exits = lambda ways: [(to, rows(reset), rows(held), name) for to, reset, held, name in ways]
         there.omega, there.matrices = number(self.omega), Later(lambda mode: rows(self.matrices[mode]))
         there.guards = Later(lambda mode: [(there.row_of(row), exits(ways)) for row, ways in self.guards[mode]])
         return there
@@ -533,7 +543,7 @@ class Orbit:
         self.n, self.stretches, self.guess = self.exact.count, [], []
         middle = self.exact.at(decimal(repr(float(near["parameter"]))))
         for index, (zone, (mode, way), at) in enumerate(zip(sequence, self.sequence, zones)):
-            must(mode < len(middle.names) and zone["name"] == middle.names[mode], "a mode has another name")
+            self.exact.check_zone(zone)
             must(way is not None or len(zones) == 1 and self.forced, "a zone that does not end")
             end = ("never",) if way is None else ("exit", *way)
             state, time = [acb(float(x)) for x in at["state"]], float(at["duration"])
@@ -921,7 +931,7 @@ class Orbit:
             if stretch.end[0] != "exit":
                 continue
             row, exits = self.exact.guards[stretch.mode][stretch.end[1]]
-            held = [it for _, _, rows in exits[: stretch.end[2] + 1] for it in rows]
+            held = [it for _, _, rows, _ in exits[: stretch.end[2] + 1] for it in rows]
             for kind, forms in ("GR", [self.exact.derivative(stretch.mode, row, 1)]), ("SL", held):
                 if any(facts.have(it) and not lasting.have(it) for it in forms):
                     new.add(kind)
@@ -1192,7 +1202,7 @@ class Orbit:
                 if other == own or not lasting[1].have(row):
                     continue
                 # of guards that are zero at once none is the first
-                to, reset, _ = exits[way]
+                to, reset, *_ = exits[way]
                 same = lambda it: it[0] == to and all(end_facts.have([a - b for a, b in zip(*rows)]) for rows in zip(it[1], reset))
                 agree = all(same(it) or any(map(negative, it[2])) for it in ways)
                 yield f"that guard {other}, zero at the end of zone {zone} too, leads on like the one taken", agree

@@ -558,7 +558,7 @@ class OrbitPoint(Statements):
                 fields(zone, "state duration phase")
         for sequence in filter(None, sequences + [changed[side] for side in ("before", "after") if changed]):
             for zone in zones_of(sequence):
-                fields(zone, "mode way name")
+                fields(zone, "mode way name", "label")
                 if zone["way"] is not None:
                     fields(zone["way"], "guard exit")
 
@@ -629,10 +629,10 @@ class OrbitPoint(Statements):
             must(all(size <= 2 * unit for size, unit in zip(sizes, units["states"])), "the unit of a state is less than it is on the first orbit")
 
     def kind(self):
-        names, changed = self.solved.exact.names, self.proof.get("changed") or {}
+        modes, changed = self.solved.exact, self.proof.get("changed") or {}
         for sequence in filter(None, (changed.get("before"), changed.get("after"))):
             for zone in zones_of(sequence):
-                must(zone["name"] == names[whole(zone["mode"], len(names))], "a mode has another name")
+                modes.check_zone(zone)
         return kind_of(self.point, self.proof, self.solved)
 
     def inequalities(self):

@@ -250,6 +250,24 @@ def scan(
     return _compute("scan", problem, name, quiet, out, settings)
 
 
+def merge(
+    shards: Iterable[Folder | PathLike],
+    *,
+    out: PathLike,
+    force: bool = False,
+    quiet: bool = False,
+    plot: PathLike | None = None,
+) -> Folder:
+    """Joins the shards of a map or of a scan to one table, the same as that of what is computed at once."""
+    paths = [os.fspath(shard) for shard in shards]
+    if not paths:
+        raise ValueError("there is no shard to join")
+    verb = "scan" if Folder(paths[0]).kind.startswith("scan") else "map"
+    answer = call([verb, "merge", *_options(dict(out=out, force=force, plot=plot)), "--", *paths], quiet, str)
+    _raise_or_warn(answer, kept=False, level=3)
+    return Folder(out, answer.said)
+
+
 def simulate(
     problem: Problem,
     *,

@@ -30,9 +30,17 @@ pub struct Exit {
     pub tangent: Option<(usize, usize)>,
     /// The name of the switch.
     pub name: Option<String>,
+    /// Whether a contact makes it, and has given it that name.
+    pub of_contact: bool,
 }
 
 impl Exit {
+    /// What a sequence says of it at the end of a mode: its name in the file, where the same mode goes on.
+    pub fn label(&self, mode: usize) -> Option<&str> {
+        let says = self.to == mode && !self.of_contact;
+        self.name.as_deref().filter(|_| says)
+    }
+
     /// Whether no state jumps.
     pub fn is_continuous(&self) -> bool {
         self.reset.at.is_identity(0.0)

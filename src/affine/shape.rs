@@ -134,6 +134,8 @@ impl Shape {
             rest: switch.rest,
             tangent: switch.tangent,
             name: switch.name.clone(),
+            // those of contacts alone have guards that are given
+            of_contact: switch.group.is_some(),
         }
     }
 }

@@ -197,6 +197,7 @@ impl AffineSystem {
             rest: None,
             tangent,
             name: None,
+            of_contact: false,
         };
         let released = |row: Row, to: usize, guard: usize| Guard {
             row,

@@ -822,6 +822,11 @@ impl Reader<'_> {
                 .map(|(index, text)| self.expression(&format!("{path}.if.{index}"), text, all));
             let rest = switch.rest.as_ref();
             let rest = rest.map(|name| self.mode_index(&format!("{path}.rest"), name));
+            let wrong = switch.name.as_ref().filter(|name| !is_name(name));
+            if let Some(name) = wrong {
+                let mistake = Mistake::Name(name.clone(), BadName::NoWord);
+                return Err(SystemError::at(format!("{path}.name"), mistake));
+            }
             Ok(Switch {
                 zero: self.expression(&format!("{path}.zero"), &switch.zero, all)?,
                 to: self.mode_index(&format!("{path}.to"), &switch.to)?,

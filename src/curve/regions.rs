@@ -9,8 +9,8 @@
 //! |---|---|
 //! | GR, RV, CO, ST, SL | the regimes of the orbits that pass, of a system with their stability |
 //! | LP | how many orbits pass, and their regimes |
-//! | HB | whether the pair of the event grows or decays there; no other event lies between. Of equilibria how many eigenvalues grow |
-//! | PD, NS | how many multipliers of the orbit are outside the unit circle |
+//! | HB | whether the pair of the event grows or decays there; no other event lies between. Of equilibria how many eigenvalues grow, with no fold between |
+//! | PD, NS | how many multipliers of the orbit are outside the unit circle, with no fold between |
 //!
 //! A number of orbits is known where both arms come to an edge of the range, to an end of their own as the Hopf
 //! point of steady sliding, or back to the event. For that the range is widened: orbits may return from beyond it.
@@ -381,6 +381,10 @@ impl<B> Walked<'_, B> {
                         return End::Lost;
                     };
                     name = known;
+                }
+                // beyond a fold the branch is over the same places once more, and elsewhere on its way
+                if let (Some(LP), Condition::Spectral(_)) = (kind, condition) {
+                    return End::Lost;
                 }
                 if kind == Some(EP) && [self.range.0, self.range.1].contains(&parameter) {
                     end = End::Edge;

@@ -68,8 +68,8 @@ impl Stated for orbit::Proof {
         let zones = self.near.sequence.0.iter();
         let zones: Vec<String> = zones
             .map(|zone| match &zone.way {
-                Some(way) => format!("{} ({})", zone.name, ends(way)),
-                None => zone.name.clone(),
+                Some(way) => format!("{zone} ({})", ends(way)),
+                None => zone.to_string(),
             })
             .collect();
         let given = match given.is_empty() {

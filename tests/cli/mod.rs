@@ -13,6 +13,7 @@ mod files;
 mod first_contact;
 mod folders;
 pub mod harness;
+mod labels;
 mod long_work;
 mod pipe;
 mod plots;

@@ -2,6 +2,8 @@
 
 #![allow(clippy::excessive_precision)] // figures as they are printed
 
+use std::collections::BTreeSet;
+
 use brakewave::EventType;
 use brakewave::continuation::newton::System as _;
 use brakewave::curve::start::{NoCurve, Start};
@@ -199,6 +201,27 @@ fn hopf_curves_of_fitzhugh_and_nagumo_have_gh_and_end_in_bt() {
             has(&curve, "BT", &at(1.0 / eps.sqrt()));
         }
     }
+}
+
+/// Where v² is larger than on the curve both eigenvalues decay, and on the other side both grow, up to a fold of the branch. What lies
+/// beyond it is elsewhere: there the upper branch is stable again.
+#[test]
+fn beside_a_curve_of_hopf_points_nothing_is_named_beyond_a_fold() {
+    let asked = "event: HB, parameters: (\"I\", \"b\"), range: ((-1.0, 4.0), (0.1, 5.0))";
+    let mut run = run(&FITZHUGH.problem(&[], asked));
+    while run.step().unwrap().is_some() {}
+    let curve = run.curve();
+    let sides = [true, false].map(|left| {
+        let side = curve.regions.iter().filter(|region| region.left == left);
+        let names = side.map(|region| region.name.to_string());
+        names.collect::<BTreeSet<String>>()
+    });
+    let mut names: Vec<Vec<&str>> = sides
+        .iter()
+        .map(|side| side.iter().map(String::as_str).collect())
+        .collect();
+    names.sort();
+    assert_eq!(names, [["2 eigenvalues grow"], ["stable"]]);
 }
 
 /// LP at v² = 1 − 1/b: round their cusp at v = 0, I = a, b = 1, through both BT.

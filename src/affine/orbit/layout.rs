@@ -119,8 +119,8 @@ impl AffineOrbit {
                 memory: Arc::default(),
                 conserved: Arc::default(),
                 origin: Arc::default(),
+                sequence: sequence.labelled(&system),
                 setting,
-                sequence,
             };
             let conserved = Conserved::new(&system, &orbit.sequence, &orbit.units());
             AffineOrbit {

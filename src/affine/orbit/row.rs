@@ -133,7 +133,7 @@ impl AffineOrbit {
         Ok(Cycle {
             names: order
                 .filter(|zone| self.sequence.is_told(*zone))
-                .map(|zone| self.sequence.zone(zone).name.clone())
+                .map(|zone| self.sequence.zone(zone).to_string())
                 .collect(),
             period: time,
             switches,

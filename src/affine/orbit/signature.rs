@@ -18,38 +18,38 @@ pub struct Way {
     pub exit: usize,
 }
 
-/// States that sums which never change along a sequence have at its beginning, where there are such sums: no part of what a zone is.
+/// What a zone carries and is no part of what it is: no two zones differ in that.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 #[serde(transparent)]
-pub struct Kept(Vec<f64>);
+pub struct Carried<T>(T);
 
-impl PartialEq for Kept {
-    fn eq(&self, _: &Kept) -> bool {
+impl<T> PartialEq for Carried<T> {
+    fn eq(&self, _: &Carried<T>) -> bool {
         true
     }
 }
 
-impl Eq for Kept {}
+impl<T> Eq for Carried<T> {}
 
-impl Hash for Kept {
+impl<T> Hash for Carried<T> {
     fn hash<H: Hasher>(&self, _: &mut H) {}
 }
 
-impl PartialOrd for Kept {
-    fn partial_cmp(&self, other: &Kept) -> Option<Ordering> {
+impl<T> PartialOrd for Carried<T> {
+    fn partial_cmp(&self, other: &Carried<T>) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
 
-impl Ord for Kept {
-    fn cmp(&self, _: &Kept) -> Ordering {
+impl<T> Ord for Carried<T> {
+    fn cmp(&self, _: &Carried<T>) -> Ordering {
         Ordering::Equal
     }
 }
 
-impl Kept {
-    fn is_empty(&self) -> bool {
-        self.0.is_empty()
+impl<T: Default + PartialEq> Carried<T> {
+    fn is_default(&self) -> bool {
+        self.0 == T::default()
     }
 }
 
@@ -63,20 +63,39 @@ pub struct Zone {
     pub way: Option<Way>,
     /// Name of the mode.
     pub name: String,
-    /// Of the first zone: what is kept of the start.
-    #[serde(default, skip_serializing_if = "Kept::is_empty")]
-    pub kept: Kept,
+    /// Name of the switch that it ends with, where the file gives one and the same mode goes on: see [`Sequence::labelled`].
+    #[serde(default, skip_serializing_if = "Carried::is_default")]
+    pub label: Carried<Option<String>>,
+    /// Of the first zone, where sums of states never change along a sequence: the states that they have at its beginning.
+    #[serde(default, skip_serializing_if = "Carried::is_default")]
+    pub kept: Carried<Vec<f64>>,
 }
 
 impl Zone {
     /// Of a mode with this name, and how it ends.
     pub fn new(mode: usize, way: Option<Way>, name: String) -> Zone {
-        let kept = Kept::default();
         Zone {
             mode,
             way,
             name,
-            kept,
+            label: Carried::default(),
+            kept: Carried::default(),
+        }
+    }
+
+    /// Whether its label is this one.
+    pub fn has_label(&self, label: Option<&str>) -> bool {
+        self.label.0.as_deref() == label
+    }
+}
+
+/// The mode, with the switch that leads from it to itself where that has a name: `free(hit)`.
+impl fmt::Display for Zone {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(&self.name)?;
+        match self.label.0.as_ref().filter(|_| self.way.is_some()) {
+            Some(label) => write!(formatter, "({label})"),
+            None => Ok(()),
         }
     }
 }
@@ -126,11 +145,21 @@ impl Sequence {
     /// The same where these are.
     pub fn keeping(mut self, states: &[f64]) -> Sequence {
         for (index, zone) in self.0.iter_mut().enumerate() {
-            zone.kept = Kept(if index == 0 {
+            zone.kept = Carried(if index == 0 {
                 states.to_vec()
             } else {
                 Vec::new()
             });
+        }
+        self
+    }
+
+    /// The same with the labels that the switches of a system give its zones.
+    pub fn labelled(mut self, system: &AffineSystem) -> Sequence {
+        for index in 0..self.len() {
+            let label =
+                exit_of(system, &self, index).and_then(|exit| exit.label(self.0[index].mode));
+            self.0[index].label = Carried(label.map(str::to_owned));
         }
         self
     }
@@ -234,7 +263,7 @@ impl fmt::Display for Sequence {
         let told = (0..self.len()).filter(|index| self.is_told(*index));
         for (place, index) in told.enumerate() {
             let dash = if place > 0 { "-" } else { "" };
-            write!(formatter, "{dash}{}", self.zone(index).name)?;
+            write!(formatter, "{dash}{}", self.zone(index))?;
         }
         Ok(())
     }

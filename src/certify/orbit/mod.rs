@@ -40,7 +40,9 @@ use super::arc::{Broken, Moving};
 use super::certificate::{Point, Provable, Refused, Tally, begin_alike};
 use super::{krawczyk, wider};
 use crate::affine::orbit::candidates::candidates;
-use crate::affine::orbit::{AffineOrbit, Critical, Margin, Scales, Sequence, Watch, ZonePoint};
+use crate::affine::orbit::{
+    AffineOrbit, Critical, Margin, Scales, Sequence, Watch, Zone, ZonePoint,
+};
 use crate::affine::system::System;
 use crate::hybrid::Item;
 use crate::interval::{Decimal, Interval, Number, PI};
@@ -48,6 +50,7 @@ use crate::linalg::Vector;
 use crate::orbit::special::{Change, Special};
 use crate::orbit::{EventType, Examined, Orbit};
 use crate::problem::{decimal_at, decimal_of};
+use modes::Structure;
 use system::{Layout, OrbitSystem};
 
 /// A margin of order one that is smaller than this at an event may vanish there; whether it does is proven.
@@ -513,6 +516,7 @@ pub(crate) fn proven_again(point: &Point<Proof>, proof: &Proof) -> Result<Proof,
     if names.nth(posed.parameter) != Some(&point.parameter) {
         return Err(Refused::Statement("the parameter"));
     }
+    check_zones(proof)?;
     check_kind(proof, point.kind)?;
     let proven = statement(posed, near, condition, Some(said.unique)).map_err(open)?;
     super::compared("the parameter", said.parameter, proven.parameter)?;
@@ -540,11 +544,28 @@ pub(crate) fn proven_again(point: &Point<Proof>, proof: &Proof) -> Result<Proof,
     Ok(again)
 }
 
-/// Whether the zones of a sequence are modes of a system, by their numbers and their names.
-fn are_modes(system: &System, sequence: &Sequence) -> bool {
+/// Refuses zones that are no modes of the system, by their numbers and their names, or have labels that their switches do not give.
+fn check_zones(proof: &Proof) -> Result<(), Refused> {
+    let open = |open: Open| Refused::NoProof(open.to_string());
+    let system = proof.posed.system().map_err(open)?;
     let names: Vec<&str> = system.mode_names().collect();
-    let mut zones = sequence.0.iter();
-    zones.all(|zone| names.get(zone.mode) == Some(&zone.name.as_str()))
+    let (_, modes) = Structure::of(system).map_err(open)?;
+    let is_mode = |zone: &Zone| {
+        let way = zone.way.map(|way| [way.guard, way.exit]);
+        let label = way.and_then(|way| modes.label(zone.mode, way));
+        names.get(zone.mode) == Some(&zone.name.as_str()) && zone.has_label(label)
+    };
+    let seen = proof.seen.iter().map(|seen| &seen.near.sequence);
+    let changed = proof.changed.iter();
+    let changed = changed.flat_map(|changed| [&changed.before].into_iter().chain(&changed.after));
+    let sequences = [&proof.near.sequence]
+        .into_iter()
+        .chain(seen)
+        .chain(changed);
+    match sequences.flat_map(|sequence| &sequence.0).all(is_mode) {
+        true => Ok(()),
+        false => Err(Refused::Statement("the name of a zone")),
+    }
 }
 
 /// Proves that the sequence changes from the one that is stated, by what is stated to vanish there, to the other, if there is one: in
@@ -557,15 +578,9 @@ fn check_change(proof: &Proof, changed: &Changed) -> Result<(), Refused> {
         after,
     } = changed;
     let refused = || Refused::Statement("the change of the sequence");
-    let of = proof
-        .posed
-        .system()
-        .map_err(|open| Refused::NoProof(open.to_string()))?;
     let mut sides = [before].into_iter().chain(after);
     let is_none = |after: &Sequence| after.is_rotation_of(before);
-    if !sides.clone().all(|one| are_modes(of, one))
-        || !sides.clone().any(|one| *one == proof.near.sequence)
-        || after.as_ref().is_some_and(is_none)
+    if !sides.clone().any(|one| *one == proof.near.sequence) || after.as_ref().is_some_and(is_none)
     {
         return Err(refused());
     }

@@ -19,6 +19,8 @@ pub struct Exit<C> {
     pub reset: Vec<Row<C>>,
     /// What is not negative where it is taken.
     pub conditions: Vec<Row<C>>,
+    /// The name of the switch in the file.
+    pub name: Option<String>,
 }
 
 /// What is positive in a mode, and where it leads when it is zero no more.
@@ -153,6 +155,12 @@ impl<C: Coefficient> Modes<C> {
         Ok(modes)
     }
 
+    /// What a sequence says of a switch at the end of a mode, by its guard and its exit: its name, where the same mode goes on.
+    pub fn label(&self, mode: usize, [guard, exit]: [usize; 2]) -> Option<&str> {
+        let exit = self.modes.get(mode)?.guards.get(guard)?.exits.get(exit)?;
+        exit.name.as_deref().filter(|_| exit.to == mode)
+    }
+
     /// Length of z.
     pub fn size(&self) -> usize {
         self.states + 1 + 2 * self.harmonics
@@ -216,6 +224,7 @@ impl<C: Coefficient> Modes<C> {
                 .iter()
                 .map(|form| self.row(form))
                 .collect(),
+            name: switch.name.clone(),
         }
     }
 
@@ -256,6 +265,7 @@ impl<C: Coefficient> Modes<C> {
             to,
             reset: stay.clone(),
             conditions,
+            name: None,
         };
         let guard = |row: &Row<C>, to: usize| Guard {
             row: row.clone(),

@@ -11,6 +11,9 @@ const LONG: usize = 48;
 const BETWEEN: char = '-';
 const WITHIN: char = '.';
 
+/// What stands before the name of a switch by which a mode follows itself.
+const LABEL: char = '(';
+
 /// The short names of the modes in some sequences.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Codes {
@@ -35,7 +38,7 @@ impl Codes {
                 modes.push(mode);
             }
         }
-        if modes.iter().any(|mode| mode.contains(WITHIN)) {
+        if modes.iter().any(|mode| parted(mode).0.contains(WITHIN)) {
             codes.states = states(&modes);
         }
         if sequences.iter().any(|all| is_long(&codes.name(all))) {
@@ -86,17 +89,23 @@ impl Codes {
             let known = self.states.iter().find(|(known, _)| known == state);
             known.map_or_else(|| state.to_owned(), |(_, short)| short.clone())
         };
+        let (mode, label) = parted(mode);
         let parts: Vec<String> = mode.split(WITHIN).map(short).collect();
         let mut letters = self.states.iter().map(|(_, short)| short.chars().count());
         let lettered = !self.states.is_empty() && letters.all(|count| count == 1);
-        parts.join(if lettered { "" } else { "." })
+        parts.join(if lettered { "" } else { "." }) + label
     }
+}
+
+/// The name of a mode, and the label of its end.
+fn parted(mode: &str) -> (&str, &str) {
+    mode.split_at(mode.find(LABEL).unwrap_or(mode.len()))
 }
 
 /// The states in the names of modes, each with the shortest beginning that no other has.
 fn states(modes: &[&str]) -> Vec<(String, String)> {
     let mut states: Vec<&str> = Vec::new();
-    for state in modes.iter().flat_map(|mode| mode.split(WITHIN)) {
+    for state in modes.iter().flat_map(|mode| parted(mode).0.split(WITHIN)) {
         if !states.contains(&state) {
             states.push(state);
         }
@@ -139,6 +148,10 @@ mod tests {
         let two = "backward.backward-backward.stick-stick.backward-stick.stick-backward.backward";
         let codes = Codes::of([two].into_iter());
         assert_eq!(codes.name(two), "bb-bs-sb-ss-bb");
+        assert_eq!(codes.key(), ["b = backward", "s = stick"]);
+        let labelled = two.replace("-stick.stick-", "-stick.stick(hit)-");
+        let codes = Codes::of([labelled.as_str()].into_iter());
+        assert_eq!(codes.name(&labelled), "bb-bs-sb-ss(hit)-bb");
         assert_eq!(codes.key(), ["b = backward", "s = stick"]);
         let states = ["forward", "free", "stick"];
         let modes = states

@@ -12,6 +12,11 @@ use crate::problem::Problem;
 /// Size of the marks of special points.
 const MARK: f64 = 4.6;
 
+/// Special points are at one place where they are nearer than this share of both axes, and by how much each is larger than the one
+/// that lies on it.
+const SAME: f64 = 0.004;
+const RIM: f64 = 0.8;
+
 /// Shapes of the special points, in the order of their names.
 const SHAPES: [Shape; 5] = [
     Shape::Diamond,
@@ -73,8 +78,12 @@ pub(super) fn picture<P: Plane>(
     let same = common_signature(&curve.regions);
     let (pen, on_branch) = (Pen::solid(BLUE, 2.2), Mark::new(Shape::Disc, MARK, BLACK));
     let mut layers = vec![Layer::Line(line, pen)];
-    let marked = special.iter();
-    layers.extend(marked.map(|(point, kind)| Layer::Marks(vec![*point], mark(*kind))));
+    let ranks = nested(&special, &kinds, ranges);
+    for (rank, (point, kind)) in ranks {
+        let mut mark = mark(*kind);
+        mark.size *= 1.0 + RIM * rank as f64;
+        layers.push(Layer::Marks(vec![*point], mark));
+    }
     layers.push(Layer::Marks(start, on_branch));
     let names = curve.regions.iter().map(|region| name(region, same));
     layers.push(Layer::Names(names.collect()));
@@ -95,6 +104,34 @@ pub(super) fn picture<P: Plane>(
         .map(|kind| (Key::Mark(mark(*kind)), kind.to_string()));
     let legend = Legend::default().with("", entries.into_iter().chain(kinds));
     Picture::new(vec![Panel::new(x, y, layers)], legend)
+}
+
+/// Special points with the number of others that lie on them, those with most first: marks at one place are drawn one in the other.
+fn nested<'a>(
+    special: &'a [(Point, PointType)],
+    kinds: &[PointType],
+    [across, up]: [(f64, f64); 2],
+) -> Vec<(usize, &'a (Point, PointType))> {
+    let is_near = |one: &Point, other: &Point| {
+        let [x, y] = [(one.0 - other.0, across), (one.1 - other.1, up)]
+            .map(|(distance, (low, high))| (distance / (high - low)).abs());
+        x.max(y) <= SAME
+    };
+    let rank = |kind: &PointType| kinds.iter().position(|known| known == kind);
+    let on = |(index, (point, kind)): (usize, &(Point, PointType))| {
+        let before = |(other, (there, another)): &(usize, &(Point, PointType))| {
+            let order = (rank(another), *other) < (rank(kind), index);
+            order && another != kind && is_near(there, point)
+        };
+        special.iter().enumerate().filter(before).count()
+    };
+    let mut all: Vec<(usize, &(Point, PointType))> = special
+        .iter()
+        .enumerate()
+        .map(|one| (on(one), one.1))
+        .collect();
+    all.sort_by_key(|(rank, _)| std::cmp::Reverse(*rank));
+    all
 }
 
 /// The regimes that all counts of orbits have in common: said once, they leave room for the counts.
@@ -132,5 +169,25 @@ fn name(region: &Region, same: Option<&str>) -> Name {
         group: 2 * region.stretch + usize::from(region.left),
         at: (region.place[0], region.place[1]),
         text,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of marks at one place each has a size of its own, and the smallest is drawn last.
+    #[test]
+    fn marks_at_one_place_are_nested() {
+        let [one, other] = [EventType::GR, EventType::PD].map(PointType::One);
+        let ranges = [(0.0, 1.0), (0.0, 10.0)];
+        let special = [
+            ((0.5, 5.0), other),
+            ((0.501, 5.01), one),
+            ((0.5, 6.0), other),
+        ];
+        let found = nested(&special, &[one, other], ranges);
+        let ranks: Vec<(usize, PointType)> = found.iter().map(|(rank, it)| (*rank, it.1)).collect();
+        assert_eq!(ranks, [(1, other), (0, one), (0, other)]);
     }
 }

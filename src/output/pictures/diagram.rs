@@ -109,7 +109,7 @@ impl Stretch<'_> {
 }
 
 /// Width and height of what points cover.
-fn extent<'a>(points: impl Iterator<Item = &'a Point> + Clone) -> [f64; 2] {
+pub(super) fn extent<'a>(points: impl Iterator<Item = &'a Point> + Clone) -> [f64; 2] {
     let width = |values: Option<(f64, f64)>| values.map_or(0.0, |(low, high)| high - low);
     [
         width(ends(points.clone().map(|point| point.0))),
@@ -276,6 +276,8 @@ pub(super) fn picture(tables: &Tables, view: &View) -> Result<Picture, StoreErro
     }
     let colour = |signature: &str| match signature {
         "" => BLACK,
+        // those that the legend does not name
+        other if signatures.iter().skip(MOST_NAMED).any(|one| *one == other) => GREY,
         // modes of a user's own have no colour of their own
         of_modes if sequence(of_modes).contains(&None) => {
             let place = signatures.iter().position(|known| *known == of_modes);

@@ -11,10 +11,11 @@ use std::path::Path;
 
 use plotters::style::RGBColor;
 
+use super::codes::Codes;
 use super::colours::RARE;
 use super::names::{quantity, short_signature, signature_colour};
+use super::orbit_kind::OrbitKind;
 use super::orbits::constants;
-use super::tables::NO_SWITCH;
 use crate::map::{self, NOT_REACHED, UNDECIDED};
 use crate::output::layout::MAP;
 use crate::output::store::{StoreError, resumable, unfinished};
@@ -153,21 +154,16 @@ pub(crate) fn of_system(folder: &Path, problem: &SystemProblem) -> Result<Pictur
         ],
     };
     let (mut waves, blanks) = plane.read(folder)?;
-    let mut names: BTreeMap<String, String> = BTreeMap::new();
-    for Wave { kind, .. } in &mut waves {
-        let name = names
-            .entry(kind.clone())
-            .or_insert_with_key(|kind| orbit_name(kind));
-        kind.clone_from(name);
-    }
+    let kinds = name_orbits(&mut waves);
     let greys = WITHOUT_ORBIT.map(|(word, share)| (word.to_owned(), mix(WHITE, BLACK, share)));
     let mut colours = BTreeMap::from(greys);
-    let orbits = ranked(&waves).into_iter().filter(|kind| is_orbit(kind));
     // all categories but black
     let palette = CATEGORIES[..CATEGORIES.len() - 1].iter().chain(&RARE);
-    let coloured = orbits
-        .zip(palette)
-        .map(|(kind, colour)| (kind.to_owned(), *colour));
+    let orbits = ranked(&waves).into_iter().filter(|kind| is_orbit(kind));
+    let mut orbits: Vec<&str> = orbits.take(palette.clone().count()).collect();
+    orbits.sort_by_key(|kind| attractor(kind));
+    let coloured = orbits.into_iter().zip(palette);
+    let coloured = coloured.map(|(kind, colour)| (kind.to_owned(), *colour));
     colours.extend(coloured.collect::<Vec<_>>());
     for wave in waves
         .iter_mut()
@@ -175,13 +171,47 @@ pub(crate) fn of_system(folder: &Path, problem: &SystemProblem) -> Result<Pictur
     {
         OTHERS.clone_into(&mut wave.kind);
     }
-    let shown = |kind: &str| (colours[kind], kind.to_owned());
-    let picture = plane.picture(&waves, &blanks, &shown);
+    let named = || kinds.iter().filter(|(kind, _)| colours.contains_key(*kind));
+    let codes = Codes::of(named().map(|(_, orbit)| orbit.signature.as_str()));
+    let shown = |kind: &str| {
+        let orbit = kinds.get(kind);
+        let words = orbit.map_or_else(|| kind.to_owned(), |orbit| orbit.words(&codes));
+        (colours[kind], words)
+    };
+    let mut picture = plane.picture(&waves, &blanks, &shown);
+    let key = codes.key().into_iter().map(|words| (Key::Word, words));
+    picture.legend = picture.legend.with("", key);
     let followed = [map.first.name(), map.second.name()];
     let constants = constants(&problem.system.source, &followed);
     Ok(picture
         .titled(problem.title.as_deref())
         .subtitled(&constants))
+}
+
+/// Gives all cyclic forms of an orbit one kind: its name, unless another one has that, too. Returns the orbits by their kinds.
+fn name_orbits(waves: &mut [Wave]) -> BTreeMap<String, OrbitKind> {
+    let mut orbits: BTreeMap<String, OrbitKind> = BTreeMap::new();
+    let mut known: BTreeMap<String, String> = BTreeMap::new();
+    for Wave { kind, .. } in waves {
+        let name = known.entry(kind.clone()).or_insert_with_key(|kind| {
+            let Some(orbit) = OrbitKind::read(kind) else {
+                return kind.clone();
+            };
+            if let Some((name, _)) = orbits.iter().find(|(_, other)| **other == orbit) {
+                return name.clone();
+            }
+            let name = orbit.words(&Codes::default());
+            let name = if orbits.contains_key(&name) {
+                kind.clone()
+            } else {
+                name
+            };
+            orbits.insert(name.clone(), orbit);
+            name
+        });
+        kind.clone_from(name);
+    }
+    orbits
 }
 
 /// The number of an attractor in front of its name; nothing in a plane of parameters.
@@ -215,42 +245,9 @@ fn is_orbit(kind: &str) -> bool {
     WITHOUT_ORBIT.iter().all(|(word, _)| *word != kind)
 }
 
-/// Longest signature in a legend, in characters.
-const LONGEST: usize = 36;
-
-/// An orbit of so many periods, `2 free-free`, in the words of a legend: in one of its cyclic forms, what repeats once.
-pub(super) fn orbit_name(kind: &str) -> String {
-    if let Some((number, kind)) = kind.split_once(": ") {
-        return format!("{number}: {}", orbit_name(kind));
-    }
-    let [periods, regimes, never] = kind.split(' ').collect::<Vec<_>>()[..] else {
-        return kind.to_owned();
-    };
-    let mut modes: Vec<&str> = regimes.split('-').collect();
-    let turned = |start: &usize| [&modes[*start..], &modes[..*start]].concat();
-    let first = (0..modes.len()).min_by_key(turned).unwrap_or(0);
-    modes.rotate_left(first);
-    let count = modes.len();
-    let repeats = |length: &usize| {
-        count.is_multiple_of(*length) && (*length..count).all(|at| modes[at] == modes[at - length])
-    };
-    let length = (1..=count).find(repeats).unwrap_or(count);
-    let mut signature = modes[..length].join("-");
-    if signature.chars().count() > LONGEST {
-        let begun: String = signature.chars().take(LONGEST).collect();
-        signature = format!("{begun}… of {length} zones");
-    }
-    let signature = match (count / length, length) {
-        (1, _) => signature,
-        (times, 1) => format!("{times} {signature}"),
-        (times, _) => format!("{times} ({signature})"),
-    };
-    let never = if never == "0" { NO_SWITCH } else { "" };
-    match periods {
-        "" => format!("{signature}{never}"),
-        "1" => format!("T: {signature}{never}"),
-        _ => format!("{periods}T: {signature}{never}"),
-    }
+/// The number with which the kind of an attractor begins, if it has one.
+fn attractor(kind: &str) -> Option<usize> {
+    kind.split_once(": ")?.0.parse().ok()
 }
 
 /// Kinds of waves, those with most points first, and last what is no orbit.
@@ -272,10 +269,11 @@ impl Plane {
         blanks: &[Blank],
         shown: &dyn Fn(&str) -> (RGBColor, String),
     ) -> Picture {
-        let kinds: Vec<(&str, (RGBColor, String))> = ranked(waves)
-            .into_iter()
-            .map(|kind| (kind, shown(kind)))
-            .collect();
+        let mut ranked = ranked(waves);
+        // attractors in the order of their numbers
+        ranked.sort_by_key(|kind| (!is_orbit(kind), attractor(kind)));
+        let kinds: Vec<(&str, (RGBColor, String))> =
+            ranked.into_iter().map(|kind| (kind, shown(kind))).collect();
         let colours: BTreeMap<&str, RGBColor> = kinds
             .iter()
             .map(|(kind, (colour, _))| (*kind, *colour))
@@ -343,7 +341,7 @@ impl Plane {
             panels.push(panel(Vec::new(), "", HEIGHT).unless(true, empty));
         }
 
-        // in the colour of most points: greys are what is no orbit
+        // in the colour of the first: greys are what is no orbit
         let example = kinds.first().map_or(BLACK, |(_, (colour, _))| *colour);
         let shades = SHADES
             .into_iter()
@@ -509,28 +507,6 @@ fn hatched(
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// One name for all cyclic forms and for what is traversed several times; an orbit that never switches has another
-    /// than one with a switch.
-    #[test]
-    fn orbits_are_named_by_period_and_signature() {
-        for (kind, name) in [
-            ("1 free 0", "T: free, no switch"),
-            ("1 free ", "T: free"),
-            ("2 free-free-free ", "2T: 3 free"),
-            (" slip-stick-slip-stick ", "2 (slip-stick)"),
-            (" stick-slip ", "slip-stick"),
-            ("not periodic", "not periodic"),
-        ] {
-            assert_eq!(orbit_name(kind), name);
-        }
-        let long = vec!["a"; 39].join("-") + "-b";
-        let named = orbit_name(&format!("1 {long} "));
-        assert!(
-            named.starts_with("T: a-a-") && named.ends_with("… of 40 zones"),
-            "{named}"
-        );
-    }
 
     /// White has a legend entry, and only cells that were not reached are hatched.
     #[test]

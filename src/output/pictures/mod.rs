@@ -13,6 +13,7 @@ pub(crate) mod map;
 pub(crate) mod motion;
 pub(crate) mod multipliers;
 mod names;
+mod orbit_kind;
 pub(crate) mod orbits;
 pub(crate) mod page;
 mod profile;

@@ -9,8 +9,10 @@ use std::f64::consts::TAU;
 
 use faer::c64;
 
+use super::diagram::same_leg;
 use super::spectrum::{Chosen, NONE, unstable};
-use super::tables::Tables;
+use super::tables::{Tables, column, list, number as value_of};
+use super::view::parameter_axis;
 use crate::output::store::StoreError;
 
 /// Half width of the enlarged view in distances of the foremost multiplier from the unit circle.
@@ -18,6 +20,10 @@ const ROOM: f64 = 2.5;
 
 /// Least half width of the enlarged view, in units of T, and the largest.
 const HALF: (f64, f64) = (0.04, 0.45);
+
+/// Room beyond the moduli along a branch, as a part of what they cover, and the least that this is taken to be: they may all be 1.
+const ROOM_OVER: f64 = 0.08;
+const LEAST_OVER: f64 = 1e-3;
 
 /// How near to 1 the multiplier of the translation lies.
 const TRANSLATION: f64 = 1e-9;
@@ -35,7 +41,7 @@ struct Window {
     half: f64,
 }
 
-/// The picture of a wave of `spectrum.csv`.
+/// The picture of a wave of `spectrum.csv`, with the modulus of the leading multiplier along the branch where that is known.
 pub(super) fn picture(tables: &Tables) -> Result<Picture, StoreError> {
     let table = tables.spectrum()?;
     let chosen = Chosen::of(table.as_ref(), 1);
@@ -46,11 +52,10 @@ pub(super) fn picture(tables: &Tables) -> Result<Picture, StoreError> {
     let (Some(speed), Some(length)) = (speed, length) else {
         return Ok(blank(UNKNOWN));
     };
-    let mode = (TAU / length).round();
-    let period = TAU / (mode * speed.abs());
-    if !(mode >= 1.0 && drawable(mode) && drawable(period)) {
+    let Some(period) = period_of(length, speed) else {
         return Ok(blank(UNKNOWN));
-    }
+    };
+    let mode = (TAU / length).round();
     let sectors: Vec<f64> = chosen
         .sectors
         .iter()
@@ -62,7 +67,82 @@ pub(super) fn picture(tables: &Tables) -> Result<Picture, StoreError> {
         let partner = sectors.contains(&(mode - sector)) && 2.0 * sector != mode;
         multipliers.extend(multiplied(one.value, period, !partner).map(|place| (place, mark)));
     }
-    Ok(plane(&multipliers, chosen.legend(tables), period, "k|c|"))
+    let leading = leading(tables);
+    let known = leading.iter().filter(|(_, size)| size.is_finite());
+    let legend = chosen.legend(tables);
+    Ok(match known.count() > 1 {
+        true => with_branch(&multipliers, leading, parameter_axis(tables), legend),
+        false => plane(&multipliers, legend, period, "k|c|"),
+    })
+}
+
+/// The modulus of the leading multiplier over the parameter, wave by wave; gaps between legs and where it is unknown.
+fn leading(tables: &Tables) -> Vec<Point> {
+    let branch = &tables.branch;
+    let values = column(branch, &tables.parameter);
+    let mut leading = Vec::with_capacity(branch.len());
+    for (row, value) in values.into_iter().enumerate() {
+        if row > 0 && !same_leg(branch, row - 1) {
+            leading.push((f64::NAN, f64::NAN));
+        }
+        let size = || {
+            let number = |name| value_of(branch, row, name);
+            let length = list(branch, row, "switches").last().copied()?;
+            let period = period_of(length, number("speed")?)?;
+            Some((number("lead_re")? * period).exp()).filter(|size| drawable(*size))
+        };
+        leading.push((value, size().unwrap_or(f64::NAN)));
+    }
+    leading
+}
+
+/// The multipliers of one wave on the left, and the modulus of the leading one over the parameter on the right.
+fn with_branch(
+    multipliers: &[Multiplier],
+    leading: Vec<Point>,
+    parameter: Axis,
+    legend: Legend,
+) -> Picture {
+    let line = Pen::solid(BLACK, 1.6);
+    let sizes = leading.iter().map(|place| place.1);
+    let known = sizes.filter(|size| size.is_finite());
+    let (low, high) = known.fold((1.0_f64, 1.0_f64), |(low, high), size| {
+        (low.min(size), high.max(size))
+    });
+    let room = ROOM_OVER * (high - low).max(LEAST_OVER);
+    let extent = Extent::Fixed(low - room, high + room);
+    let largest = |(re, im): Point| re.abs().max(im.abs());
+    let all = multipliers.iter().map(|one| largest(one.0));
+    let all = Window {
+        centre: (0.0, 0.0),
+        half: 1.12 * all.fold(1.0, f64::max),
+    };
+    let right = vec![
+        Layer::Across(1.0, Pen::solid(GREY, 1.2)),
+        Layer::Line(leading, line),
+    ];
+    let keys = [
+        (Key::Mark(CROSS), "translation, μ = 1"),
+        (Key::Line(line), "the leading one along the branch"),
+    ];
+    let legend = legend
+        .with("", keys)
+        .with::<&str>("μ = exp(λT), T = 2π/(k|c|)", []);
+    let panels = vec![
+        all.panel("Im μ", all.layers(multipliers)),
+        Panel::new(parameter, Axis::new(("", "|μ|"), extent), right),
+    ];
+    Picture {
+        beside: true,
+        ..Picture::new(panels, legend)
+    }
+}
+
+/// Time in which a wave travels its own length 2π/k, as T = 2π/(k|c|).
+fn period_of(length: f64, speed: f64) -> Option<f64> {
+    let mode = (TAU / length).round();
+    let period = TAU / (mode * speed.abs());
+    (mode >= 1.0 && drawable(mode) && drawable(period)).then_some(period)
 }
 
 /// Multipliers of a discretised ring from one of its points to the next, those of the wave itself over

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::colours::distinct;
-use super::diagram::{self, same_leg};
+use super::diagram::{self, extent, same_leg};
 use super::multipliers::{self, Along};
 use super::names::own_quantity;
 use super::profile::evenly;
@@ -16,7 +16,8 @@ use crate::orbit::Orbit;
 use crate::output::curve::CurveFolder;
 use crate::output::layout::{self, MULTIPLIERS, profile_file};
 use crate::output::render::{
-    Axis, Extent, Format, Key, Layer, Legend, Panel, Pattern, Pen, Picture, Point, number,
+    Axis, Extent, Format, Key, Layer, Legend, Mark, Panel, Pattern, Pen, Picture, Point, Shape,
+    number,
 };
 use crate::output::store::{Kind, Store, StoreError};
 use crate::problem::{SystemPlot, SystemProblem};
@@ -27,6 +28,12 @@ const MOST: usize = 6;
 
 const WIDTH: f64 = 1.8;
 const JUMP: f64 = 1.0;
+
+/// An orbit that spans less than this share of both axes is a point: its line would be hidden by the width of one.
+const POINT: f64 = 0.004;
+
+/// Size of the mark of such an orbit.
+const DOT: f64 = 3.4;
 
 /// Between two pieces of a line.
 const GAP: Point = (f64::NAN, f64::NAN);
@@ -166,11 +173,11 @@ fn describe(
 /// The column that a diagram shows: the greatest value of the first state, unless it stays the same along most of
 /// the branch, as at a stop; then the first of its least value and those of the other states that does not.
 pub(super) fn ordinate(source: &Source, branch: &Table) -> String {
-    // those of equilibria have the states themselves
-    let rests = |state: &String| branch.columns().any(|column| column == state.as_str());
-    let columns = |state: &String| match rests(state) {
-        true => vec![state.clone()],
-        false => vec![format!("max_{state}"), format!("min_{state}")],
+    let extrema = |state: &String| ["max", "min"].map(|end| format!("{end}_{state}"));
+    // a branch of equilibria has the states themselves; an orbit's other columns may have the name of a state
+    let columns = |state: &String| match extrema(state) {
+        extrema if branch.has(&extrema[0]) => extrema.to_vec(),
+        _ => vec![state.clone()],
     };
     let mut columns = source.states.iter().flat_map(columns);
     let changes = |name: &String| {
@@ -241,51 +248,67 @@ fn sampled(store: &Store, tables: &Tables, asked: &[usize]) -> Result<Vec<Sample
     read.collect()
 }
 
-/// Columns of the orbits over one another, dotted where a reset makes a state jump.
+/// An orbit over two columns: its line, and its jumps.
+fn traced(samples: &Table, x: &str, y: &str) -> [Vec<Point>; 2] {
+    let times = column(samples, "time");
+    let pairs = column(samples, x).into_iter().zip(column(samples, y));
+    let mut line: Vec<Point> = Vec::with_capacity(samples.len() + 8);
+    let mut jumps: Vec<Point> = Vec::new();
+    let mut before: Option<(Point, f64)> = None;
+    for (point, time) in pairs.zip(times) {
+        // two samples at one time are the two sides of a switch
+        if let Some((last, _)) = before.filter(|(_, before)| time == *before) {
+            line.push(GAP);
+            if last != point {
+                jumps.extend([last, point, GAP]);
+            }
+        }
+        before = Some((point, time));
+        line.push(point);
+    }
+    // an orbit that begins with a jump ends before it
+    if let (Some(&first), Some((last, _))) = (line.first(), before.filter(|_| x != "time")) {
+        let apart = (last.0 - first.0).hypot(last.1 - first.1);
+        if apart > STILL * last.0.hypot(last.1).max(first.0.hypot(first.1)) {
+            jumps.extend([last, first, GAP]);
+        }
+    }
+    [line, jumps]
+}
+
+/// Columns of the orbits over one another, dotted where a reset makes a state jump; those of no size are dots.
 fn curves(orbits: &[Sampled], x: &str, y: &str, parameter: &str) -> Picture {
+    let traces: Vec<[Vec<Point>; 2]> = orbits
+        .iter()
+        .map(|orbit| traced(&orbit.samples, x, y))
+        .collect();
+    let all = extent(traces.iter().flat_map(|[line, _]| line));
     let mut layers = Vec::new();
     let mut keys = Vec::new();
-    for (place, orbit) in orbits.iter().enumerate() {
-        let samples = &orbit.samples;
-        let times = column(samples, "time");
-        let pairs = column(samples, x).into_iter().zip(column(samples, y));
-        let mut line: Vec<Point> = Vec::with_capacity(samples.len() + 8);
-        let mut jumps: Vec<Point> = Vec::new();
-        let mut before: Option<(Point, f64)> = None;
-        for (point, time) in pairs.zip(times) {
-            // two samples at one time are the two sides of a switch
-            if let Some((last, _)) = before.filter(|(_, before)| time == *before) {
-                line.push(GAP);
-                if last != point {
-                    jumps.extend([last, point, GAP]);
-                }
-            }
-            before = Some((point, time));
-            line.push(point);
-        }
-        // an orbit that begins with a jump ends before it
-        if let (Some(&first), Some((last, _))) = (line.first(), before.filter(|_| x != "time")) {
-            let apart = (last.0 - first.0).hypot(last.1 - first.1);
-            if apart > STILL * last.0.hypot(last.1).max(first.0.hypot(first.1)) {
-                jumps.extend([last, first, GAP]);
-            }
-        }
+    for (place, (orbit, [line, jumps])) in orbits.iter().zip(traces).enumerate() {
+        let mut spans = extent(line.iter()).into_iter().zip(all);
+        let is_point = spans.all(|(own, all)| own < POINT * all);
         let pen = Pen::solid(distinct(place), WIDTH);
         let jump = Pen {
             width: JUMP,
             pattern: Pattern::Dotted,
             ..pen
         };
-        layers.push(Layer::Line(jumps, jump));
-        layers.push(Layer::Line(line, pen));
-        keys.push((
-            Key::Line(pen),
-            format!(
-                "{} ({parameter} = {})",
-                orbit.label,
-                number::significant(orbit.value, 6)
-            ),
-        ));
+        let dot = Mark::new(Shape::Disc, DOT, pen.colour);
+        if is_point {
+            let middle = line.first().copied().into_iter().collect();
+            layers.push(Layer::Marks(middle, dot));
+        } else {
+            layers.push(Layer::Line(jumps, jump));
+            layers.push(Layer::Line(line, pen));
+        }
+        let key = if is_point {
+            Key::Mark(dot)
+        } else {
+            Key::Line(pen)
+        };
+        let value = number::significant(orbit.value, 6);
+        keys.push((key, format!("{} ({parameter} = {value})", orbit.label)));
     }
     let axis = |name: &str| Axis::new((name, ""), Extent::Data(0.04));
     let panel = Panel::new(axis(x), axis(y), layers).unless(orbits.is_empty(), NONE);
@@ -315,5 +338,55 @@ fn along(table: Option<&Table>, tables: &Tables) -> Along {
     Along {
         leading,
         labelled: labelled.collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A state with the name of a column of orbits has its extrema on the axis, and a state of equilibria itself.
+    #[test]
+    fn a_diagram_shows_the_first_state() {
+        let source = |state: &str| -> Source {
+            let text = format!(
+                "(states: [\"{state}\"], parameters: {{\"p\": 1.0}}, modes: {{\"m\": (rates: {{\"{state}\": \"p\"}})}})"
+            );
+            ron::from_str(&text).unwrap()
+        };
+        let shown = |state: &str, table: &str| {
+            ordinate(&source(state), &Table::parse(table.as_bytes()).unwrap())
+        };
+        let orbits = "period,min_period,max_period\n1,0,1\n2,0,2\n";
+        assert_eq!(shown("period", orbits), "max_period");
+        assert_eq!(shown("x", "x,re\n1,0\n2,1\n"), "x");
+        // what stays the same is passed over
+        assert_eq!(shown("x", "min_x,max_x\n1,3\n2,3\n3,3\n"), "min_x");
+    }
+
+    /// An orbit of no size beside others is a dot, in the legend, too.
+    #[test]
+    fn an_orbit_of_no_size_is_a_dot() {
+        let orbit = |label: &str, size: f64| {
+            let row =
+                |angle: f64| format!("{angle},{},{},m\n", size * angle.cos(), size * angle.sin());
+            let rows: String = (0..=12).map(|k| row(0.5 * f64::from(k))).collect();
+            Sampled {
+                label: label.to_owned(),
+                value: 1.0,
+                samples: Table::parse(format!("time,x,y,mode\n{rows}").as_bytes()).unwrap(),
+            }
+        };
+        let picture = curves(&[orbit("1", 1.0), orbit("2", 1e-9)], "x", "y", "p");
+        let keys: Vec<bool> = picture.legend.groups[0]
+            .entries
+            .iter()
+            .map(|(key, _)| matches!(key, Key::Mark(_)))
+            .collect();
+        assert_eq!(keys, [false, true]);
+        let marks = picture.panels[0].layers.iter();
+        let marks =
+            marks.filter(|layer| matches!(layer, Layer::Marks(points, _) if points.len() == 1));
+        assert_eq!(marks.count(), 1);
     }
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use super::colours::RARE;
-use super::map::orbit_name;
+use super::orbit_kind::orbit_name;
 use super::orbits::constants;
 use super::tables::read;
 use crate::output::layout::SHARES;

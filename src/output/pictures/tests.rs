@@ -318,6 +318,47 @@ fn multipliers(spectrum: &str) -> Picture {
     picture(&folder, Plot::Multipliers)
 }
 
+/// Where the leading eigenvalue is known along the branch, the modulus of its multiplier is drawn over the parameter: exp(Re λ T) with
+/// T = 2π/(k|c|).
+#[test]
+fn the_leading_multiplier_is_shown_along_the_branch() {
+    let lambda = [(0.1, 3.0), (-0.02, 2.9)];
+    let rows = [0.1, 0.2]
+        .into_iter()
+        .zip(lambda)
+        .map(|(mismatch, (re, im))| {
+            let row = row("", "", mismatch, "no", 1);
+            row.replacen("no,,,,,", &format!("no,1,{re},{im},3,"), 1)
+        });
+    let labelled = row("1", "EP", 0.3, "", 1);
+    let folder = folder(&rows.chain([labelled]).collect::<Vec<_>>());
+    let spectrum = "label,sector,re,im,error\n1,0,-0.1,5,0\n";
+    fs::write(folder.path().join("spectrum.csv"), spectrum).unwrap();
+    let picture = picture(&folder, Plot::Multipliers);
+    assert_eq!(captions(&picture), ["Re μ", "Im μ", "mismatch δ", "|μ|"]);
+    let lines = picture.panels[1]
+        .layers
+        .iter()
+        .filter_map(|layer| match layer {
+            Layer::Line(points, _) => Some(points.clone()),
+            _ => None,
+        });
+    let drawn: Vec<Point> = lines
+        .flatten()
+        .filter(|point| point.1.is_finite())
+        .collect();
+    assert_eq!(drawn.len(), 2);
+    for ((mismatch, (growth, _)), place) in [0.1, 0.2].into_iter().zip(lambda).zip(drawn) {
+        let period = std::f64::consts::TAU / (8.0 * (1.24 + 0.01 * mismatch));
+        let size = f64::exp(growth * period);
+        assert!(
+            (place.0 - mismatch).hypot(place.1 - size) < 1e-12,
+            "{place:?}"
+        );
+    }
+    assert_eq!(points(&picture, 0).len(), 2);
+}
+
 /// Points of a panel without the cross at 1.
 fn points(picture: &Picture, panel: usize) -> Vec<Point> {
     let layers = picture.panels[panel].layers.iter();
