@@ -681,12 +681,6 @@ impl<O: Told> Display for What<O> {
                     PointType::Two(_, EventType::BE) => {
                         "the orbit shrinks to an equilibrium on a boundary"
                     }
-                    PointType::Two(EventType::HC, EventType::LP) => {
-                        "the saddle comes to a saddle-node, whose fold goes on"
-                    }
-                    PointType::BT => {
-                        "the saddle comes to a double zero eigenvalue, and its homoclinic orbit to a point"
-                    }
                     _ => "the orbit shrinks to an equilibrium, a Hopf point",
                 })?;
                 write!(

@@ -417,6 +417,13 @@ impl Series {
     }
 }
 
+/// A component whose terms down to rounding are normal numbers, or zero: the coefficients of a smaller one have no digits, and
+/// would tell how long its series holds.
+fn kept(z: f64) -> f64 {
+    const LEAST: f64 = f64::MIN_POSITIVE / f64::EPSILON;
+    if z.abs() < LEAST { 0.0 } else { z }
+}
+
 impl Recurrences<'_> {
     /// The coefficients from z up to an order.
     fn run(&self, z: &Vector, order: usize, derivatives: bool) -> CoefficientTable {
@@ -440,7 +447,7 @@ impl Recurrences<'_> {
             lanes: vec![[0.0; TOGETHER]; groups * coefficients],
         };
         for c in 0..base {
-            table.values[c * orders] = z[c];
+            table.values[c * orders] = kept(z[c]);
         }
         if derivatives {
             let mut set = |c: usize, lane: usize, value: f64| {

@@ -114,20 +114,6 @@ fn growing(curve: &EquilibriumCurve, point: &Vector) -> Option<usize> {
     (!examination.is_undecided()).then(|| examination.growing())
 }
 
-/// The least two moduli of eigenvalues, in the unit of rates; the second is infinite where there is one only.
-fn least_eigenvalues(curve: &EquilibriumCurve, point: &Vector) -> Option<[f64; 2]> {
-    let examination = curve.examination(point).ok()?;
-    let rate = curve.setting.scales.rate;
-    let moduli = examination
-        .eigenvalues
-        .iter()
-        .map(|one| one.value.norm() / rate);
-    let mut moduli: Vec<f64> = moduli.collect();
-    moduli.sort_by(f64::total_cmp);
-    let next = moduli.get(1).copied().unwrap_or(f64::INFINITY);
-    Some([*moduli.first()?, next])
-}
-
 impl Plane for Equilibria {
     type Orbit = EquilibriumCurve;
     type Watch = usize;
@@ -426,35 +412,6 @@ impl Plane for Equilibria {
         match spectral {
             CriticalEquilibrium::Pair { .. } => Some(self.omega(further)),
             CriticalEquilibrium::Crossing { .. } | CriticalEquilibrium::Connection(_) => None,
-        }
-    }
-
-    /// The least eigenvalue of a saddle that a connection leaves, in the unit of rates.
-    fn extent(
-        condition: &Condition<Equilibria>,
-        curve: &EquilibriumCurve,
-        point: &Vector,
-        most: f64,
-    ) -> Option<f64> {
-        let Condition::Spectral(CriticalEquilibrium::Connection(_)) = condition else {
-            return None;
-        };
-        let [least, _] = least_eigenvalues(curve, point)?;
-        Some(least).filter(|least| *least <= most)
-    }
-
-    /// A saddle-node, or an equilibrium with a double eigenvalue zero.
-    fn at_limit(
-        event: EventType,
-        _: &Condition<Equilibria>,
-        curve: &EquilibriumCurve,
-        point: &Vector,
-    ) -> PointType {
-        /// Both fall together: in the limit their ratio is -1.
-        const TOGETHER: f64 = 2.0;
-        match least_eigenvalues(curve, point) {
-            Some([least, next]) if next <= TOGETHER * least => PointType::BT,
-            _ => PointType::Two(event, EventType::LP),
         }
     }
 

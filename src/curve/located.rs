@@ -172,8 +172,8 @@ impl<P: Plane> EventCurve<P> {
         Ok(Some((place, Event::Passing([before, after]))))
     }
 
-    /// Where orbits shrink to a point, or a saddle comes to a node, which those next to it tell: there the equations are singular
-    /// to their extent, but the curve is smooth in it.
+    /// Where orbits shrink to a point, which those next to it tell: there the equations are singular to their extent, but the
+    /// curve is smooth in it.
     pub(super) fn limit(&self, step: &Stage<P>) -> Result<Option<(Place, Event<P>)>, Refusal<P>> {
         /// Extent of the largest orbit that tells, and the number of orbits: what their polynomial leaves out
         /// is of order 1e-13, and rounding of the smallest of folds, which is divided by the cube of its size, 1e-12.
@@ -183,7 +183,7 @@ impl<P: Plane> EventCurve<P> {
         const KNOWN: f64 = 1e-8;
         let size = |node: &Node, most: f64| {
             let (orbit, unknowns) = self.system.orbit(&node.point, 0).ok()?;
-            P::extent(&self.system.condition, &orbit, &unknowns, most)
+            P::extent(&orbit, &unknowns, most)
         };
         let [before, after] = [step.from, step.to].map(|node| size(node, 1.0));
         let (Some(before), Some(after)) = (before, after) else {

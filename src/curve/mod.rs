@@ -15,7 +15,7 @@
 //! | `GH` | of equilibria: the first Lyapunov coefficient of a Hopf point is zero | it, without its poles |
 //! | `ZH`, `HH` | of equilibria: a pair ± iω beside an eigenvalue zero, or beside another pair | det, sums of pairs |
 //! | `R1`, `R2`, `R3`, `R4` | a pair of multipliers is e^(±2πi/n) | cosine of its angle |
-//! | `HB+BE`, `GH`, `HC+LP`, … | the orbits shrink to a point, or a saddle comes to a node: the curve ends | its limit, by a polynomial in what vanishes |
+//! | `HB+BE`, `GH`, … | the orbits shrink to a point: the curve ends | its limit, by a polynomial in their size |
 //!
 //! where wᵀF_x = 0 along the folds: from F_x x′ + F_p p′ = 0 it follows that wᵀF_p p′ = 0, so that p′ is
 //! a multiple of (−wᵀF_{p₂}, wᵀF_{p₁}), and the factor changes sign where the curve has its cusp.

@@ -278,12 +278,7 @@ impl Plane for Orbits {
         (cycle.map_or(f64::NAN, |cycle| cycle.period), None)
     }
 
-    fn extent(
-        _: &Condition<Orbits>,
-        orbit: &AffineOrbit,
-        point: &Vector,
-        most: f64,
-    ) -> Option<f64> {
+    fn extent(orbit: &AffineOrbit, point: &Vector, most: f64) -> Option<f64> {
         let shrinks = orbit.has_own_period();
         shrinks.then(|| orbit.extent_within(point, most)).flatten()
     }

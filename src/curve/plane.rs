@@ -157,9 +157,9 @@ pub trait Plane: Data {
     /// Name of an orbit.
     fn name(orbit: &Self::Orbit, point: &Vector) -> String;
 
-    /// What falls in proportion to what is left of a curve where it comes to a point at which its equations are singular, where it
-    /// is at most this: the size of an orbit that shrinks, in units of its states, the least eigenvalue of a saddle.
-    fn extent(_: &Condition<Self>, _: &Self::Orbit, _point: &Vector, _most: f64) -> Option<f64> {
+    /// Size of an orbit, in units of its states, where it is at most this and orbits that shrink to a point make the equations
+    /// singular.
+    fn extent(_: &Self::Orbit, _point: &Vector, _most: f64) -> Option<f64> {
         None
     }
 
@@ -168,7 +168,7 @@ pub trait Plane: Data {
         false
     }
 
-    /// Type of the point that the curve of an event comes to so, as seen from an orbit next to it.
+    /// Type of the point at which orbits of an event shrink to a point, as seen from one next to it.
     fn at_limit(
         event: EventType,
         _: &Condition<Self>,

@@ -201,7 +201,7 @@ pub enum What<O: Orbit> {
     Other(PointType),
     /// The number of multipliers outside the unit circle changes, from the first to the second.
     Passing([usize; 2]),
-    /// The orbit shrinks to a point, or a saddle comes to a node; the parameters are known to this part of their ranges.
+    /// The orbit shrinks to a point; the parameters are known to this part of their ranges.
     Limit {
         /// Type of the point.
         kind: PointType,

@@ -26,6 +26,17 @@ const FOLDING: &str = r#"(
     curve: (event: LP, parameters: ("mu", "b"), range: ((-0.3, 0.5), (-1.0, 2.0))),
 )"#;
 
+/// Two oscillators, of which the first moves at r = √m and the second begins to where n = 1.5m.
+const BESIDE: &str = r#"(
+    system: (states: ["x", "y", "u", "v"], parameters: {"n": 0.72, "m": 0.5}, define: {
+        "r": "x^2 + y^2", "s": "u^2 + v^2", "q": "m - r - 0.5*s", "w": "n - 1.5*r - s"}, modes: {
+        "free": (rates: {"x": "x*q - y", "y": "y*q + x", "u": "u*w - 1.7*v", "v": "v*w + 1.7*u"}),
+    }),
+    orbit: (start: Given(mode: "free", state: {"x": 0.70710678, "y": 0.0, "u": 0.0, "v": 0.0}, period: 6.28)),
+    continuation: (parameter: "n", range: (0.7, 1.0), toward: Up),
+    curve: (event: NS, parameters: ("n", "m"), range: ((-0.5, 0.95), (-0.5, 1.0))),
+)"#;
+
 /// The curve of a problem, all points of which solve an equation to the tolerance of curves, and whose only points of
 /// codimension two are of this type at the origin.
 fn ends_at_the_origin(text: &str, equation: impl Fn(&Point) -> f64, kind: PointType, most: f64) {
@@ -39,7 +50,8 @@ fn ends_at_the_origin(text: &str, equation: impl Fn(&Point) -> f64, kind: PointT
         let off = equation(point).abs();
         assert!(off <= most, "{:?}: {off:e}", point.parameters);
         match point.kind {
-            Some(PointType::One(EventType::EP | EventType::GR | EventType::LP)) | None => (),
+            Some(PointType::One(EventType::EP | EventType::GR | EventType::LP | EventType::NS))
+            | None => (),
             other => {
                 assert_eq!(other, Some(kind));
                 assert!(point.parameters.iter().all(|value| value.abs() <= most));
@@ -64,4 +76,12 @@ fn a_graze_ends_where_a_hopf_point_is_on_the_guard() {
 fn a_fold_ends_at_a_degenerate_hopf_point() {
     let equation = |point: &Point| point.parameters[0] + 0.25 * point.parameters[1].powi(2);
     ends_at_the_origin(FOLDING, equation, PointType::GH, 5e-9);
+}
+
+/// On the way the second oscillator is at rest but for numbers as small as there are, which have no digits for its multipliers.
+#[test]
+fn a_torus_ends_where_its_cycle_does() {
+    let equation = |point: &Point| point.parameters[0] - 1.5 * point.parameters[1];
+    let kind = PointType::Two(EventType::NS, EventType::HB);
+    ends_at_the_origin(BESIDE, equation, kind, 1e-11);
 }
