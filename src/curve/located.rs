@@ -185,18 +185,20 @@ impl<P: Plane> EventCurve<P> {
             let (orbit, unknowns) = self.system.orbit(&node.point, 0).ok()?;
             P::extent(&orbit, &unknowns, most)
         };
-        let [before, after] = [step.from, step.to].map(|node| size(node, 1.0));
-        let (Some(before), Some(after)) = (before, after) else {
-            return Ok(None);
-        };
-        // an orbit that has passed a point has moved by its own size
-        let moved = (&step.to.point - &step.from.point).norm();
-        if moved >= 0.5 * before && P::turns(&step.after.examination, &step.before.examination) {
+        // an orbit that has passed a point has moved by its own size; few turn so much, and what costs comes after that
+        if P::turns(&step.after.examination, &step.before.examination)
+            && let (Some(before), Some(_)) = (size(step.from, 1.0), size(step.to, 1.0))
+            && (&step.to.point - &step.from.point).norm() >= 0.5 * before
+        {
             return Err(Refusal::NotLocated);
         }
-        if after > SMALL || after >= before {
+        let Some(after) = size(step.to, SMALL) else {
             return Ok(None);
-        }
+        };
+        let before = size(step.from, 1.0).filter(|before| after < *before);
+        let Some(before) = before else {
+            return Ok(None);
+        };
         let largest = SMALL.min(before);
         let samples: Option<Vec<(Place, f64)>> = (1..=SAMPLES)
             .rev()
