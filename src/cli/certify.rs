@@ -226,11 +226,14 @@ fn verify(path: &Path, quiet: bool) -> Result<Exit, Failure> {
                 Some((Any::Tube(problem), text)) => Requested::new(problem, text),
                 _ => None,
             };
-            told(&file, points, quiet, |point, proof| {
-                let request = requested.as_ref().map(|it| it.check(point, proof));
-                request.unwrap_or(Ok(()))?;
-                certify::proven_again(point, proof)
-            })
+            let rules = (|_: &Requested, _: &[_]| Ok(()), Requested::check);
+            told(
+                (&file, points),
+                quiet,
+                requested.as_ref(),
+                rules,
+                certify::proven_again,
+            )
         }
         (Read::Orbits(certificate), problem) => {
             let requested = match problem {
@@ -238,15 +241,14 @@ fn verify(path: &Path, quiet: bool) -> Result<Exit, Failure> {
                 _ => None,
             };
             let points = &certificate.points;
-            let units = requested.as_ref().map(|it| it.check_units(points));
-            if let Some(Err(reason)) = units {
-                return said_of_all(&reason.to_string(), quiet);
-            }
-            told(&file, points, quiet, |point, proof| {
-                let request = requested.as_ref().map(|it| it.check(point, proof));
-                request.unwrap_or(Ok(()))?;
-                orbit::proven_again(point, proof)
-            })
+            let rules = (orbit::Requested::check_units, orbit::Requested::check);
+            told(
+                (&file, points),
+                quiet,
+                requested.as_ref(),
+                rules,
+                orbit::proven_again,
+            )
         }
         (Read::Equilibria(certificate), problem) => {
             let requested = match problem {
@@ -254,15 +256,17 @@ fn verify(path: &Path, quiet: bool) -> Result<Exit, Failure> {
                 _ => None,
             };
             let points = &certificate.points;
-            let units = requested.as_ref().map(|it| it.check_units(points));
-            if let Some(Err(reason)) = units {
-                return said_of_all(&reason.to_string(), quiet);
-            }
-            told(&file, points, quiet, |point, proof| {
-                let request = requested.as_ref().map(|it| it.check(point, proof));
-                request.unwrap_or(Ok(()))?;
-                equilibrium::proven_again(point, proof)
-            })
+            let rules = (
+                equilibrium::Requested::check_units,
+                equilibrium::Requested::check,
+            );
+            told(
+                (&file, points),
+                quiet,
+                requested.as_ref(),
+                rules,
+                equilibrium::proven_again,
+            )
         }
     }
 }
@@ -275,20 +279,33 @@ fn said_of_all(reason: &str, quiet: bool) -> Result<Exit, Failure> {
     Ok(Exit::Unmet)
 }
 
-/// Says of every stored point whether it holds.
-fn told<P: Certified + Send + Sync>(
-    file: &Path,
-    points: &[Point<P>],
+/// Says of every stored point whether it holds: what its problem file asks of the units of all and of each point, where that is
+/// known, and that it is proven again.
+fn told<P: Certified + Send + Sync, R: Sync>(
+    (file, points): (&Path, &[Point<P>]),
     quiet: bool,
-    verify: impl Fn(&Point<P>, &P) -> Result<P, Refused> + Sync,
+    requested: Option<&R>,
+    (check_units, check): (
+        impl Fn(&R, &[Point<P>]) -> Result<(), Refused>,
+        impl Fn(&R, &Point<P>, &P) -> Result<(), Refused> + Sync,
+    ),
+    proven_again: impl Fn(&Point<P>, &P) -> Result<P, Refused> + Sync,
 ) -> Result<Exit, Failure>
 where
     Point<P>: Send + Sync,
 {
+    let units = requested.map(|requested| check_units(requested, points));
+    if let Some(Err(reason)) = units {
+        return said_of_all(&reason.to_string(), quiet);
+    }
     let again = certify::repeated(points);
     let verify = |point: &Point<P>, proof: &P| match again.contains(&point.label) {
         true => Err(Refused::Statement("that it is not an earlier point")),
-        false => verify(point, proof),
+        false => {
+            let request = requested.map(|requested| check(requested, point, proof));
+            request.unwrap_or(Ok(()))?;
+            proven_again(point, proof)
+        }
     };
     let indices: Vec<usize> = (0..points.len()).collect();
     let verdicts: Vec<(String, Point<P>)> = each(quiet, &indices, "points", |&index| {
