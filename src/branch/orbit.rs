@@ -5,7 +5,7 @@ use super::special::{Inadmissible, OfWaves, WaveMargin, WaveStop};
 use crate::continuation::Node;
 use crate::continuation::newton::System;
 use crate::linalg::{Matrix, Vector};
-use crate::orbit::events::AT_ZERO;
+use crate::orbit::located::AT_ZERO;
 use crate::orbit::sign::Verdict;
 use crate::orbit::{Candidate, Examined, Orbit};
 use crate::orbit::{change, follow};

@@ -231,7 +231,7 @@ impl Curve for Boundary {
         Ok(Outcome::Entered(vec![found], beginning))
     }
 
-    fn arrive(&mut self, _: &mut Node) {}
+    fn arrive(&mut self, _: &mut Node, _: &Self::Watched, _: &[(Place, Self::Event)]) {}
 
     fn point(&self, _: f64, node: &Node, _: &Self::Watched) -> Found {
         Found {

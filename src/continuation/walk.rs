@@ -82,8 +82,9 @@ pub trait Curve: Sized {
         together: &[Self::Event],
     ) -> Result<Outcome<Self>, Self::Refusal>;
 
-    /// Takes note of a node that was reached, and may take other unknowns of the same point.
-    fn arrive(&mut self, node: &mut Node);
+    /// Takes note of a node that was reached, with what is watched there and what was passed on the way, and may take
+    /// other unknowns of the same point.
+    fn arrive(&mut self, node: &mut Node, watched: &Self::Watched, passed: &[(Place, Self::Event)]);
 
     /// How many times longer than elsewhere the longest step from a node may be: more than 1 where unknowns are
     /// much larger than their units.
@@ -418,7 +419,7 @@ impl<C: Curve> Walker<C> {
         self.travelled += ds;
         self.watched = watched;
         self.ds = taken.next;
-        self.curve.arrive(&mut self.node);
+        self.curve.arrive(&mut self.node, &self.watched, &located);
         arclength::passed(&mut self.before, from.clone());
         let here = |walker: &Walker<C>| walker.curve.point(ds, &walker.node, &walker.watched);
         if let Some(passed) = passed {
@@ -586,7 +587,7 @@ mod tests {
             })
         }
 
-        fn arrive(&mut self, _: &mut Node) {}
+        fn arrive(&mut self, _: &mut Node, _: &f64, _: &[(Place, Event)]) {}
 
         fn point(&self, _: f64, node: &Node, _: &f64) -> (bool, Vector) {
             (false, node.point.clone())

@@ -225,7 +225,7 @@ impl<P: Plane> Curve for EventCurve<P> {
         P::stretch(&node.point.as_slice()[..self.system.orbit_unknowns()])
     }
 
-    fn arrive(&mut self, node: &mut Node) {
+    fn arrive(&mut self, node: &mut Node, _: &Self::Watched, _: &[(Place, Self::Event)]) {
         self.system.settle(&node.point);
         let further = self.system.further(&node.point);
         let renewed = match &self.system.condition {

@@ -97,7 +97,8 @@ pub enum NoCurve<P: Plane = Tube> {
     /// An HC whose connection is not known.
     #[error(
         "the curve cannot begin: the orbit that leaves the saddle is not found to return, so that the HC has no equations; the HC \
-         of a saddle-node is an LP of its equilibria, whose branch has a curve of that"
+         of a saddle-node is an LP of its equilibria, that of an orbit which rests where it would switch a BE: their branches \
+         have curves of these"
     )]
     NoConnection,
     /// The equations of the event cannot be posed or solved.

@@ -39,7 +39,8 @@ pub enum EventType {
     SL,
     /// Of equilibria of systems: a guard of the mode is zero at one.
     BE,
-    /// Of orbits of systems: the branch ends at a homoclinic orbit, or a cycle of connections between saddles.
+    /// Of orbits of systems: the branch ends at a homoclinic orbit, a cycle of connections between saddles, or an orbit that
+    /// comes to rest where it would switch.
     HC,
 }
 

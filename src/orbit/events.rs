@@ -1,57 +1,15 @@
 //! What happens within a step of a branch: where it is, and how well that is known.
 
-use std::ops::Range;
-
+use super::crossings::{Told, crossings};
+use super::located::{AT_ZERO, Event, Located, Step};
 use super::monitor::{self, MonitorStop};
 use super::special::{Close, Refusal};
-use super::{
-    AtZero, Examined, Growth, Orbit, Shrinking, Verdict, find, paired, retrace, uncertainty,
-};
+use super::{AtZero, Examined, Orbit, Shrinking, Verdict, find, paired, retrace, uncertainty};
 use crate::continuation::arclength::{self, Node};
 use crate::continuation::locate::{self, Least, Place, Target};
 use crate::continuation::newton::{self, Constraint, Plane};
-use crate::continuation::walk::{Segment, Within};
+use crate::continuation::walk::Within;
 use crate::linalg::{Matrix, Vector, pseudo_inverse};
-
-/// What is located within a step.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Event<O: Orbit> {
-    /// A fold in the parameter.
-    Fold,
-    /// A fold beyond which the branch retraces itself: what it is, and why the branch ends there.
-    Image(O::Special, O::Stop),
-    /// The orbit shrinks to an equilibrium: what that is, and why the branch ends there.
-    Shrinks(O::Special, O::Stop),
-    /// A value that was asked for.
-    User(f64),
-    /// A monitor has a value that was asked for.
-    Monitor(MonitorStop),
-    /// An edge of the range.
-    Edge(f64),
-    /// A margin vanishes.
-    Change(O::Margin),
-    /// The function of this place in [`Examined::tests`] changes its sign.
-    Crossing(usize),
-    /// The number of multipliers outside the unit circle changes.
-    Passing {
-        /// Before and beyond.
-        outside: [usize; 2],
-        /// Values of the parameter between which it does, where it is not located.
-        between: Option<[f64; 2]>,
-    },
-}
-
-/// An event and the error of the parameter there, in physical units.
-#[derive(Clone, Debug)]
-pub struct Located<O: Orbit> {
-    /// The event.
-    pub event: Event<O>,
-    /// The error.
-    pub uncertainty: f64,
-}
-
-/// A scaled margin below this is zero but for rounding.
-pub(crate) const AT_ZERO: f64 = 1e-9;
 
 /// A tangent whose parameter component is below this does not tell a direction.
 const VERTICAL: f64 = 1e-7;
@@ -70,8 +28,6 @@ const TURN: f64 = 1e-3;
 /// rounding at the stiff end leaves 1e-9. With a coarse tolerance: than this many tolerances.
 const UNCERTAIN: f64 = 1e-6;
 const MOST_UNCERTAIN: f64 = 1e4;
-
-type Step<'a, O> = Segment<'a, <O as Orbit>::Examination>;
 
 /// A margin below this at a point is zero but for rounding.
 pub(super) fn rounding<O: Orbit>(orbit: &O, place: &Place, margin: &O::Margin) -> f64 {
@@ -228,11 +184,13 @@ fn folds<O: Orbit>(orbit: &O, step: &Step<O>) -> Least {
     })
 }
 
-/// All that happens within a step: also where an edge of `range` and the ordered values of `stop_at` are met.
+/// All that happens within a step: also where an edge of `range` and the ordered values of `stop_at` are met. `told` says
+/// where the number of multipliers outside the unit circle was last known before.
 pub(super) fn located<O: Orbit>(
     orbit: &O,
     range: (f64, f64),
     (stop_at, monitors): (&[f64], &[MonitorStop]),
+    told: Option<Told>,
     step: &Step<O>,
 ) -> Result<Vec<(Place, Located<O>)>, Refusal<O>> {
     if let Some(shrinks) = shrinks(orbit, range, stop_at, step) {
@@ -299,8 +257,13 @@ pub(super) fn located<O: Orbit>(
         }
     }
     let monitors = at_monitors(orbit, monitors, step, &changes).ok_or(Refusal::NotFound)?;
+    let nothing = fold.is_none() && changes.is_empty() && crossings.is_empty();
+    let unseen = told
+        .filter(|_| nothing)
+        .and_then(|told| told.unseen(orbit, step));
     let exact = fold.into_iter().chain(targets).chain(monitors);
-    Ok(exact.chain(changes).chain(crossings).collect())
+    let all = exact.chain(changes).chain(crossings);
+    Ok(all.chain(unseen).collect())
 }
 
 /// Whether a fold is a crossing of branches at which the parameter is stationary.
@@ -351,7 +314,7 @@ fn shrinks<O: Orbit>(
                 node: to.clone(),
                 blur: 0.0,
             };
-            let before: Step<O> = Segment {
+            let before = Step::<O> {
                 to: &to,
                 ds: s,
                 ..*step
@@ -568,355 +531,6 @@ fn zero_near<O: Orbit>(
 pub(super) fn holds<O: Orbit>(orbit: &O, place: &Place, examination: &O::Examination) -> bool {
     let mut margins = examination.margins().iter();
     margins.all(|margin| O::value(margin) >= -rounding(orbit, place, margin))
-}
-
-/// Part of the way from an event, or to one, on which no change of stability is looked for: there multipliers are
-/// lost in rounding, and beyond it the orbit is none.
-const AT_EVENT: f64 = 1e-3;
-
-/// What is seen of the stability at a place within a step.
-struct Seen {
-    s: f64,
-    tests: Vec<f64>,
-    growths: Option<Vec<Growth>>,
-}
-
-impl Seen {
-    fn new<O: Orbit>(orbit: &O, s: f64, node: &Node, examination: &O::Examination) -> Seen {
-        let tests = examination.tests().iter().enumerate();
-        let across = tests.map(|(index, value)| orbit.across_folds(index, *value, node));
-        Seen {
-            s,
-            tests: across.collect(),
-            growths: examination.growths(),
-        }
-    }
-
-    /// At an arclength; `None` where there is no orbit.
-    fn at<O: Orbit>(orbit: &O, step: &Step<O>, s: f64) -> Option<Seen> {
-        let node = locate::node_at(orbit, step.from, s, step.steps.tolerance)?;
-        let examination = orbit.examination(&node.point).ok()?;
-        Some(Seen::new(orbit, s, &node, &examination))
-    }
-
-    /// How many multipliers are outside the unit circle, by their values.
-    fn outside(&self) -> usize {
-        let growths = self.growths.iter().flatten();
-        growths.filter(|growth| growth.log > 0.0).count()
-    }
-
-    /// How many more are outside at another place; `None` where rounding decides.
-    fn change(&self, other: &Seen) -> Option<i64> {
-        let numbers = |one: &Seen| {
-            let growths = one.growths.as_ref()?;
-            let sure = growths.iter().filter(|one| one.told && one.log > 0.0);
-            let least = sure.count();
-            let open = growths.iter().filter(|one| !one.told).count();
-            Some((least as i64, (least + open) as i64))
-        };
-        let ((least, most), (low, high)) = (numbers(self)?, numbers(other)?);
-        let told = most < low || high < least || (least == most && low == high);
-        told.then(|| other.outside() as i64 - self.outside() as i64)
-    }
-
-    /// The mean growth of some of the multipliers, from the largest on; what is far from zero is cut off.
-    fn mean(&self, ranks: &Range<usize>) -> Option<f64> {
-        let growths = self.growths.as_ref()?.get(ranks.clone())?;
-        let sum: f64 = growths.iter().map(|one| one.log.clamp(-1.0, 1.0)).sum();
-        Some(sum / growths.len() as f64)
-    }
-}
-
-/// Where stability changes within a step. `None` if a place is not found.
-///
-/// The number of multipliers outside the unit circle decides whether there is anything to be found; zeros of
-/// [`Examined::tests`] are where most of it is.
-fn crossings<O: Orbit>(
-    orbit: &O,
-    step: &Step<O>,
-    changes: &[(Place, Located<O>)],
-    fold: Option<f64>,
-) -> Option<Vec<(Place, Located<O>)>> {
-    if step.before.tests().is_empty() {
-        return Some(Vec::new());
-    }
-    let mut low = Seen::new(orbit, 0.0, step.from, step.before);
-    let mut high = Seen::new(orbit, step.ds, step.to, step.after);
-    let change = changes.iter().map(|(place, _)| place.s);
-    let change = change.fold(f64::INFINITY, f64::min);
-    let trimmed = AT_EVENT * change.min(step.ds);
-    let mut margins = step.before.margins().iter();
-    if margins.any(|margin| O::value(margin) <= AT_ZERO) {
-        low = Seen::at(orbit, step, trimmed)?;
-    }
-    if change.is_finite() {
-        high = Seen::at(orbit, step, change - trimmed)?;
-    }
-    if low.s >= high.s {
-        return Some(Vec::new());
-    }
-    let signs = signs(orbit, step, [&low, &high])?;
-    let fold = fold.filter(|s| low.s < *s && *s < high.s);
-    counted(orbit, step, [low, high], fold, signs)
-}
-
-/// Zeros of [`Examined::tests`] between two places of a step. `None` if one is not found.
-fn signs<O: Orbit>(
-    orbit: &O,
-    step: &Step<O>,
-    [low, high]: [&Seen; 2],
-) -> Option<Vec<(Place, Located<O>)>> {
-    let tolerance = step.steps.tolerance;
-    let mut located = Vec::new();
-    for (index, (&before, &after)) in low.tests.iter().zip(&high.tests).enumerate() {
-        let ends = [step.before, step.after];
-        let told = || ends.iter().all(|end| end.is_told(index));
-        let differ = before * after < 0.0 && told();
-        // nor where one of them is no number
-        if !differ {
-            continue;
-        }
-        let small = (0.0, 4.0 * f64::EPSILON * step.ds);
-        let value = |node: &Node| {
-            let examination = orbit.examination(&node.point).ok()?;
-            let value = examination.tests().get(index).copied()?;
-            Some(orbit.across_folds(index, value, node))
-        };
-        let ends = ((low.s, before), (high.s, after));
-        let regular = orbit.zero_of(index, step.from, [low.s, high.s], tolerance);
-        let (place, known) = match regular {
-            Some((place, known)) => (place, Some(known)),
-            None => {
-                let found = locate::zero_along(orbit, step.from, ends, small, tolerance, value)?;
-                (found.0, None)
-            }
-        };
-        let node = &place.node;
-        if orbit.crossing(index, node).is_none() && orbit.repeats(node).is_none() {
-            continue;
-        }
-        let mut plane = Plane {
-            normal: &step.from.tangent,
-            through: &place.node.point,
-        };
-        let rounding = known.unwrap_or_else(|| uncertainty(orbit, &mut plane, &place));
-        // beside a homoclinic orbit a step moves the parameter by less than it is known to: its zeros are rounding
-        let last = node.point.len() - 1;
-        let moved = [step.from, step.to].map(|end| (end.point[last] - node.point[last]).abs());
-        if rounding > (moved[0] + moved[1]) * orbit.unit().abs() {
-            continue;
-        }
-        let located_there = Located {
-            event: Event::Crossing(index),
-            // the place itself is known to the last bracket
-            uncertainty: rounding + small.1 * orbit.unit().abs(),
-        };
-        located.push((place, located_there));
-    }
-    Some(located)
-}
-
-/// An arclength, and what happens there.
-type Gathered<O> = (f64, Vec<(Place, Located<O>)>);
-
-/// What the number of multipliers outside the unit circle says: crossings at which it does not change are none, and where
-/// it changes without one there is one more.
-fn counted<O: Orbit>(
-    orbit: &O,
-    step: &Step<O>,
-    [low, high]: [Seen; 2],
-    fold: Option<f64>,
-    signs: Vec<(Place, Located<O>)>,
-) -> Option<Vec<(Place, Located<O>)>> {
-    let number = |located: &Located<O>| match located.event {
-        Event::Crossing(test) => O::passed_by(test),
-        _ => 0,
-    };
-    // what is known needs no second look
-    let known = match (&signs[..], fold) {
-        ([], None) => Some(0),
-        ([(_, located)], None) => Some(number(located)),
-        ([], Some(_)) => Some(1),
-        _ => None,
-    };
-    let change = low.change(&high);
-    if change.is_none() || change.map(i64::unsigned_abs) == known {
-        return Some(signs);
-    }
-    // places, each with what happens there
-    let mut all: Vec<Gathered<O>> = fold.map(|s| (s, Vec::new())).into_iter().collect();
-    all.extend(signs.into_iter().map(|one| (one.0.s, vec![one])));
-    all.sort_by(|(one, _), (other, _)| one.total_cmp(other));
-    let mut places: Vec<Gathered<O>> = Vec::with_capacity(all.len());
-    for (s, events) in all {
-        match places.last_mut() {
-            Some((last, together)) if s - *last <= step.at_once() => together.extend(events),
-            _ => places.push((s, events)),
-        }
-    }
-    let ends: Vec<f64> = std::iter::once(low.s)
-        .chain(places.iter().map(|(s, _)| *s))
-        .chain([high.s])
-        .collect();
-    let mut found = Vec::new();
-    let mut from = Some(low);
-    for ((s, events), beside) in places.into_iter().zip(ends.windows(3)) {
-        let before = Seen::at(orbit, step, s - AT_EVENT * (s - beside[0]));
-        let after = Seen::at(orbit, step, s + AT_EVENT * (beside[2] - s));
-        found.extend(uncounted(orbit, step, from.as_ref(), before.as_ref())?);
-        let both = before.as_ref().zip(after.as_ref());
-        let change = both.and_then(|(before, after)| before.change(after));
-        let seen: u64 = events.iter().map(|(_, located)| number(located)).sum();
-        let folds = fold.is_some_and(|fold| (fold - s).abs() <= step.at_once());
-        match (change.map(i64::unsigned_abs), both) {
-            (Some(passing), Some((before, after))) if !folds && passing != seen => {
-                let event = Event::Passing {
-                    outside: [before.outside(), after.outside()],
-                    between: None,
-                };
-                let first = events.into_iter().next().filter(|_| passing > 0);
-                found.extend(first.map(|(place, located)| (place, Located { event, ..located })));
-            }
-            _ => found.extend(events),
-        }
-        from = after;
-    }
-    found.extend(uncounted(orbit, step, from.as_ref(), Some(&high))?);
-    Some(found)
-}
-
-/// Where the number of multipliers outside the unit circle changes between two places of a step between which no
-/// crossing is known. `None` if that is not found and a shorter step may be tried.
-fn uncounted<O: Orbit>(
-    orbit: &O,
-    step: &Step<O>,
-    low: Option<&Seen>,
-    high: Option<&Seen>,
-) -> Option<Vec<(Place, Located<O>)>> {
-    let both = low.zip(high);
-    let Some((low, high)) = both.filter(|(low, high)| low.change(high).is_some_and(|by| by != 0))
-    else {
-        return Some(Vec::new());
-    };
-    let mut found = Vec::new();
-    if passings(orbit, step, low, high, &mut found).is_some() {
-        return Some(found);
-    }
-    // in a step that cannot be shorter it is told between which values it is
-    let shortest = step.ds <= step.steps.ds_min * (1.0 + f64::EPSILON);
-    shortest.then(|| vec![unlocated(orbit, step, [low, high], step.to)])
-}
-
-/// A change of the number between two places of a step, told at a node.
-fn unlocated<O: Orbit>(
-    orbit: &O,
-    step: &Step<O>,
-    [low, high]: [&Seen; 2],
-    node: &Node,
-) -> (Place, Located<O>) {
-    let value = |s: f64| {
-        let part = s / step.ds;
-        let [from, to] = [step.from, step.to].map(|node| orbit.value_at(&node.point));
-        from + part * (to - from)
-    };
-    let between = [value(low.s), value(high.s)];
-    let place = Place {
-        s: high.s,
-        node: node.clone(),
-        blur: 0.0,
-    };
-    let located = Located {
-        event: Event::Passing {
-            outside: [low.outside(), high.outside()],
-            between: Some(between),
-        },
-        uncertainty: (between[1] - between[0]).abs(),
-    };
-    (place, located)
-}
-
-/// Multipliers that are this near to the circle, in the logarithm, where the mean of several is on it pass together: two that
-/// are one in a Jordan block are known to the square root of rounding.
-const PASS_TOGETHER: f64 = 1e-7;
-
-/// Brackets in which they are looked for, in parts of the step.
-const WIDTHS: [f64; 3] = [4.0 * f64::EPSILON, 1e-10, 1e-7];
-
-/// The same between two places at which the number differs: a zero of the mean growth of those that pass, and where they do
-/// so one by one those on both sides of it.
-fn passings<O: Orbit>(
-    orbit: &O,
-    step: &Step<O>,
-    low: &Seen,
-    high: &Seen,
-    found: &mut Vec<(Place, Located<O>)>,
-) -> Option<()> {
-    let outside = [low.outside(), high.outside()];
-    let [before, after] = outside;
-    let ranks = before.min(after)..before.max(after);
-    if ranks.is_empty() {
-        return Some(());
-    }
-    let ends = ((low.s, low.mean(&ranks)?), (high.s, high.mean(&ranks)?));
-    let mut seen = None;
-    let mut value = |node: &Node| {
-        let s = step.from.tangent.dot(&(&node.point - &step.from.point));
-        let examination = orbit.examination(&node.point).ok()?;
-        let there = Seen::new(orbit, s, node, &examination);
-        let mean = there.mean(&ranks);
-        seen = Some(there);
-        mean
-    };
-    // where branches cross no orbit is found beside the place
-    let (place, width) = WIDTHS.into_iter().find_map(|part| {
-        let width = part * step.ds;
-        let tolerance = step.steps.tolerance;
-        let found = locate::zero_along(orbit, step.from, ends, (0.0, width), tolerance, &mut value);
-        found.map(|(place, _)| (place, width))
-    })?;
-    let there = seen?;
-    let passing = there.growths.as_ref()?.get(ranks.clone())?;
-    // each of them passes where its own growth is zero
-    let off = passing.iter().map(|one| one.error + one.log.abs());
-    let error = off.fold(0.0, f64::max);
-    let together = passing
-        .iter()
-        .all(|one| one.log.abs() <= PASS_TOGETHER + one.error);
-    let between = there.outside();
-    if !together {
-        if between == before || between == after {
-            // they jump from one side to the other
-            let ends = if between == before {
-                [&there, high]
-            } else {
-                [low, &there]
-            };
-            found.push(unlocated(orbit, step, ends, &place.node));
-            return Some(());
-        }
-        passings(orbit, step, low, &there, found)?;
-        return passings(orbit, step, &there, high, found);
-    }
-    let mut plane = Plane {
-        normal: &step.from.tangent,
-        through: &place.node.point,
-    };
-    let last = place.node.tangent.len() - 1;
-    let slope = (ends.1.1 - ends.0.1).abs() / (high.s - low.s);
-    let blur = place.node.tangent[last].abs() * (error / slope + width) * orbit.unit().abs();
-    let rounding = uncertainty(orbit, &mut plane, &place);
-    // where branches cross the equations are singular
-    let moved = (step.to.point[last] - step.from.point[last]).abs() * orbit.unit().abs();
-    let rounding = if rounding <= moved { rounding } else { moved };
-    let located = Located {
-        event: Event::Passing {
-            outside,
-            between: None,
-        },
-        uncertainty: rounding + blur,
-    };
-    found.push((place, located));
-    Some(())
 }
 
 /// Several margins vanish together where they and the equations do to this, relative to their rows: an event is

@@ -9,7 +9,9 @@ use serde::{Deserialize, Serialize};
 
 use super::cascade::Cascade;
 use super::change::{self, Beyond, Both};
-use super::events::{self, Event, Located};
+use super::crossings::{Told, outside};
+use super::events;
+use super::located::{Event, Located};
 use super::monitor::MonitorStop;
 use super::special::{Change, Close, Ending, Failure, NoFollower, Refusal, Special, Stop};
 use super::switch::is_in_family;
@@ -136,6 +138,9 @@ pub struct State<S> {
     /// Changes of signature in a row that are alike.
     #[serde(default, skip_serializing_if = "Cascade::is_empty")]
     pub cascade: Cascade,
+    /// Where the number of multipliers outside the unit circle was last told, if it is not at the point.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub told: Option<Told>,
 }
 
 fn is_zero(count: &usize) -> bool {
@@ -154,6 +159,8 @@ pub struct Track<O> {
     heading: f64,
     /// Changes of signature in a row that are alike.
     cascade: Cascade,
+    /// Where the number of multipliers outside the unit circle was last told.
+    told: Option<Told>,
 }
 
 /// A branch being followed.
@@ -185,6 +192,7 @@ impl<O: Orbit> Walker<Track<O>> {
             monitors: Arc::default(),
             heading,
             cascade: Cascade::default(),
+            told: None,
         };
         Ok(Walker::begin(branch, node, steps)?)
     }
@@ -224,6 +232,7 @@ impl<O: Orbit> Walker<Track<O>> {
             monitors: Arc::default(),
             heading: state.heading,
             cascade: state.cascade,
+            told: state.told,
         };
         Ok(Walker {
             ds: state.ds,
@@ -258,6 +267,7 @@ impl<O: Orbit> Walker<Track<O>> {
             travelled: self.travelled,
             creeping: self.creeping,
             cascade: self.curve.cascade.clone(),
+            told: (self.curve.told).filter(|_| outside(&self.watched).is_none()),
         }
     }
 }
@@ -317,6 +327,7 @@ impl<O: Orbit> Curve for Track<O> {
             self.orbit.as_ref(),
             self.limits.range,
             (&self.limits.stop_at, &self.monitors),
+            self.told,
             step,
         )
     }
@@ -456,10 +467,19 @@ impl<O: Orbit> Curve for Track<O> {
         self.orbit.aliases(first, near)
     }
 
-    fn arrive(&mut self, node: &mut Node) {
+    fn arrive(
+        &mut self,
+        node: &mut Node,
+        examination: &O::Examination,
+        passed: &[(Place, Located<O>)],
+    ) {
         if node.tangent[node.tangent.len() - 1] * self.heading < 0.0 {
             self.heading = -self.heading;
         }
+        let value = self.orbit.value_at(&node.point);
+        let told = self.told.take();
+        let kept = || told.filter(|_| passed.iter().all(|(_, one)| one.keeps_stability()));
+        self.told = Told::at(value, examination).or_else(kept);
     }
 
     fn point(&self, s: f64, node: &Node, examination: &O::Examination) -> Found<O> {
@@ -753,6 +773,7 @@ impl<O: Orbit> Track<O> {
                 self.heading
             },
             cascade,
+            told: None,
         };
         found.entered = Some((orbit, node.clone()));
         found.special = Some(Special::Change(Box::new(change)));

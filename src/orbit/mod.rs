@@ -16,10 +16,12 @@
 
 pub mod cascade;
 pub mod change;
+mod crossings;
 pub mod event;
-pub mod events;
+mod events;
 pub mod follow;
 pub mod legs;
+pub mod located;
 pub mod monitor;
 mod retrace;
 pub mod sign;

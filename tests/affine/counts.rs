@@ -23,7 +23,7 @@ fn branch(problem: &SystemProblem, most: usize) -> Vec<Item> {
     items
 }
 
-fn rows(text: &str) -> Vec<Item> {
+pub(super) fn rows(text: &str) -> Vec<Item> {
     let Any::System(problem) =
         parse_any(text, "test.ron").unwrap_or_else(|error| panic!("{error}"))
     else {
@@ -33,14 +33,14 @@ fn rows(text: &str) -> Vec<Item> {
 }
 
 /// A problem of a system with its start and its continuation.
-fn problem(system: &str, orbit: &str, continuation: &str) -> String {
+pub(super) fn problem(system: &str, orbit: &str, continuation: &str) -> String {
     format!(
         "(system: {system}, orbit: {orbit}, continuation: {continuation}, stability: (), output: (plots: []))"
     )
 }
 
 /// Types, values of the parameter of the continuation and sentences of all events but ends.
-fn events(items: &[Item], parameter: &str) -> Vec<(EventType, f64, String)> {
+pub(super) fn events(items: &[Item], parameter: &str) -> Vec<(EventType, f64, String)> {
     let events = items.iter().filter_map(|item| item.event.as_ref());
     let of = |event: &brakewave::hybrid::OrbitEvent| {
         let mut values = event.parameters.iter();
@@ -55,7 +55,7 @@ fn events(items: &[Item], parameter: &str) -> Vec<(EventType, f64, String)> {
 
 /// Between two rows of a leg with different numbers of multipliers outside the unit circle, both of which are told, an event
 /// is listed.
-fn has_no_silent_change(items: &[Item], name: &str) {
+pub(super) fn has_no_silent_change(items: &[Item], name: &str) {
     let mut last: Option<(usize, usize, f64)> = None;
     let mut event = false;
     for item in items {

@@ -10,6 +10,7 @@ use brakewave::orbit::follow::Found;
 use brakewave::orbit::special::Special;
 
 use crate::affine::branches::{follow, meets, settled};
+use crate::affine::counts::rows;
 use crate::affine::systems::{BRAKE_BY_HAND, TWO_MASSES, system, values};
 
 /// Why a branch ends, as its last point says.
@@ -242,4 +243,39 @@ fn beyond_the_bound_of_a_kept_offset_others_of_the_family_go_on() {
     assert!(reason.contains("others of the family"), "{reason}");
     let end = all.last().unwrap().parameter;
     assert!((end - 0.479_868_314_329_773_23).abs() < 1e-12, "{end}");
+}
+
+/// A neuron whose slow adaptation makes it turn below its threshold: beyond the graze it rests at V = I/1.3 < 1. A converter whose
+/// switch is turned on at every tick of a clock and off at once. Neither has a family of orbits there.
+#[test]
+fn only_a_centre_has_a_family_of_orbits() {
+    let neuron = r#"(
+        system: (states: ["V", "w"], parameters: {"I": 2.0}, modes: {"rest": (
+            rates: {"V": "-V + I - w", "w": "0.2*(0.3*V - w)"},
+            until: [(zero: "1 - V", to: "rest", reset: {"V": "0"})])}),
+        orbit: (start: Simulate(mode: "rest", state: {"V": 0.0, "w": 0.0}, settle: 200)),
+        continuation: (parameter: "I", range: (0.5, 3.0), toward: Down),
+        stability: (),
+    )"#;
+    let converter = r#"(
+        system: (states: ["i", "v", "c"], parameters: {"r": 1.2}, modes: {
+            "on": (rates: {"i": "1", "v": "-v/8", "c": "1"}, until: [
+                (zero: "r - i", to: "off"), (zero: "1 - c", to: "on", reset: {"c": "c - 1"})]),
+            "off": (rates: {"i": "(10 - v)/10", "v": "2.5*i - v/8", "c": "1"}, until: [
+                (zero: "1 - c", to: "on", reset: {"c": "c - 1"})])}),
+        orbit: (start: Simulate(mode: "on", state: {"i": 0.5, "v": 12.0, "c": 0}, settle: 400)),
+        continuation: (parameter: "r", range: (0.1, 1.5), toward: Down),
+        stability: (),
+    )"#;
+    for (text, kind, at) in [(neuron, GR, 1.259038621604), (converter, CO, 0.5)] {
+        let all = rows(text);
+        let last = all
+            .iter()
+            .rev()
+            .find_map(|item| item.event.as_ref().zip(Some(&item.point)));
+        let (event, point) = last.unwrap();
+        assert_eq!(event.kind, kind, "{event:?}");
+        assert!((point.parameters[0] - at).abs() < 1e-11, "{point:?}");
+        assert!(!event.what.contains("family"), "{}", event.what);
+    }
 }

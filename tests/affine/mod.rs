@@ -24,6 +24,7 @@ mod rests;
 mod sliding;
 mod start;
 mod steady;
+mod steep;
 mod switch;
 mod systems;
 mod values;

@@ -172,6 +172,42 @@ fn a_saddle_node_on_a_cycle_is_its_fold() {
     assert!(last.event.unwrap().what.contains("leaves the saddle of"));
 }
 
+/// Two rooms, the second of which a thermostat heats by way of the first: with the heating on it would stay at 0.5 where
+/// P = 4.1, for T₁ = 2.5 there, and is switched off at h = 0.5.
+const THERMOSTAT: &str = r#"(
+    system: (states: ["T1", "T2"], parameters: {"P": 8.0, "h": 0.5}, modes: {
+        "on": (rates: {"T1": "-(T1 + 1) + 0.3*(T2 - T1) + P", "T2": "-0.4*(T2 + 1) + 0.3*(T1 - T2)"},
+            until: [(zero: "h - T2", to: "off")]),
+        "off": (rates: {"T1": "-(T1 + 1) + 0.3*(T2 - T1)", "T2": "-0.4*(T2 + 1) + 0.3*(T1 - T2)"},
+            until: [(zero: "T2", to: "on")])}),
+    orbit: (start: Simulate(mode: "on", state: {"T1": 0.5, "T2": 0.2}, settle: 100)),
+    continuation: (parameter: "P", range: (0.1, 10), toward: Down),
+)"#;
+
+/// A leaky neuron with adaptation that fires at V = 1: it rests at I/(1 + a). A cubic law adds what it asks for.
+const LEAKY: &str = r#"(
+    system: (states: ["V", "w"], parameters: {"I": 2.0, "a": 0.3}, modes: {
+        "rest": (rates: {"V": "-V + I - w", "w": "5*(a*V - w)"}, until: [(zero: "1 - V", to: "rest", reset: {"V": "0"})])}),
+    orbit: (start: Simulate(mode: "rest", state: {"V": 0.0, "w": 0.0}, settle: 100)),
+    continuation: (parameter: "I", range: (0.5, 4), toward: Down),
+)"#;
+
+/// A cycle whose motion comes to rest just where it would switch is known as its equilibrium is; in any units of a state.
+#[test]
+fn a_cycle_that_rests_on_its_boundary_is_its_equilibrium() {
+    located(THERMOSTAT, 0, 4.1, 1e-12);
+    located(LEAKY, 0, 1.3, 1e-12);
+    located(&LEAKY.replace("-V + I", "-V - 0.2*V^3 + I"), 0, 1.5, 1e-12);
+    let small = LEAKY.replace("a*V - w", "1e-6*a*V - w");
+    located(&small.replace("I - w", "I - 1e6*w"), 0, 1.3, 1e-12);
+    let last = end(&problem(LEAKY)).event.unwrap();
+    assert!(
+        last.what.contains("rests on the boundary of `rest`"),
+        "{}",
+        last.what
+    );
+}
+
 #[test]
 fn a_loop_in_closed_form() {
     located(LOOP, 0, 0.05, 1e-13);

@@ -24,6 +24,7 @@ use super::normal_form::Eigenvector;
 use crate::continuation::Node;
 use crate::continuation::newton::{self, Constraint, System};
 use crate::linalg::{self, Matrix, Vector};
+use crate::orbit::{AtZero, Examined as _, Orbit as _};
 
 /// Which special points are asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -97,21 +98,31 @@ pub(super) fn locate(
     if condition == Condition::Branching && beta() > PERFECT {
         return None;
     }
-    let bordered = newton::bordered(&extended, &mut Normalised, &found).ok()?;
-    let noise = newton::noise(&extended, &bordered.matrix, &found);
-    let rounding = newton::rounding(&bordered.matrix, &found.abs(), noise.as_ref())?;
+    let rounding = rounding(&extended, &mut Normalised, &found)?;
     let last = found.len() - 1;
     let mut point = found.rows(0, n + 1).clone_owned();
     point[n] = found[last];
     Some(Located {
         point,
-        uncertainty: (rounding[last] + solution.correction.min(NEWTON.tolerance))
+        uncertainty: (rounding + solution.correction.min(NEWTON.tolerance))
             * curve.setting.scales.units[n],
     })
 }
 
-/// A fold of the equilibria of a mode.
-pub struct Fold {
+/// What rounding leaves in the last unknown of a solution.
+fn rounding<S: System>(
+    system: &S,
+    constraint: &mut impl Constraint<S>,
+    found: &Vector,
+) -> Option<f64> {
+    let bordered = newton::bordered(system, constraint, found).ok()?;
+    let noise = newton::noise(system, &bordered.matrix, found);
+    let rounding = newton::rounding(&bordered.matrix, &found.abs(), noise.as_ref())?;
+    Some(rounding[found.len() - 1])
+}
+
+/// A special equilibrium of a mode, in physical units.
+pub struct SpecialEquilibrium {
     /// States.
     pub state: Vec<f64>,
     /// The parameter.
@@ -120,22 +131,54 @@ pub struct Fold {
     pub error: f64,
 }
 
+impl EquilibriumCurve {
+    /// The place that the units of the setting come from, in scaled unknowns.
+    fn beginning(&self) -> Vector {
+        let EquilibriumScales { units, first, .. } = &self.setting.scales;
+        let scaled = first.iter().zip(units).map(|(x, unit)| x / unit);
+        Vector::from_iterator(units.len(), scaled)
+    }
+
+    fn special(&self, Located { point, uncertainty }: Located) -> SpecialEquilibrium {
+        let physical = point.iter().zip(&self.setting.scales.units);
+        let mut state: Vec<f64> = physical.map(|(x, unit)| x * unit).collect();
+        let parameter = state.remove(self.states());
+        SpecialEquilibrium {
+            state,
+            parameter,
+            error: uncertainty,
+        }
+    }
+}
+
 /// The fold of the equilibria of a mode next to the state and the parameter from which the units of a setting come, whether
 /// or not they have an equilibrium. `None` where there is none.
-pub fn fold_near(setting: EquilibriumSetting, mode: usize) -> Option<Fold> {
+pub fn fold_near(setting: EquilibriumSetting, mode: usize) -> Option<SpecialEquilibrium> {
     let curve = EquilibriumCurve::new(setting, mode)?;
-    let EquilibriumScales { units, first, .. } = &curve.setting.scales;
-    let n = curve.states();
-    let scaled = first.iter().zip(units).map(|(x, unit)| x / unit);
-    let point = Vector::from_iterator(n + 1, scaled);
+    let point = curve.beginning();
     let located = locate(&curve, &Node::at(point.clone(), point), Condition::Fold)?;
-    let physical = located.point.iter().zip(units).map(|(x, unit)| x * unit);
-    let physical: Vec<f64> = physical.collect();
-    Some(Fold {
-        state: physical[..n].to_vec(),
-        parameter: physical[n],
-        error: located.uncertainty,
-    })
+    Some(curve.special(located))
+}
+
+/// The equilibrium of a mode next to the same state and parameter at which a guard of it is zero. `None` where there is none.
+pub fn boundary_near(
+    setting: EquilibriumSetting,
+    mode: usize,
+    guard: usize,
+) -> Option<SpecialEquilibrium> {
+    let curve = EquilibriumCurve::new(setting, mode)?;
+    let point = curve.beginning();
+    let examination = curve.examination(&point).ok()?;
+    let mut margins = examination.margins().iter();
+    let margin = margins.find(|margin| margin.guard == guard)?.clone();
+    let mut zero = AtZero { margin };
+    let solution = newton::solve(&curve, &mut zero, &point, &NEWTON).ok()?;
+    let rounding = rounding(&curve, &mut zero, &solution.point)?;
+    let unit = curve.setting.scales.units[curve.states()];
+    Some(curve.special(Located {
+        uncertainty: (rounding + solution.correction.min(NEWTON.tolerance)) * unit,
+        point: solution.point,
+    }))
 }
 
 impl<'a> Extended<'a> {

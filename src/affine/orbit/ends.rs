@@ -4,7 +4,7 @@ use super::layout::AffineOrbit;
 use super::passage::Passage;
 use super::setting::Scales;
 use super::signature::Zone;
-use super::stay::FAR;
+use super::stay::{FAR, apart};
 use super::stop::OrbitStop;
 use super::{CLOSING, Critical, Watch};
 use crate::affine::mode::Row;
@@ -77,6 +77,7 @@ impl AffineOrbit {
         let Some(stay) = self.longest_stay(&node.point) else {
             return self
                 .passes_a_saddle_node(node)
+                .or_else(|| self.rests_on_a_boundary(node))
                 .or_else(|| (along < stationary).then_some(OrbitStop::Unbounded));
         };
         // of a unit of the branch, of which a step is a small part
@@ -245,6 +246,23 @@ impl AffineOrbit {
         Some(OrbitStop::PartRests {
             states: states.collect(),
             left,
+        })
+    }
+
+    /// Whether a linear mode comes back to the entry of a zone at its end, whatever switch is there: the orbit is one of its centre.
+    /// A mode that is not linear has an orbit of its own beyond.
+    pub(super) fn turns_by_itself(&self, point: &Vector, zone: usize) -> bool {
+        /// In units of the states: events are located to about 1e-13.
+        const CLOSES: f64 = 1e-8;
+        let zone = zone % self.zones();
+        let units = &self.setting.scales.states;
+        let own = |z: &Vector| z.as_slice()[..units.len()].to_vec();
+        self.at(point).is_ok_and(|at| {
+            let Ok(passage) = at.passage(zone, at.zones[zone].duration) else {
+                return false;
+            };
+            let [entry, end] = [own(&passage.entry), own(&passage.end)];
+            at.mode(zone).field.is_exact && apart(&entry, &end, units) <= CLOSES
         })
     }
 

@@ -9,7 +9,7 @@ use super::turning::Smooth;
 use crate::affine::flow::{Expansion, MOST_PIECES, ModeFlow, Piece};
 use crate::affine::mode::{Guard, Row};
 use crate::linalg::{Vector, product};
-use crate::orbit::events::AT_ZERO;
+use crate::orbit::located::AT_ZERO;
 use crate::orbit::sign::Verdict;
 use crate::orbit::{Examined, Growth};
 

@@ -86,6 +86,13 @@ impl AffineOrbit {
                     uncertainty: *error,
                 });
             }
+            OrbitStop::RestsOnBoundary { mode, limit, error } => {
+                return Some(Limit {
+                    special: Critical::RestOnBoundary { mode: mode.clone() },
+                    parameter: *limit,
+                    uncertainty: *error,
+                });
+            }
             _ => return None,
         };
         let here = self.parameter_at(&node.point);

@@ -194,6 +194,11 @@ pub enum Critical {
         /// Name of the mode of the saddle-node.
         mode: String,
     },
+    /// The orbit comes to one that rests on the boundary of a mode: beyond it an equilibrium takes its place.
+    RestOnBoundary {
+        /// Name of the mode.
+        mode: String,
+    },
     /// A pair passes the unit circle at this angle.
     Torus {
         /// In radians, between 0 and π.
@@ -234,6 +239,11 @@ impl fmt::Display for Critical {
                 formatter,
                 "the period grows without bound: the orbit comes to one that leaves the saddle-node of `{mode}` and returns to it, \
                  beyond which equilibria take its place"
+            ),
+            Critical::RestOnBoundary { mode } => write!(
+                formatter,
+                "the period grows without bound: the orbit comes to one that rests on the boundary of `{mode}`, in an \
+                 equilibrium beyond which it does not switch any more"
             ),
             Critical::Unlocated {
                 outside: [before, after],
@@ -476,13 +486,9 @@ impl Orbit for AffineOrbit {
         let vanishes = usize::from(margin.watch == Watch::Duration);
         let last =
             self.zones() - vanishes == 1 && matches!(margin.watch, Watch::Duration | Watch::Speed);
-        // beyond it a mode that is not linear has an orbit of its own
         let remains = margin.zone + vanishes;
-        let linear = || {
-            let at = self.at(point).ok();
-            at.is_some_and(|at| at.mode(remains).field.is_exact)
-        };
-        let centre = (last && self.has_own_period() && linear()).then(|| OrbitStop::Centre {
+        let is_centre = last && self.has_own_period() && self.turns_by_itself(point, remains);
+        let centre = is_centre.then(|| OrbitStop::Centre {
             zone: Zone {
                 way: None,
                 ..self.sequence.zone(remains).clone()
@@ -710,7 +716,9 @@ impl Orbit for AffineOrbit {
             | Critical::Shrinking
             | Critical::Vanishing => EventType::BP,
             Critical::Unlocated { .. } => EventType::MX,
-            Critical::Homoclinic { .. } | Critical::SaddleNode { .. } => EventType::HC,
+            Critical::Homoclinic { .. }
+            | Critical::SaddleNode { .. }
+            | Critical::RestOnBoundary { .. } => EventType::HC,
             Critical::Torus { .. } | Critical::Several { .. } => EventType::NS,
         }
     }

@@ -2,7 +2,8 @@
 //! never formed.
 //!
 //! A perturbation reaches a guard earlier or later; compared at equal time it jumps by S = Rₓ + (f⁺ − Rż⁻)gᵀ/ġ. States are
-//! in units that balance all factors, so that nothing depends on those of the file. Without forcing the shift in time is
+//! in units that balance all factors, so that nothing depends on those of the file, and where one grows by much within a
+//! zone, as the potential of a neuron does before it is reset, in larger ones at its end. Without forcing the shift in time is
 //! divided out of every factor, since each takes ẋ at its beginning to ẋ at its end.
 
 use nalgebra::Complex;
@@ -13,9 +14,9 @@ use super::saltation::{NOTHING, Saltation, rank, sizes_of_product};
 use super::setting::OrbitFailure;
 
 use super::signature::exit_of;
-use crate::linalg::periodic_schur::{Factor, balance, eigenvalues, regular_part};
+use crate::linalg::periodic_schur::{Factor, balance, eigenvalues, regular_part, units_along};
 use crate::linalg::{Matrix, Vector, product};
-use crate::orbit::events::AT_ZERO;
+use crate::orbit::located::AT_ZERO;
 
 /// A Floquet multiplier.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -258,7 +259,8 @@ impl OrbitAt<'_> {
                 factors.push(Factor {
                     matrix: jump.matrix,
                     lost: jump.lost,
-                    error: ROUNDING,
+                    // it is divided by the speed at the guard, of which less is left the nearer it is to a graze
+                    error: ROUNDING / link.fall.abs().min(1.0),
                     size: 0.0,
                 });
             }
@@ -276,19 +278,12 @@ impl OrbitAt<'_> {
         if !factors.iter().all(finite) {
             return None;
         }
-        let matrices: Vec<&Matrix> = factors.iter().map(|one| &one.matrix).collect();
-        let scales = balance(&matrices);
-        for factor in &mut factors {
-            for (j, by) in scales.iter().enumerate() {
-                factor.matrix.column_mut(j).scale_mut(*by);
-                factor.matrix.row_mut(j).scale_mut(by.recip());
-            }
-            factor.size = factor.matrix.norm();
-        }
-        for rate in &mut rates {
-            let scaled = rate.iter_mut().zip(&scales);
-            scaled.for_each(|(rate, by)| *rate /= by);
-        }
+        let common = balance(&matrices(&factors));
+        in_units(&mut factors, &mut rates, |_| &common);
+        let along = units_along(&matrices(&factors));
+        in_units(&mut factors, &mut rates, |place| {
+            &along[place % along.len()]
+        });
         let shifts = !self.orbit.is_forced() && rates.iter().all(|rate| rate.norm() > 0.0);
         let factors = match shifts {
             true => across(factors, &rates),
@@ -310,11 +305,35 @@ impl OrbitAt<'_> {
     }
 }
 
+fn matrices(factors: &[Factor]) -> Vec<&Matrix> {
+    factors.iter().map(|one| &one.matrix).collect()
+}
+
+/// Takes factors, and the rates at the beginning and after every one, to other units of the states at these places.
+fn in_units<'a>(
+    factors: &mut [Factor],
+    rates: &mut [Vector],
+    units: impl Fn(usize) -> &'a Vec<f64>,
+) {
+    for (place, factor) in factors.iter_mut().enumerate() {
+        for (j, (begin, end)) in units(place).iter().zip(units(place + 1)).enumerate() {
+            factor.matrix.column_mut(j).scale_mut(*begin);
+            factor.matrix.row_mut(j).scale_mut(end.recip());
+        }
+        factor.size = factor.matrix.norm();
+    }
+    for (place, rate) in rates.iter_mut().enumerate() {
+        let scaled = rate.iter_mut().zip(units(place));
+        scaled.for_each(|(rate, by)| *rate /= by);
+    }
+}
+
 /// Factors in coordinates of what is across the rate at their beginnings and ends, that of the first and after every one.
 ///
 /// The rate at the end differs from that at the beginning by how well the orbit closes, which a product would carry into
-/// the rest multiplied by its size: what is across the one goes to what is across the other. By how much a factor misses
-/// the next rate, and the last one the first, is an error of it.
+/// the rest multiplied by its size: what is across the one goes to what is across the other. By how much a factor turns a
+/// rate beside the next one, and the last one beside the first, is an error of it; how long they are is none, since what
+/// is along a rate is left out.
 fn across(factors: Vec<Factor>, rates: &[Vector]) -> Vec<Factor> {
     let Some(first) = rates.first() else {
         return factors;
@@ -332,9 +351,10 @@ fn across(factors: Vec<Factor>, rates: &[Vector]) -> Vec<Factor> {
     let all = factors.into_iter().enumerate().map(|(index, factor)| {
         let [begin, end] = [&bases[index], &bases[index + 1]];
         let [rate, next] = [&rates[index], &rates[index + 1]];
-        let off = (&factor.matrix * rate - next).norm() / next.norm();
+        let image = &factor.matrix * rate;
+        let off = end.tr_mul(&image).norm() / image.norm();
         let open = match index + 1 == last {
-            true => (next - first).norm() / first.norm(),
+            true => bases[0].tr_mul(next).norm() / next.norm(),
             false => 0.0,
         };
         Factor {

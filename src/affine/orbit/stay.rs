@@ -8,7 +8,7 @@ use super::layout::{AffineOrbit, OrbitAt};
 use super::setting::Scales;
 use super::signature::Zone;
 use super::stop::OrbitStop;
-use crate::affine::equilibrium::{EquilibriumScales, EquilibriumSetting, fold_near};
+use crate::affine::equilibrium::{EquilibriumScales, EquilibriumSetting, boundary_near, fold_near};
 use crate::continuation::Node;
 use crate::continuation::locate::node_at;
 use crate::linalg::Vector;
@@ -43,7 +43,7 @@ fn way(at: &OrbitAt, zone: usize) -> Option<Vec<Vector>> {
 }
 
 /// How far two states are apart, in their units.
-fn apart(one: &[f64], other: &[f64], units: &[f64]) -> f64 {
+pub(super) fn apart(one: &[f64], other: &[f64], units: &[f64]) -> f64 {
     let apart = one.iter().zip(other).zip(units);
     let apart = apart.map(|((one, other), unit)| ((one - other) / unit).abs());
     apart.fold(0.0, f64::max)
@@ -142,27 +142,76 @@ impl AffineOrbit {
         } = &self.setting.scales;
         let way = way(&at, zone)?;
         let slow = &slowest(&way, states)?.as_slice()[..states.len()];
-        let value = self.parameter_at(point);
-        let setting = EquilibriumSetting {
-            system: self.setting.system.clone(),
-            values: self.values_at(point),
-            parameter: self.setting.parameter,
-            scales: EquilibriumScales {
-                units: states.iter().copied().chain([parameter.abs()]).collect(),
-                first: slow.iter().copied().chain([value]).collect(),
-                rate: self.setting.scales.time.recip(),
-            },
-        };
-        let fold = fold_near(setting, *mode)?;
+        let fold = fold_near(self.equilibria_beside(point, slow), *mode)?;
         let (index, last) = (self.duration_index(zone), point.len() - 1);
         let left = 0.5 * point[index] * tangent[last] / tangent[index] * parameter;
-        let like = (fold.parameter - value) / left;
+        let like = (fold.parameter - self.parameter_at(point)) / left;
         let passes =
             (LIKE.recip()..=LIKE).contains(&like) && apart(&fold.state, slow, states) <= NEAR;
         passes.then(|| OrbitStop::SaddleNode {
             mode: name.clone(),
             limit: fold.parameter,
             error: fold.error,
+        })
+    }
+
+    /// What the equilibria beside a state have in common, with the units of an orbit.
+    fn equilibria_beside(&self, point: &Vector, state: &[f64]) -> EquilibriumSetting {
+        let Scales {
+            states,
+            parameter,
+            time,
+            ..
+        } = &self.setting.scales;
+        let value = self.parameter_at(point);
+        EquilibriumSetting {
+            system: self.setting.system.clone(),
+            values: self.values_at(point),
+            parameter: self.setting.parameter,
+            scales: EquilibriumScales {
+                units: states.iter().copied().chain([parameter.abs()]).collect(),
+                first: state.iter().copied().chain([value]).collect(),
+                rate: time.recip(),
+            },
+        }
+    }
+
+    /// The equilibrium to which an orbit comes within its longest zone, on the guard that ends it, while the period T grows: what
+    /// the motion is off falls like e^(−λT) with the slowest rate λ of its decay, and so does what is left of the parameter,
+    /// λ⁻¹dp/dT.
+    pub(super) fn rests_on_a_boundary(&self, node: &Node) -> Option<OrbitStop> {
+        /// What is left is told by that to this factor: other rates have decayed more.
+        const LIKE: f64 = 1.5;
+        let Node { point, tangent, .. } = node;
+        if !self.has_own_period() || self.setting.prescribed.is_some() {
+            return None;
+        }
+        let zone = self.longest(point)?;
+        let at = self.at(point).ok()?;
+        let Zone {
+            mode, name, way, ..
+        } = self.sequence.zone(zone);
+        let guard = way.as_ref()?.guard;
+        let passage = at.passage(zone, at.zones[zone].duration).ok()?;
+        let Scales {
+            states,
+            parameter,
+            time,
+            ..
+        } = &self.setting.scales;
+        let end = &passage.end.as_slice()[..states.len()];
+        let rest = at.posed.system.equilibrium_near(*mode, end)?;
+        let slowest = rest.eigenvalues.first().filter(|value| value.re < 0.0)?;
+        let setting = self.equilibria_beside(point, &rest.state);
+        let boundary = boundary_near(setting, *mode, guard)?;
+        let (index, last) = (self.duration_index(zone), point.len() - 1);
+        let slope = tangent[last] / tangent[index] * parameter / time;
+        let like = (boundary.parameter - self.parameter_at(point)) * -slowest.re / slope;
+        let rests = (LIKE.recip()..=LIKE).contains(&like);
+        rests.then(|| OrbitStop::RestsOnBoundary {
+            mode: name.clone(),
+            limit: boundary.parameter,
+            error: boundary.error,
         })
     }
 

@@ -48,6 +48,15 @@ pub enum OrbitStop {
         /// Its error.
         error: f64,
     },
+    /// It does, since the orbit comes to an equilibrium on the guard at which it would switch.
+    RestsOnBoundary {
+        /// Name of its mode.
+        mode: String,
+        /// The parameter of that equilibrium.
+        limit: f64,
+        /// Its error.
+        error: f64,
+    },
     /// It does, since the orbit comes to begin where nothing moves: an equilibrium on the boundary of its mode.
     Stalls {
         /// Name of the mode.
@@ -151,6 +160,10 @@ impl fmt::Display for OrbitStop {
             ),
             OrbitStop::SaddleNode { mode, limit, .. } => {
                 Critical::SaddleNode { mode: mode.clone() }.fmt(formatter)?;
+                write!(formatter, ", at {limit}")
+            }
+            OrbitStop::RestsOnBoundary { mode, limit, .. } => {
+                Critical::RestOnBoundary { mode: mode.clone() }.fmt(formatter)?;
                 write!(formatter, ", at {limit}")
             }
             OrbitStop::Unbounded => write!(formatter, "the period grows without bound"),

@@ -247,7 +247,11 @@ fn prepared(item: &Item, special: &Special<AffineOrbit>, text: &str) -> Result<P
         Special::Own(Critical::Torus { angle }) => Condition::Torus { angle: *angle },
         Special::Own(Critical::Branching) => Condition::Branching,
         Special::Own(Critical::Shrinking | Critical::Vanishing) => return Err(Open::Shrinking),
-        Special::Own(Critical::Homoclinic { .. } | Critical::SaddleNode { .. }) => {
+        Special::Own(
+            Critical::Homoclinic { .. }
+            | Critical::SaddleNode { .. }
+            | Critical::RestOnBoundary { .. },
+        ) => {
             return Err(Open::Homoclinic);
         }
         Special::Own(

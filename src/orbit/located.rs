@@ -1,0 +1,58 @@
+//! What is located within a step of a branch.
+
+use super::Orbit;
+use super::monitor::MonitorStop;
+use crate::continuation::walk::Segment;
+
+/// A step along a branch, with what is watched at its ends.
+pub(super) type Step<'a, O> = Segment<'a, <O as Orbit>::Examination>;
+
+/// What is located within a step.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Event<O: Orbit> {
+    /// A fold in the parameter.
+    Fold,
+    /// A fold beyond which the branch retraces itself: what it is, and why the branch ends there.
+    Image(O::Special, O::Stop),
+    /// The orbit shrinks to an equilibrium: what that is, and why the branch ends there.
+    Shrinks(O::Special, O::Stop),
+    /// A value that was asked for.
+    User(f64),
+    /// A monitor has a value that was asked for.
+    Monitor(MonitorStop),
+    /// An edge of the range.
+    Edge(f64),
+    /// A margin vanishes.
+    Change(O::Margin),
+    /// The function of this place in [`Examined::tests`] changes its sign.
+    Crossing(usize),
+    /// The number of multipliers outside the unit circle changes.
+    Passing {
+        /// Before and beyond.
+        outside: [usize; 2],
+        /// Values of the parameter between which it does, where it is not located.
+        between: Option<[f64; 2]>,
+    },
+}
+
+/// An event and the error of the parameter there, in physical units.
+#[derive(Clone, Debug)]
+pub struct Located<O: Orbit> {
+    /// The event.
+    pub event: Event<O>,
+    /// The error.
+    pub uncertainty: f64,
+}
+
+impl<O: Orbit> Located<O> {
+    /// Whether stability is the same before and beyond it.
+    pub(super) fn keeps_stability(&self) -> bool {
+        matches!(
+            self.event,
+            Event::User(_) | Event::Monitor(_) | Event::Edge(_)
+        )
+    }
+}
+
+/// A scaled margin below this is zero but for rounding.
+pub(crate) const AT_ZERO: f64 = 1e-9;
