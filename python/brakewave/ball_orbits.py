@@ -17,7 +17,7 @@ from math import ceil, inf
 
 from flint import acb, acb_mat, acb_poly, arb, arb_mat, arb_poly, ctx, fmpq, fmpq_poly
 
-from .balls import SIGNS, Dual, NotCovered, Refused, Tagged, apply, as_matrix, decimal, distance, dual, exponential, injective, must, positive, prove_zero, real, tail, times, whole
+from .balls import SIGNS, Dual, NotCovered, Refused, Tagged, apply, as_matrix, decimal, distance, dual, exponential, injective, must, nearly_inverse, positive, prove_zero, real, tail, times, value_of, whole
 
 NEAR = 1e-6
 """What is zero at a point is found for all values of the parameter so near, in its unit."""
@@ -659,23 +659,26 @@ class Orbit:
             self.kept = parameter, ctx.prec, self.exact.at(parameter), {}
         *_, modes, steps = self.kept
 
-        def step(mode, place, time):
-            known = steps.get((mode, place))
+        def step(mode, place, time, cell=None):
+            known = steps.get((mode, place, cell))
             if known is None or known[0] is not time:
-                known = steps[mode, place] = time, exponential(modes.matrices[mode], time)
+                of = time if cell is None else part_of(time, *cell)
+                known = steps[mode, place, cell] = time, exponential(modes.matrices[mode], of)
             return known[1]
 
         return modes, step
 
-    def parts(self, x, cell=None):
+    def parts(self, x, cell=None, among=None):
         """Modes, and (phase, duration, z at the entry, exp(MT), z at the end) of every stretch; of a cell of all durations where such
-        is given."""
+        is given, and without z and exp(MT) but for a range where such is given."""
         modes, step = self.modes(x[self.place])
         phase, parts = x[self.place - 1] if self.forced else 0, []
         for index, (stretch, first, at) in enumerate(zip(self.stretches, self.firsts, self.times)):
-            z, time = self.lift(x[first : first + self.n], self.limited(index, phase)), x[at]
-            flow = step(stretch.mode, at, time) if cell is None else step(stretch.mode, (at, cell), part_of(time, *cell))
-            parts.append((phase, time, z, flow, apply(flow, z)))
+            time, moving = x[at], (None, None, None)
+            if among is None or index in among:
+                z, flow = self.lift(x[first : first + self.n], self.limited(index, phase)), step(stretch.mode, at, time, cell)
+                moving = z, flow, apply(flow, z)
+            parts.append((phase, time, *moving))
             phase = phase + modes.omega * time
         return modes, parts
 
@@ -736,8 +739,8 @@ class Orbit:
         n, count = self.n, len(self.stretches)
         rows = [[0] * (self.place + 1) for _ in range(self.place + (also is not None))]
         moving, step = self.modes(Dual(x[self.place], 1))
-        still = lambda numbers: [dual(a).v for a in numbers]
-        shift = lambda numbers, z: sum((dual(a).d * y for a, y in zip(numbers, z) if isinstance(a, Dual)), arb(0))
+        still = lambda numbers: [*map(value_of, numbers)]
+        shift = lambda numbers, z: sum((a.d * y for a, y in zip(numbers, z) if isinstance(a, Dual)), arb(0))
         omega, turn = dual(moving.omega).v, dual(moving.omega).d
         row, phase, elapsed, passed, kept = 0, self.place - 1, arb(0), {}, {}
 
@@ -772,7 +775,7 @@ class Orbit:
             made = None
             for cell in range(cells):
                 if (stretch.mode, at, cell) not in kept:
-                    way = step(stretch.mode, (at, cell), part_of(time, cell, cells))
+                    way = step(stretch.mode, at, time, (cell, cells))
                     kept[stretch.mode, at, cell] = way, as_matrix(map(still, way)), as_matrix(map(still, moving.matrices[stretch.mode]))
                 way, flow, matrix = kept[stretch.mode, at, cell]
                 # perturbations of the end by states, the duration, the parameter and the phase
@@ -973,14 +976,19 @@ class Orbit:
         return found
 
     # ------------------------------------------------------------------------------------------------ uniqueness
-    def linear(self, x, v, factor, w, cell):
+    def linear(self, x, v, factor, w, cell, among=None):
         """What the equations of the orbit make of perturbations v of all unknowns but the parameter, where that of the first entry
-        is `factor` times as large a period later, times w: a number for every stretch and for the period, with the flows of a
-        cell of all durations."""
-        modes, parts = self.parts(x, cell)
+        is `factor` times as large a period later, times w: a number for every stretch, or for those of a range, and for the period,
+        with the flows of a cell of all durations."""
+        modes, parts = self.parts(x, cell, among)
         n, count, out, row, later = self.n, len(self.stretches), [], 0, v[self.place - 1] if self.forced else 0
+        among = range(count) if among is None else among
         for index, (stretch, (_, _, z, step, end)) in enumerate(zip(self.stretches, parts)):
             first, after, long = self.firsts[index], self.firsts[(index + 1) % count], v[self.times[index]]
+            height = n + (stretch.end[0] != "cut")
+            if index not in among:
+                later, row = later + modes.omega * long, row + height
+                continue
             moved = [*v[first : first + n], *[0] * (len(z) - n)]
             if self.forced:
                 moved = [a + b * later for a, b in zip(moved, self.turned(z))]
@@ -990,9 +998,10 @@ class Orbit:
             reset = exits[where[1]][1] if kind == "exit" else [modes.unit(i) for i in range(n)]
             sign = (-1 if self.half else 1) * factor if index + 1 == count else 1
             made = [a - sign * b for a, b in zip(apply(reset, moved), v[after : after + n])]
-            made += apply([row_of], moved) if kind == "exit" else [v[self.place - 1]]
-            out.append(sum((a * b for a, b in zip(made, w[row : row + n + 1])), arb(0)))
-            later, row = later + modes.omega * long, row + n + 1
+            if kind != "cut":
+                made += apply([row_of], moved) if kind == "exit" else [v[self.place - 1]]
+            out.append(sum((a * b for a, b in zip(made, w[row : row + height])), arb(0)))
+            later, row = later + modes.omega * long, row + height
         if self.forced:
             out.append((later - factor * v[self.place - 1]) * w[row])
         return out
@@ -1015,12 +1024,12 @@ class Orbit:
             return cosine + sine * acb(0, 1) if not isinstance(turn, Dual) else Dual(acb(cosine.v, sine.v), acb(cosine.d, sine.d))
         return {"Fold": 1, "Doubling": -1, "Branching": -1}.get(self.kind)
 
-    def bordered(self, box, rows, border, radii, cells):
-        """With Av = −gb, ⟨l, v⟩ = 1 for the matrix A of `linear` and wᵀA = −hlᵀ, ⟨w, b⟩ = 1 all over a box, A is singular where
-        g = 0 only, and g′ = −wᵀA′v: the rows of g′, times radii. None where that is not shown."""
+    def null_vectors(self, rows, border, radii):
+        """v and w with Av = −gb, ⟨l, v⟩ = 1 and wᵀA = −hlᵀ, ⟨w, b⟩ = 1 for all matrices A in a matrix of balls: A is singular where
+        g = 0 only, and g′ = −wᵀA′v. None where that is not shown."""
         scale, below, beside = border
-        size, factor = self.place + 1, self.factor(box)
-        rows = [[a * u * t for a, u in zip(row, radii)] for row, t in zip(self.closing(rows, factor), scale)]
+        size = self.place + 1
+        rows = [[a * u * t for a, u in zip(row, radii)] for row, t in zip(rows, scale)]
         both = as_matrix([*([*row, b] for row, b in zip(rows, beside)), [*below, 0]])
         ends = []
         for whole in (both, both.transpose()):
@@ -1043,18 +1052,33 @@ class Orbit:
                 return None
             ball = lambda r: acb(arb(0, 1) * r, arb(0, 1) * r) if isinstance(whole, acb_mat) else arb(0, 1) * r
             ends.append([a - b for a, b in zip(first, times(away, [a + ball(r) for a, r in zip(first, moved)]))][:-1])
-        right, left = [y * u for y, u in zip(ends[0], radii)], [y * t for y, t in zip(ends[1], scale)]
-        slopes = []
+        return [y * u for y, u in zip(ends[0], radii)], [y * t for y, t in zip(ends[1], scale)]
+
+    def reached(self, unknown):
+        """The stretches whose equations have an unknown in what multiplies perturbations: those that begin before it are not among them."""
+        count = len(self.stretches)
+        if unknown >= self.place - self.forced:
+            return range(count)
+        index = next(k for k, (first, at) in enumerate(zip(self.firsts, self.times)) if first <= unknown <= at)
+        # a duration moves all later instants of the forcing
+        return range(index, count if self.forced and unknown == self.times[index] else index + 1)
+
+    def bordered(self, box, rows, border, radii, cells):
+        """The rows of g′, see `null_vectors`, for the matrix of `linear` over a box, times radii. None where that is not shown."""
+        vectors = self.null_vectors(self.closing(rows, self.factor(box)), border, radii)
+        if vectors is None:
+            return None
+        (right, left), slopes = vectors, []
         for j, radius in enumerate(radii):
-            seeded = [Dual(x, radius) if i == j else x for i, x in enumerate(box)]
-            every = [[acb(dual(a).d) for a in self.linear(seeded, right, self.factor(seeded), left, (cell, cells))] for cell in range(cells)]
+            seeded, among = [Dual(x, radius) if i == j else x for i, x in enumerate(box)], self.reached(j)
+            flows = ((cell, cells) for cell in range(cells))
+            every = [[acb(dual(a).d) for a in self.linear(seeded, right, self.factor(seeded), left, cell, among)] for cell in flows]
             slopes.append(-sum((reduce(acb.union, each) for each in zip(*every)), acb(0)))
         return [[y.real for y in slopes], [y.imag for y in slopes]][: 1 + (self.kind == "Torus")]
 
-    def border(self, middle, radii):
-        """Sizes of rows, and about the null vectors of the matrix of `linear` from the right and the left."""
-        near = [real(y) for y in self.guess]
-        rows = [[a * u for a, u in zip(row, radii)] for row in self.closing(self.slope(near).tolist(), self.factor(near))]
+    def border(self, rows, radii):
+        """Sizes of rows, and about the null vectors of a matrix that is nearly singular from the right and the left."""
+        rows = [[a * u for a, u in zip(row, radii)] for row in rows]
         scale = [1 / max(abs(a).upper() for a in row).mid() for row in rows]
         inverse = as_matrix([[a * t for a in row] for row, t in zip(rows, scale)]).mid().inv().mid()
         vectors = []
@@ -1087,7 +1111,9 @@ class Orbit:
         """How far the Jacobian over a box is from that in its middle."""
         also = self.events[0] if self.kind == "Margin" and not self.closed else None
         try:
-            border = self.border(middle, radii) if self.factor(middle) is not None else None
+            near = [real(y) for y in self.guess]
+            critical = self.factor(middle) is not None
+            border = self.border(self.closing(self.slope(near).tolist(), self.factor(near)), radii) if critical else None
         except ZeroDivisionError:
             return arb("inf")
 
@@ -1350,7 +1376,7 @@ class Arc:
     def inverse(stack):
         """About the inverse of a matrix of balls."""
         try:
-            return stack.mid().inv().mid()
+            return nearly_inverse(stack)
         except ZeroDivisionError:
             raise NotCovered("the equations are singular on the way") from None
 
@@ -1407,10 +1433,10 @@ class Arc:
         """The tangent in units where the Jacobian is this, and the coordinate that moves most."""
         for coordinate in [self.place, *range(self.place)]:
             try:
-                solved = self.stack(rows, coordinate).mid().inv()
+                solved = self.stack(rows, coordinate).mid().solve(arb_mat([[0]] * self.place + [[1]]), algorithm="approx")
             except ZeroDivisionError:
                 continue
-            scaled = [float(solved[i, self.place].mid()) / u for i, u in enumerate(self.units)]
+            scaled = [float(solved[i, 0].mid()) / u for i, u in enumerate(self.units)]
             size = max(map(abs, scaled))
             most = self.place if abs(scaled[self.place]) * BY_FAR > size else max(range(len(scaled)), key=lambda i: abs(scaled[i]))
             return [y / size for y in scaled], most
@@ -1434,6 +1460,9 @@ class Arc:
             direction, length = (1 if before[k] > 0 else -1), min(longest, self.units[k])
             rest = left(x, k) * direction
             # an orbit that is far from the end in other unknowns passes by
+            # the parameter turns at the ends only: the curve does not come back to a value that it has passed
+            apart = [x[self.place] - end[self.place] for end in self.ends]
+            must(not count or not apart[0] * apart[1] > 0, "the curve does not lead to its last end")
             far = max(abs(left(x, i)) / unit for i, unit in enumerate(self.units))
             if rest > 0 and far < 1000 * rest / self.units[k]:
                 length = min(length, rest / 2)
@@ -1484,7 +1513,7 @@ class Arc:
                 bends = self.bend(along, self.closed[next_to][0], self.stack(rows, k))
             else:
                 must(end.kind == "Fold", "there may be a fold on the way")
-                bends = distance(self.orbit.returned(*self.orbit.parts(along)), 1).d
+                bends = self.folds(along, rows)
             must(not bends.contains(0), "there may be a fold on the way")
         sign = 0 if next_to is None else direction if next_to == 0 else -direction
         moving = tube if not sign else [Dual(z, sign * d) for z, d in zip(tube, tangent)]
@@ -1492,6 +1521,22 @@ class Arc:
         closed = () if next_to is None else self.closed[next_to]
         wrong = [what for what, holds in self.orbit.all_signs(moving, closed) if not holds]
         must(not wrong, f"{', '.join(wrong)} is not shown on the way")
+
+    def folds(self, along, rows):
+        """The derivative along a curve, of which the Jacobian over a piece is given, of what is zero where the parameter is stationary:
+        without products of matrices that lead through many parts of zones, unless a zone may have no duration."""
+        orbit, radii = self.orbit, [arb(unit) for unit in self.units[: self.place]]
+        if orbit.divisors:
+            return distance(orbit.returned(*orbit.parts(along)), 1).d
+        rows = orbit.closing(rows, 1)
+        try:
+            border = orbit.border([[a.mid() for a in map(real, row)] for row in rows], radii)
+        except ZeroDivisionError:
+            raise NotCovered("the equations are singular on the way") from None
+        vectors = orbit.null_vectors(rows, border, radii)
+        must(vectors, "there may be a fold on the way")
+        right, left = vectors
+        return -sum((dual(y).d for y in orbit.linear(along, right, 1, left, None)), arb(0))
 
     def bend(self, along, index, steep):
         """p′/T along a curve with T′ = 1 from T = 0 on, T the duration of a zone in which the parameter is stationary there. With v,

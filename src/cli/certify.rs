@@ -211,10 +211,12 @@ fn verify(path: &Path, quiet: bool) -> Result<Exit, Failure> {
     };
     let belongs = match (&read, &problem) {
         (_, None) => true,
-        (Read::Waves(_), Some((Any::Tube(_), _))) => true,
+        (Read::Waves(_), Some((Any::Tube(problem), _))) => problem.continuation.is_some(),
         (Read::Waves(_), _) | (_, Some((Any::Tube(_), _))) => false,
         (read, Some((Any::System(problem), _))) => {
-            matches!(read, Read::Equilibria(_)) == problem.equilibrium.is_some()
+            problem.continuation.is_some()
+                && !(problem.orbit.is_none() && problem.equilibrium.is_none())
+                && matches!(read, Read::Equilibria(_)) == problem.equilibrium.is_some()
         }
     };
     match (read, &problem) {
