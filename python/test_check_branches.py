@@ -137,6 +137,14 @@ class Branches(unittest.TestCase):
         told = self.program("certify", "--verify", "changed", code=1)
         self.assertRegex(told, "SL: verified")
 
+    def test_cells_that_are_no_numbers(self):
+        for cell in ["0.75 +/- 0.1", "[0.75 +/- 1e-3]", "3/4", "0.7_5", "pi", ""]:
+            table = lambda text: "\n".join(",".join([*line.split(",")[:4], cell, *line.split(",")[5:]]) if ",UZ," in line else line for line in text.splitlines()) + "\n"
+            code, told = self.changed("clock", lambda _: None, table)
+            self.assertEqual(code, 1, told)
+            self.assertRegex(told, "row of certificates.csv: refused: .* is no number")
+            self.assertIn("certificates.csv: refused", self.program("certify", "--verify", "changed", code=1))
+
     def test_an_arc_to_a_fold(self):
         code, told = check(self.folders["fold"])
         self.assertEqual(len([line for line in told.splitlines() if "arc: proven again" in line]), 2, told)

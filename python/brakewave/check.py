@@ -23,8 +23,9 @@ from typing import Any
 try:
     from flint import acb, acb_mat, arb, ctx
 
+    from .ball_arcs import join
     from .ball_layers import Layered, LayeredSigns
-    from .ball_orbits import Orbit, agree, counted, join, kind_of, listed, zones_of
+    from .ball_orbits import Orbit, agree, counted, kind_of, listed, zones_of
     from .ball_spectrum import Perturbed
     from .ball_waves import Signs
     from .balls import NotCovered, Refused, Tagged, decimal, must, prove_zero, whole
@@ -537,7 +538,9 @@ class OrbitPoint(Statements):
         fields(said, "parameter period unique inequalities", "angle outside")
         whole(point["label"]), whole(said["inequalities"])
         self.arc_is_one()
-        self.distance_is_one(float(self.posed["units"]["parameter"]))
+        units = self.posed["units"]
+        must(all(0 < float(unit) < inf for unit in (*units["states"], units["time"], units["parameter"])), "a unit that is no length")
+        self.distance_is_one(float(units["parameter"]))
         angles = [said[name] for name in ["angle"] if said.get(name) is not None]
         for interval in [said["parameter"], said["period"], *angles]:
             fields(interval, "low high")

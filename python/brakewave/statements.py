@@ -3,6 +3,7 @@
 check.py says what it is for.
 """
 
+import re
 from fractions import Fraction
 
 from flint import arb
@@ -11,6 +12,15 @@ from .balls import NotCovered, Tagged, must, whole
 
 WIDEST = 0.01
 """A distance of uniqueness is stated up to this share of the units."""
+
+
+NUMBER = re.compile(r"[-+]?(?:(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?|inf)")
+
+
+def number(cell):
+    """A cell of the table that is one number, and no ball or quotient."""
+    must(isinstance(cell, str) and NUMBER.fullmatch(cell), f"{cell!r} is no number")
+    return cell
 
 
 def fields(record, needed, optional=""):
@@ -143,8 +153,8 @@ class Statements:
         named = [str(int(point["label"])), point["kind"], name, "yes"]
         must([row[it] for it in ("label", "type", "parameter", "proven")] == named, "it is of another point")
         for what, (low, high), ball in intervals:
-            must(inside(ball, row[low], row[high]), f"the {what} is not in its interval")
-        must(float(row["unique"]) == self.said["unique"], "`unique` is not that of the certificate")
+            must(inside(ball, number(row[low]), number(row[high])), f"the {what} is not in its interval")
+        must(float(number(row["unique"])) == self.said["unique"], "`unique` is not that of the certificate")
         opened = isinstance(arc, Tagged)
         stated |= {"inequalities": self.said["inequalities"], "arc": "" if arc is None else "no" if opened else "yes"}
         stated |= {"why": "", "arc_why": arc.value if opened else ""}

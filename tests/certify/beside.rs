@@ -38,7 +38,7 @@ fn edited(text: &str, edits: &[(&str, &str)]) -> String {
     })
 }
 
-const ORBITS: &str = r#"(
+const CLOCK: &str = r#"(
     system: (
         states: ["t", "y", "z"], parameters: {"p": 1.0, "k": 0.05},
         modes: {"run": (rates: {"t": "1", "y": "z", "z": "2"},
@@ -71,7 +71,7 @@ fn a_branch_goes_on_from_an_earlier_run() {
     let rests = "Given(mode: \"run\", state: {\"x\": 20.0})";
     let cases = [
         (
-            ORBITS,
+            CLOCK,
             given,
             [
                 ("\"-2.7\"", "\"-2.6\""),
@@ -121,8 +121,8 @@ fn a_branch_goes_on_from_an_earlier_run() {
 #[test]
 fn a_prescribed_period_frees_a_parameter() {
     let folder = TempDir::new().unwrap();
-    let out = certified(ORBITS, folder.path());
-    let source = ORBITS.replace("orbit: (", "orbit: (period: \"1.9\", free: \"k\", ");
+    let out = certified(CLOCK, folder.path());
+    let source = CLOCK.replace("orbit: (", "orbit: (period: \"1.9\", free: \"k\", ");
     let (code, told) = beside(&out, &source);
     assert_eq!(code, Some(1), "{told}");
     assert!(told.contains("the period is not that"), "{told}");
@@ -138,16 +138,16 @@ fn what_is_not_followed_has_no_points() {
     };
     for (text, others) in [
         (
-            ORBITS,
-            [EQUILIBRIA.to_owned(), WAVES.to_owned(), without(ORBITS)],
+            CLOCK,
+            [EQUILIBRIA.to_owned(), WAVES.to_owned(), without(CLOCK)],
         ),
         (
             EQUILIBRIA,
-            [ORBITS.to_owned(), WAVES.to_owned(), without(EQUILIBRIA)],
+            [CLOCK.to_owned(), WAVES.to_owned(), without(EQUILIBRIA)],
         ),
         (
             WAVES,
-            [ORBITS.to_owned(), EQUILIBRIA.to_owned(), without(WAVES)],
+            [CLOCK.to_owned(), EQUILIBRIA.to_owned(), without(WAVES)],
         ),
     ] {
         let out = certified(text, folder.path());
@@ -160,4 +160,54 @@ fn what_is_not_followed_has_no_points() {
             );
         }
     }
+}
+
+/// Words and cells that no one would read as those of the certificate are not taken for them.
+#[test]
+fn what_stands_beside_it_says_the_same() {
+    let folder = TempDir::new().unwrap();
+    let out = certified(CLOCK, folder.path());
+    let told = || brakewave(&["certify", "--verify", out.to_str().unwrap()]);
+    let (code, words) = told();
+    assert_eq!(code, Some(0), "{words}");
+    type Edit = fn(&str) -> String;
+    let edits: [(&str, &str, Edit); 6] = [
+        ("theorem.md", "theorem.md: refused", |text| {
+            text.replace("inside the unit circle", "at rest")
+        }),
+        ("theorem.md", "theorem.md: refused", |text| {
+            format!("{text}It is stable for all p.\n")
+        }),
+        ("certificates.csv", "certificates.csv: refused", |text| {
+            format!("{text}99,UZ,p,0.1,0.2,1.0,2.0,0.001,2,yes,,0,,,,")
+        }),
+        ("certificates.csv", "certificates.csv: refused", |text| {
+            text.replace(",,,,\n", ",,,,,stable\n")
+        }),
+        ("certificate.ron", "its labels do not ascend", |text| {
+            text.replacen("label: 1,", "label: 99,", 1)
+        }),
+        ("certificate.ron", "its labels do not ascend", |text| {
+            text.replacen("label: 2,", "label: 1,", 1)
+        }),
+    ];
+    for (name, reason, edit) in edits {
+        let file = out.join(name);
+        let honest = fs::read_to_string(&file).unwrap();
+        assert_ne!(edit(&honest), honest, "{name}: {reason}");
+        fs::write(&file, edit(&honest)).unwrap();
+        let (code, words) = told();
+        assert_eq!(code, Some(1), "{name}: {words}");
+        assert!(words.contains(reason), "{name}: {words}");
+        fs::write(&file, honest).unwrap();
+    }
+    // another version may have other words
+    let file = out.join("certificate.ron");
+    let honest = fs::read_to_string(&file).unwrap();
+    let version = format!("version: \"{}\"", env!("CARGO_PKG_VERSION"));
+    assert!(honest.contains(&version), "{honest}");
+    fs::write(&file, honest.replace(&version, "version: \"0.1.0\"")).unwrap();
+    fs::write(out.join("theorem.md"), "# Otherwise\n").unwrap();
+    let (code, words) = told();
+    assert_eq!(code, Some(0), "{words}");
 }
