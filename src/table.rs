@@ -487,7 +487,7 @@ impl Table {
     }
 
     /// The cells of a row.
-    fn row(&self, row: usize) -> impl Iterator<Item = &str> {
+    pub(crate) fn row(&self, row: usize) -> impl Iterator<Item = &str> {
         let first = row.checked_sub(1).map_or(0, |before| self.rows[before]);
         (first..self.rows[row]).map(|cell| self.cell(cell))
     }

@@ -9,33 +9,25 @@ stretch. Multipliers are the eigenvalues of the linearised return to the first e
 import ast
 import re
 from collections import namedtuple
-from contextlib import suppress
 from copy import copy
 from fractions import Fraction
 from functools import reduce
-from math import ceil, inf
+from math import inf
 
-from flint import acb, acb_mat, acb_poly, arb, arb_mat, arb_poly, ctx, fmpq, fmpq_poly
+from flint import acb, acb_mat, acb_poly, arb, arb_poly, ctx, fmpq, fmpq_poly
 
-from .balls import SIGNS, Dual, NotCovered, Refused, Tagged, apply, as_matrix, decimal, distance, dual, exponential, injective, must, positive, prove_zero, real, tail, times, whole
+from .balls import SIGNS, Dual, NotCovered, Refused, Tagged, apply, as_matrix, decimal, distance, dual, exponential, injective, must, positive, prove_zero, real, tail, times, value_of, whole
 
 NEAR = 1e-6
 """What is zero at a point is found for all values of the parameter so near, in its unit."""
-ALONG, ALMOST, POINT, TUBE = 80, 2.0**-54, arb(2) ** -50, arb(2) ** -46
-"""Bits in which curves are followed; the first step of Newton's method that is not made, the radii of points and of tubes at least,
-in units: far above rounding, and one after the other far below what a piece of a curve bends."""
-TURNS = 2.0
-"""A part of a zone on a curve lasts no longer than this over the largest rate of its mode."""
+ALMOST = 2.0**-54
+"""A step in units of an unknown that is as good as none."""
 SHUT = 1e-9
 """A zone that lasts no longer than this share of the unit of time may have no duration."""
 FINER = ((1, 4), (4, 8))
 """Into how many parts the range of the parameter and into how many cells those of durations are divided where uniqueness is shown."""
 TURNED = 40
 """Boxes of growing width that are tried about the solution of linear equations."""
-PIECES, SHORTEST, BY_FAR = 2000, 1e-6, 8.0
-"""Pieces of a curve; their least length in units; the parameter is their coordinate unless another moves so much more."""
-TRIES, CALM = 4, 3
-"""Tubes of growing width that are tried; pieces that hold before a longer one is tried."""
 
 
 # ---------------------------------------------------------------------------------------------------- expressions
@@ -659,23 +651,26 @@ class Orbit:
             self.kept = parameter, ctx.prec, self.exact.at(parameter), {}
         *_, modes, steps = self.kept
 
-        def step(mode, place, time):
-            known = steps.get((mode, place))
+        def step(mode, place, time, cell=None):
+            known = steps.get((mode, place, cell))
             if known is None or known[0] is not time:
-                known = steps[mode, place] = time, exponential(modes.matrices[mode], time)
+                of = time if cell is None else part_of(time, *cell)
+                known = steps[mode, place, cell] = time, exponential(modes.matrices[mode], of)
             return known[1]
 
         return modes, step
 
-    def parts(self, x, cell=None):
+    def parts(self, x, cell=None, among=None):
         """Modes, and (phase, duration, z at the entry, exp(MT), z at the end) of every stretch; of a cell of all durations where such
-        is given."""
+        is given, and without z and exp(MT) but for a range where such is given."""
         modes, step = self.modes(x[self.place])
         phase, parts = x[self.place - 1] if self.forced else 0, []
         for index, (stretch, first, at) in enumerate(zip(self.stretches, self.firsts, self.times)):
-            z, time = self.lift(x[first : first + self.n], self.limited(index, phase)), x[at]
-            flow = step(stretch.mode, at, time) if cell is None else step(stretch.mode, (at, cell), part_of(time, *cell))
-            parts.append((phase, time, z, flow, apply(flow, z)))
+            time, moving = x[at], (None, None, None)
+            if among is None or index in among:
+                z, flow = self.lift(x[first : first + self.n], self.limited(index, phase)), step(stretch.mode, at, time, cell)
+                moving = z, flow, apply(flow, z)
+            parts.append((phase, time, *moving))
             phase = phase + modes.omega * time
         return modes, parts
 
@@ -736,8 +731,8 @@ class Orbit:
         n, count = self.n, len(self.stretches)
         rows = [[0] * (self.place + 1) for _ in range(self.place + (also is not None))]
         moving, step = self.modes(Dual(x[self.place], 1))
-        still = lambda numbers: [dual(a).v for a in numbers]
-        shift = lambda numbers, z: sum((dual(a).d * y for a, y in zip(numbers, z) if isinstance(a, Dual)), arb(0))
+        still = lambda numbers: [*map(value_of, numbers)]
+        shift = lambda numbers, z: sum((a.d * y for a, y in zip(numbers, z) if isinstance(a, Dual)), arb(0))
         omega, turn = dual(moving.omega).v, dual(moving.omega).d
         row, phase, elapsed, passed, kept = 0, self.place - 1, arb(0), {}, {}
 
@@ -772,7 +767,7 @@ class Orbit:
             made = None
             for cell in range(cells):
                 if (stretch.mode, at, cell) not in kept:
-                    way = step(stretch.mode, (at, cell), part_of(time, cell, cells))
+                    way = step(stretch.mode, at, time, (cell, cells))
                     kept[stretch.mode, at, cell] = way, as_matrix(map(still, way)), as_matrix(map(still, moving.matrices[stretch.mode]))
                 way, flow, matrix = kept[stretch.mode, at, cell]
                 # perturbations of the end by states, the duration, the parameter and the phase
@@ -973,14 +968,19 @@ class Orbit:
         return found
 
     # ------------------------------------------------------------------------------------------------ uniqueness
-    def linear(self, x, v, factor, w, cell):
+    def linear(self, x, v, factor, w, cell, among=None):
         """What the equations of the orbit make of perturbations v of all unknowns but the parameter, where that of the first entry
-        is `factor` times as large a period later, times w: a number for every stretch and for the period, with the flows of a
-        cell of all durations."""
-        modes, parts = self.parts(x, cell)
+        is `factor` times as large a period later, times w: a number for every stretch, or for those of a range, and for the period,
+        with the flows of a cell of all durations."""
+        modes, parts = self.parts(x, cell, among)
         n, count, out, row, later = self.n, len(self.stretches), [], 0, v[self.place - 1] if self.forced else 0
+        among = range(count) if among is None else among
         for index, (stretch, (_, _, z, step, end)) in enumerate(zip(self.stretches, parts)):
             first, after, long = self.firsts[index], self.firsts[(index + 1) % count], v[self.times[index]]
+            height = n + (stretch.end[0] != "cut")
+            if index not in among:
+                later, row = later + modes.omega * long, row + height
+                continue
             moved = [*v[first : first + n], *[0] * (len(z) - n)]
             if self.forced:
                 moved = [a + b * later for a, b in zip(moved, self.turned(z))]
@@ -990,9 +990,10 @@ class Orbit:
             reset = exits[where[1]][1] if kind == "exit" else [modes.unit(i) for i in range(n)]
             sign = (-1 if self.half else 1) * factor if index + 1 == count else 1
             made = [a - sign * b for a, b in zip(apply(reset, moved), v[after : after + n])]
-            made += apply([row_of], moved) if kind == "exit" else [v[self.place - 1]]
-            out.append(sum((a * b for a, b in zip(made, w[row : row + n + 1])), arb(0)))
-            later, row = later + modes.omega * long, row + n + 1
+            if kind != "cut":
+                made += apply([row_of], moved) if kind == "exit" else [v[self.place - 1]]
+            out.append(sum((a * b for a, b in zip(made, w[row : row + height])), arb(0)))
+            later, row = later + modes.omega * long, row + height
         if self.forced:
             out.append((later - factor * v[self.place - 1]) * w[row])
         return out
@@ -1015,12 +1016,12 @@ class Orbit:
             return cosine + sine * acb(0, 1) if not isinstance(turn, Dual) else Dual(acb(cosine.v, sine.v), acb(cosine.d, sine.d))
         return {"Fold": 1, "Doubling": -1, "Branching": -1}.get(self.kind)
 
-    def bordered(self, box, rows, border, radii, cells):
-        """With Av = −gb, ⟨l, v⟩ = 1 for the matrix A of `linear` and wᵀA = −hlᵀ, ⟨w, b⟩ = 1 all over a box, A is singular where
-        g = 0 only, and g′ = −wᵀA′v: the rows of g′, times radii. None where that is not shown."""
+    def null_vectors(self, rows, border, radii):
+        """v and w with Av = −gb, ⟨l, v⟩ = 1 and wᵀA = −hlᵀ, ⟨w, b⟩ = 1 for all matrices A in a matrix of balls: A is singular where
+        g = 0 only, and g′ = −wᵀA′v. None where that is not shown."""
         scale, below, beside = border
-        size, factor = self.place + 1, self.factor(box)
-        rows = [[a * u * t for a, u in zip(row, radii)] for row, t in zip(self.closing(rows, factor), scale)]
+        size = self.place + 1
+        rows = [[a * u * t for a, u in zip(row, radii)] for row, t in zip(rows, scale)]
         both = as_matrix([*([*row, b] for row, b in zip(rows, beside)), [*below, 0]])
         ends = []
         for whole in (both, both.transpose()):
@@ -1043,18 +1044,33 @@ class Orbit:
                 return None
             ball = lambda r: acb(arb(0, 1) * r, arb(0, 1) * r) if isinstance(whole, acb_mat) else arb(0, 1) * r
             ends.append([a - b for a, b in zip(first, times(away, [a + ball(r) for a, r in zip(first, moved)]))][:-1])
-        right, left = [y * u for y, u in zip(ends[0], radii)], [y * t for y, t in zip(ends[1], scale)]
-        slopes = []
+        return [y * u for y, u in zip(ends[0], radii)], [y * t for y, t in zip(ends[1], scale)]
+
+    def reached(self, unknown):
+        """The stretches whose equations have an unknown in what multiplies perturbations: those that begin before it are not among them."""
+        count = len(self.stretches)
+        if unknown >= self.place - self.forced:
+            return range(count)
+        index = next(k for k, (first, at) in enumerate(zip(self.firsts, self.times)) if first <= unknown <= at)
+        # a duration moves all later instants of the forcing
+        return range(index, count if self.forced and unknown == self.times[index] else index + 1)
+
+    def bordered(self, box, rows, border, radii, cells):
+        """The rows of g′, see `null_vectors`, for the matrix of `linear` over a box, times radii. None where that is not shown."""
+        vectors = self.null_vectors(self.closing(rows, self.factor(box)), border, radii)
+        if vectors is None:
+            return None
+        (right, left), slopes = vectors, []
         for j, radius in enumerate(radii):
-            seeded = [Dual(x, radius) if i == j else x for i, x in enumerate(box)]
-            every = [[acb(dual(a).d) for a in self.linear(seeded, right, self.factor(seeded), left, (cell, cells))] for cell in range(cells)]
+            seeded, among = [Dual(x, radius) if i == j else x for i, x in enumerate(box)], self.reached(j)
+            flows = ((cell, cells) for cell in range(cells))
+            every = [[acb(dual(a).d) for a in self.linear(seeded, right, self.factor(seeded), left, cell, among)] for cell in flows]
             slopes.append(-sum((reduce(acb.union, each) for each in zip(*every)), acb(0)))
         return [[y.real for y in slopes], [y.imag for y in slopes]][: 1 + (self.kind == "Torus")]
 
-    def border(self, middle, radii):
-        """Sizes of rows, and about the null vectors of the matrix of `linear` from the right and the left."""
-        near = [real(y) for y in self.guess]
-        rows = [[a * u for a, u in zip(row, radii)] for row in self.closing(self.slope(near).tolist(), self.factor(near))]
+    def border(self, rows, radii):
+        """Sizes of rows, and about the null vectors of a matrix that is nearly singular from the right and the left."""
+        rows = [[a * u for a, u in zip(row, radii)] for row in rows]
         scale = [1 / max(abs(a).upper() for a in row).mid() for row in rows]
         inverse = as_matrix([[a * t for a in row] for row, t in zip(rows, scale)]).mid().inv().mid()
         vectors = []
@@ -1087,7 +1103,9 @@ class Orbit:
         """How far the Jacobian over a box is from that in its middle."""
         also = self.events[0] if self.kind == "Margin" and not self.closed else None
         try:
-            border = self.border(middle, radii) if self.factor(middle) is not None else None
+            near = [real(y) for y in self.guess]
+            critical = self.factor(middle) is not None
+            border = self.border(self.closing(self.slope(near).tolist(), self.factor(near)), radii) if critical else None
         except ZeroDivisionError:
             return arb("inf")
 
@@ -1274,268 +1292,3 @@ def agree(one, two):
             if not rest:
                 return True
     return False
-
-
-# ---------------------------------------------------------------------------------------------------- arcs
-class Arc:
-    """The orbits between two of one sequence: a curve in the unknowns of orbits without an event."""
-
-    def __init__(self, ends, near):
-        (self.first, one), (self.last, other) = ends
-        domain = real(one[self.first.place]).union(real(other[self.last.place]))
-        self.orbit = Orbit(self.first.posed, near, "Value", domain)
-        self.orbit.divide_by({*self.first.closed, *self.last.closed})
-        self.orbit.facts = self.orbit.lasting = self.orbit.known()
-        whole = [self.uncut(*end) for end in ends]
-        parts = self.parts(whole)
-        self.ends = [self.divided(x, parts) for x in whole]
-        self.orbit.divide(parts)
-        self.place = self.orbit.place
-        units = self.orbit.posed["units"]
-        states, self.units = [*map(float, units["states"])], []
-        for n in parts:
-            self.units += states * n + [float(units["time"])]
-        self.units += [1.0] * self.orbit.forced + [float(units["parameter"])]
-        # where a zone that has no duration at an end stands, which is not cut
-        self.closed = [[sum(parts[:zone]) for zone in orbit.closed] for orbit in (self.first, self.last)]
-        self.opening = [self.orbit.times[k] for k in self.closed[0]]
-        # a duration in which the parameter is stationary at an end is the coordinate there
-        self.leads = [None, None]
-        for which, orbit in enumerate((self.first, self.last)):
-            if len(orbit.closed) == 1 and orbit.stationary(orbit.closed[0]):
-                self.leads[which] = self.orbit.times[self.closed[which][0]]
-
-    def uncut(self, orbit, x):
-        """Unknowns with one duration for a zone that is cut."""
-        found, width = [], orbit.n + 1
-        for index, stretch in enumerate(orbit.stretches):
-            part = x[index * width : (index + 1) * width]
-            if index and orbit.stretches[index - 1].zone == stretch.zone:
-                found[-1] = found[-1] + part[-1]
-            else:
-                found += part
-        return [real(y) for y in found + x[len(orbit.stretches) * width : orbit.place + 1]]
-
-    def parts(self, ends):
-        """Into how many parts zones are cut: by what their largest rate makes of the longer of two durations."""
-        longest, width = [0.0] * len(self.orbit.stretches), self.orbit.n + 1
-        for x in ends:
-            modes = self.orbit.exact.at(x[self.orbit.place].mid())
-            for k, stretch in enumerate(self.orbit.stretches):
-                rate = max(abs(float(real(entry).mid())) for line in modes.matrices[stretch.mode] for entry in line[: self.orbit.n])
-                longest[k] = max(longest[k], rate * float(x[k * width + self.orbit.n].real.mid()))
-        closed = {*self.first.closed, *self.last.closed}
-        return [1 if k in closed else max(1, ceil(turns / TURNS)) for k, turns in enumerate(longest)]
-
-    def divided(self, x, parts):
-        """Unknowns with the states between the parts of zones."""
-        found, (modes, whole), width = [], self.orbit.parts(x), self.orbit.n + 1
-        for k, (n, (_, time, z, *_)) in enumerate(zip(parts, whole)):
-            flow = exponential(modes.matrices[self.orbit.stretches[k].mode], time / n)
-            for _ in range(n):
-                found += z[: self.orbit.n]
-                z = apply(flow, z)
-            found.append(time / n)
-        return found + x[len(parts) * width :]
-
-    def values(self, x):
-        """The equations of the orbit at numbers, as a column that ends with that of a coordinate, which holds."""
-        return arb_mat([[y] for y in [*self.orbit.cycle(*self.orbit.parts(x)), 0]])
-
-    def stack(self, rows, k):
-        """A Jacobian with the row of coordinate k."""
-        return arb_mat([*rows, [int(j == k) for j in range(self.place + 1)]])
-
-    @staticmethod
-    def inverse(stack):
-        """About the inverse of a matrix of balls."""
-        try:
-            return stack.mid().inv().mid()
-        except ZeroDivisionError:
-            raise NotCovered("the equations are singular on the way") from None
-
-    def tube(self, middle, chord, reach, inverse, k, least):
-        """Krawczyk's operator with coordinate k as a parameter maps a tube about middle + t·chord, |t| ≤ reach, into its
-        interior, which so has one zero for each t: the tube, its radii, in units at least as large as `least`, and the Jacobian over
-        it. A first guess of the inverse is replaced by that of the Jacobian."""
-        values, better, along = self.values(middle), None, arb(0, 1) * reach
-        error = (inverse * values).entries()
-        # of a parabola the middle is a third as far from the chord as the operator reaches
-        radii = [(6 * abs(e)).upper() + arb(u) * least for e, u in zip(error, self.units)]
-        for turn in range(TRIES):
-            tube = [m + t * along + arb(0, 1) * r for m, t, r in zip(middle, chord, radii)]
-            rows = self.orbit.slope(tube).tolist()
-            steep = self.stack(rows, k)
-            if better is None:
-                better = self.inverse(steep)
-                error = better * values
-            # the row of the coordinate holds along the chord
-            drift = [*(steep * arb_mat([[t] for t in chord])).entries()[:-1], 0]
-            defect = better * steep - self.one
-            spread = defect * arb_mat([[arb(0, 1) * r] for r in radii])
-            reached = error + better * arb_mat([[d * along] for d in drift]) + spread
-            image = [abs(y).upper() for y in reached.entries()]
-            left = max(float((abs(y) / r).upper()) for y, r in zip(spread.entries(), radii))
-            if all(a < b for a, b in zip(image, radii)):
-                return tube, radii, rows
-            # a wider tube has a larger one, but for the proportions of the first
-            if not left < 1 and turn or not max(map(float, image)) < inf:
-                break
-            more = 1.25 if turn == 0 else 1 / (1 - left)
-            radii = [r.max(a * more).upper() for r, a in zip(radii, image)]
-        raise NotCovered("no tube has exactly one curve")
-
-    def point(self, guess, k, inverse):
-        """The orbit next to a guess with its value of a coordinate, by Newton's method with an inverse from nearby, and the Jacobian
-        there: a tube without length."""
-        value, middle, before = guess[k].mid(), [y.mid() for y in guess], 1.0
-        for _ in range(20):
-            steps = (inverse * self.values(middle)).entries()
-            middle = [(y - step).mid() for y, step in zip(middle, steps)]
-            far = max(float(abs(step).mid()) / u for step, u in zip(steps, self.units))
-            # the next would be smaller by as much as this one was
-            if far * min(far / before, 1) < ALMOST:
-                break
-            if far > before / 30:
-                inverse = self.inverse(self.stack(self.orbit.slope(middle).tolist(), k))
-            before = far
-        middle[k] = value
-        box, _, rows = self.tube(middle, [arb(0)] * len(middle), arb(0), inverse, k, POINT)
-        return [*box[:k], value, *box[k + 1 :]], rows
-
-    def tangent(self, rows):
-        """The tangent in units where the Jacobian is this, and the coordinate that moves most."""
-        for coordinate in [self.place, *range(self.place)]:
-            try:
-                solved = self.stack(rows, coordinate).mid().inv()
-            except ZeroDivisionError:
-                continue
-            scaled = [float(solved[i, self.place].mid()) / u for i, u in enumerate(self.units)]
-            size = max(map(abs, scaled))
-            most = self.place if abs(scaled[self.place]) * BY_FAR > size else max(range(len(scaled)), key=lambda i: abs(scaled[i]))
-            return [y / size for y in scaled], most
-        raise NotCovered("a curve whose tangent is not found")
-
-    @ctx.workprec(ALONG)
-    def follow(self, side):
-        """Shows the curve from one end to the other. Returns the number of pieces."""
-        (x, last), before, count = self.ends, None, 0
-        self.one = arb_mat([[int(i == j) for j in range(self.place + 1)] for i in range(self.place + 1)])
-        rows = self.orbit.slope([y.mid() for y in x]).tolist()
-        longest, calm, left = inf, CALM, lambda x, k: float((last[k] - x[k]).mid())
-        while count < PIECES:
-            tangent, k = self.tangent(rows)
-            k = k if count or self.leads[0] is None else self.leads[0]
-            inverse = self.inverse(self.stack(rows, k))
-            lead = k if self.first.kind == "Fold" else self.place
-            away = tangent[self.opening[0]] if self.opening else tangent[lead] * left(x, lead)
-            way = sum(a * b for a, b in zip(before, tangent)) if before else away * side
-            before = tangent if way > 0 else [-y for y in tangent]
-            direction, length = (1 if before[k] > 0 else -1), min(longest, self.units[k])
-            rest = left(x, k) * direction
-            # an orbit that is far from the end in other unknowns passes by
-            far = max(abs(left(x, i)) / unit for i, unit in enumerate(self.units))
-            if rest > 0 and far < 1000 * rest / self.units[k]:
-                length = min(length, rest / 2)
-                if count and rest < 16 * length:
-                    with suppress(Refused, NotCovered):
-                        j = k if self.leads[1] is None else self.leads[1]
-                        near = inverse if j == k else self.inverse(self.stack(rows, j))
-                        self.piece(x, last, j, 1 if before[j] > 0 else -1, 1, near)
-                        return count + 1
-            while True:
-                value = (x[k].mid() + direction * length).mid()
-                step = float((value - x[k]).mid()) / (before[k] * self.units[k])
-                guess = [y.mid() + step * b * u for y, b, u in zip(x, before, self.units)]
-                guess[k] = value
-                try:
-                    there, new = self.point(guess, k, inverse)
-                    self.piece(x, there, k, direction, None if count else 0, inverse)
-                    break
-                except (Refused, NotCovered):
-                    # next to an end pieces are as short as it is near
-                    near = [abs(float((x[k] - end[k]).mid())) / 64 for end in self.ends if count]
-                    if length < min([SHORTEST * self.units[k], *near]):
-                        raise
-                length, calm = length / 2, 0
-            # a longer one is tried after some that held
-            x, rows, count, longest, calm = there, new, count + 1, length * (1.5 if calm >= CALM else 1), calm + 1
-        raise NotCovered("more pieces than are tried")
-
-    def piece(self, x, y, k, direction, next_to, inverse):
-        """Shows a piece of the curve from one orbit to another, of which the first end of the arc is one at `next_to` = 0, its
-        last at 1: that it is one curve without a fold, with all inequalities."""
-        reach = (abs(y[k] - x[k]) / 2).upper() * (1 + arb(2) ** -40)
-        middle = [((a + b) / 2).mid() for a, b in zip(x, y)]
-        slope = [((b - a) / (y[k] - x[k])).mid() for a, b in zip(x, y)]
-        slope[k] = arb(1)
-        tube, radii, rows = self.tube(middle, slope, reach, inverse, k, TUBE)
-        off = lambda z, i: abs(z[i] - middle[i] - (z[k] - middle[k]) * slope[i])
-        if not all(off(z, i) < radii[i] for z in (x, y) for i in range(len(x)) if i != k):
-            raise NotCovered("no tube has both ends")
-        tangent = [t + arb(0, 1) * (r / reach) for t, r in zip(slope, radii)]
-        tangent[k] = arb(1)
-        # det(P − 1) vanishes at folds: at an end, and if it is monotone there only
-        if k != self.place and tangent[self.place].contains(0):
-            end = (self.first, self.last)[next_to or 0]
-            along = [Dual(z, d) for z, d in zip(tube, tangent)]
-            must(next_to is not None, "there may be a fold on the way")
-            if k == self.leads[next_to]:
-                bends = self.bend(along, self.closed[next_to][0], self.stack(rows, k))
-            else:
-                must(end.kind == "Fold", "there may be a fold on the way")
-                bends = distance(self.orbit.returned(*self.orbit.parts(along)), 1).d
-            must(not bends.contains(0), "there may be a fold on the way")
-        sign = 0 if next_to is None else direction if next_to == 0 else -direction
-        moving = tube if not sign else [Dual(z, sign * d) for z, d in zip(tube, tangent)]
-        self.orbit.settle(tube[self.place])
-        closed = () if next_to is None else self.closed[next_to]
-        wrong = [what for what, holds in self.orbit.all_signs(moving, closed) if not holds]
-        must(not wrong, f"{', '.join(wrong)} is not shown on the way")
-
-    def bend(self, along, index, steep):
-        """p′/T along a curve with T′ = 1 from T = 0 on, T the duration of a zone in which the parameter is stationary there. With v,
-        which takes that time from the zone before, ∂F·v is zero at T = 0, so that with x′ = v + Tw it is ∂F·w = −∂F·v/T."""
-        orbit, n = self.orbit, self.orbit.n
-        last = (index - 1) % len(orbit.stretches)
-        before, own = orbit.stretches[last], orbit.stretches[index]
-        modes, parts = orbit.parts(along)
-        row, exits = modes.guards[before.mode][before.end[1]]
-        guard, ways = modes.guards[own.mode][own.end[1]]
-        led = [combine(line, modes.matrices[before.mode]) for line in exits[before.end[2]][1]]
-        # by the mean value theorem what is zero at T = 0 is T times a derivative along the curve
-        grown = lambda forms, z: [dual(y).d for y in apply(forms, z)]
-        still = lambda lines: [[dual(y).v for y in line] for line in lines]
-        apart = [a - b for a, b in zip(grown(modes.matrices[own.mode][:n], parts[index][2]), grown(led, parts[last][4]))]
-        ends = apply(still(parts[index][3]), apart + [0] * (orbit.exact.size - n))
-        side = [arb(0)] * len(along)
-        side[orbit.times[last]] += grown([combine(row, modes.matrices[before.mode])], parts[last][4])[0]
-        for i, y in enumerate(apply(still([*ways[own.end[2]][1], guard]), ends)):
-            side[orbit.firsts[index] + i] -= y
-        inverse = self.inverse(steep)
-        about, defect = times(inverse, side), (inverse * steep - self.one).tolist()
-        sizes = [(abs(y) * 1.1).upper() + arb(2) ** -ALONG for y in about]
-        for _ in range(TURNED):
-            rest = [sum(abs(z) * size for z, size in zip(line, sizes)).upper() for line in defect]
-            if all(abs(y) + r < size for y, r, size in zip(about, rest, sizes)):
-                return about[self.place] + arb(0, 1) * rest[self.place]
-            sizes = [size.max((abs(y) + r) * 1.5).upper() for y, r, size in zip(about, rest, sizes)]
-        raise NotCovered("no bound of how a curve bends")
-
-
-def join(ends, nears):
-    """Shows that between two orbits there is no event."""
-    (one, _), (two, _) = ends
-    given = lambda orbit: [v for i, v in enumerate(orbit.posed["values"]) if i != whole(orbit.posed["parameter"])]
-    same = one.posed["system"] == two.posed["system"] and given(one) == given(two)
-    same = same and [one.posed[name] for name in ("parameter", "periods")] == [two.posed[name] for name in ("parameter", "periods")]
-    must(same and listed(nears[0]["sequence"]) == listed(nears[1]["sequence"]), "its ends have not one sequence of zones")
-    if one.half or two.half:
-        raise NotCovered("arcs at a branch point")
-    arc = Arc(ends, nears[0])
-    try:
-        return arc.follow(1)
-    except (Refused, NotCovered):
-        if one.kind not in ("Fold", "Margin") or one.closed:
-            raise
-        return arc.follow(-1)

@@ -70,11 +70,13 @@ class Dual:
         self.v, self.d = v, d
 
     def __add__(self, other):
-        other = dual(other)
+        if not isinstance(other, Dual):
+            return Dual(self.v + other, self.d)
         return Dual(self.v + other.v, self.d + other.d)
 
     def __mul__(self, other):
-        other = dual(other)
+        if not isinstance(other, Dual):
+            return Dual(self.v * other, self.d * other)
         return Dual(self.v * other.v, self.v * other.d + self.d * other.v)
 
     def __truediv__(self, other):
@@ -106,6 +108,16 @@ def dual(number):
     return number if isinstance(number, Dual) else Dual(number)
 
 
+def value_of(number):
+    """A number without its derivative."""
+    return number.v if isinstance(number, Dual) else number
+
+
+def slope_of(number):
+    """The derivative of a number."""
+    return number.d if isinstance(number, Dual) else 0
+
+
 def real(number):
     """The real part of a number."""
     return number.real if isinstance(number, (arb, acb)) else arb(number)
@@ -114,7 +126,17 @@ def real(number):
 def as_matrix(rows):
     """A matrix of balls, real where all entries are."""
     rows = list(rows)
-    return (acb_mat if any(isinstance(entry, acb) for row in rows for entry in row) else arb_mat)(rows)
+    try:
+        return arb_mat(rows)
+    except TypeError:
+        return acb_mat(rows)
+
+
+def nearly_inverse(matrix):
+    """About the inverse of the middle of a matrix, without bounds of its errors."""
+    middle = matrix.mid()
+    n = middle.nrows()
+    return middle.solve(type(middle)([[int(i == j) for j in range(n)] for i in range(n)]), algorithm="approx").mid()
 
 
 def exponential(rows, time=1):
@@ -122,11 +144,12 @@ def exponential(rows, time=1):
     n = len(rows)
     if not isinstance(time, Dual) and not any(isinstance(entry, Dual) for row in rows for entry in row):
         return as_matrix([[entry * time for entry in row] for row in rows]).exp().tolist()
-    part = lambda which: [[getattr(dual(entry), which) for entry in row] for row in rows]
-    values, slopes, time = part("v"), part("d"), dual(time)
+    part = lambda of: [[of(entry) for entry in row] for row in rows]
+    values, slopes, time = part(value_of), part(slope_of), dual(time)
     # columns of the derivative of A that are not zero, and all whose rates these have: the derivative depends on no others
-    held = {j for row in slopes for j, entry in enumerate(row) if not entry == 0}
-    while more := {k for j in held for k, entry in enumerate(values[j]) if not entry == 0} - held:
+    moves = lambda row: {j for j, entry in enumerate(row) if not entry == 0}
+    held = set().union(*map(moves, slopes))
+    while more := set().union(*(moves(values[j]) for j in held)) - held:
         held |= more
     held = sorted(held)
     block = [values[i] + [slopes[i][j] for j in held] for i in range(n)]
@@ -159,7 +182,7 @@ def tail(matrix, time, state, order):
 
 def determinant(rows):
     """Of numbers, or of numbers with derivatives."""
-    values, slopes = ([[getattr(dual(x), part) for x in row] for row in rows] for part in "vd")
+    values, slopes = ([[of(x) for x in row] for row in rows] for of in (value_of, slope_of))
     value = as_matrix(values).det()
     if not any(isinstance(x, Dual) for row in rows for x in row):
         return value

@@ -23,8 +23,9 @@ from typing import Any
 try:
     from flint import acb, acb_mat, arb, ctx
 
+    from .ball_arcs import join
     from .ball_layers import Layered, LayeredSigns
-    from .ball_orbits import Orbit, agree, counted, join, kind_of, listed, zones_of
+    from .ball_orbits import Orbit, agree, counted, kind_of, listed, zones_of
     from .ball_spectrum import Perturbed
     from .ball_waves import Signs
     from .balls import NotCovered, Refused, Tagged, decimal, must, prove_zero, whole
@@ -283,8 +284,15 @@ class Point(Statements):
         return same and (conjugate or one.sector == two.sector and self.omega.overlaps(other.omega))
 
     def numbers(self):
-        source, posed, written = self.source, self.posed, self.posed["written"]
-        if source is None or "model" not in source or isinstance(source["wave"]["start"], Tagged):
+        restarted, source, posed, written = self.begins("wave"), self.source, self.posed, self.posed["written"]
+        continuation = source["continuation"]
+        must(continuation["parameter"] == posed["parameter"], "the parameter is not that of the problem")
+        low, high = continuation["range"]
+        must(float(posed["unit"]) == high - low, "the unit of the parameter is not the width of its range")
+        must(whole(source["wave"]["mode"]) == whole(posed["mode"]), "the mode is not that of the problem")
+        if restarted and self.solved.kind == "Value":
+            self.asked(None, restarted)
+        if restarted or "model" not in source:
             raise NotCovered("numbers that do not stand in a problem file: a tube in SI units, a restart")
         model, given = source["model"], {}
         law, damping = model.get("friction_law", "Coulomb"), model.get("damping", {})
@@ -298,7 +306,7 @@ class Point(Statements):
         numbers = *written["origin"].value, written["friction"], written["mismatch"], written["damping"]
         numbers += (written.get("material") or "0",)
         given = dict(zip(problem, numbers))
-        continuation, varies = source["continuation"], snake(posed["parameter"])
+        varies = snake(posed["parameter"])
         for name, number in problem.items():
             # the branch from a Hopf point begins at a value that is computed
             computed = name == varies and source["wave"]["start"] == "Hopf"
@@ -308,12 +316,8 @@ class Point(Statements):
         ratios = [Fraction(text or 1) for text in (ratio and ratio.text, written["ratio"])]
         must(ratios[0] == ratios[1], "static friction is not that of the problem")
         must(model.get("impact", "Frictionless") == posed["impact"], "impacts are not those of the problem")
-        must(whole(source["wave"]["mode"]) == whole(posed["mode"]), "the mode is not that of the problem")
         material = any(Fraction(number) for number in [text(damping.get("stiffness"))]) or posed["parameter"] == "StiffnessDamping"
         must(material == (written.get("material") is not None), "β is in the equations of one, not of the other")
-        must(continuation["parameter"] == posed["parameter"], "the parameter is not that of the problem")
-        low, high = continuation["range"]
-        must(float(posed["unit"]) == high - low, "the unit of the parameter is not the width of its range")
         if self.point["kind"] in ("UZ", "EP") and self.solved.kind == "Value":
             self.asked(Number(problem[varies]) if varies in problem else None)
 
@@ -534,7 +538,9 @@ class OrbitPoint(Statements):
         fields(said, "parameter period unique inequalities", "angle outside")
         whole(point["label"]), whole(said["inequalities"])
         self.arc_is_one()
-        self.distance_is_one(float(self.posed["units"]["parameter"]))
+        units = self.posed["units"]
+        must(all(0 < float(unit) < inf for unit in (*units["states"], units["time"], units["parameter"])), "a unit that is no length")
+        self.distance_is_one(float(units["parameter"]))
         angles = [said[name] for name in ["angle"] if said.get(name) is not None]
         for interval in [said["parameter"], said["period"], *angles]:
             fields(interval, "low high")
@@ -600,18 +606,20 @@ class OrbitPoint(Statements):
         return orbit, zero, x, value, (1 + orbit.half) * sum(times, arb(0))
 
     def numbers(self):
-        source = self.source
-        if source is None or "system" not in source or source.get("orbit", {"start": Tagged("", None)})["start"].name not in ("Given", "Simulate"):
-            raise NotCovered("numbers that do not stand in a problem file")
-        given = self.of_system(float(self.posed["units"]["parameter"]))
-        self.units(given[self.point["parameter"]])
-        asked = whole(source["orbit"].get("periods", Number("1")))
-        periods, simulated = self.solved.periods, source["orbit"]["start"].name == "Simulate"
+        restarted = self.begins("orbit")
+        orbit, given = self.source["orbit"], self.of_system(float(self.posed["units"]["parameter"]), restarted)
+        must("period" not in orbit, "the period is prescribed in the problem")
+        begins = given[self.point["parameter"]]
+        self.units(None if restarted else begins)
+        if self.solved.kind == "Value":
+            self.asked(begins, restarted)
+        if restarted:
+            raise NotCovered("numbers of an earlier run")
+        asked = whole(orbit.get("periods", Number("1")))
+        periods, simulated = self.solved.periods, orbit["start"].name == "Simulate"
         # a doubling on the branch of the doubled orbit is one of the shorter orbit
         part = self.solved.kind == "Doubling" and periods and asked % periods == 0
         must(not self.solved.forced or periods == asked or part or simulated and 0 < periods < asked, "the problem asks for another number of periods")
-        if self.solved.kind == "Value":
-            self.asked(given[self.point["parameter"]])
 
     def units(self, start):
         """That units of states and time are those of all points, and about the size of the orbit with which the branch begins: twice,
@@ -619,7 +627,7 @@ class OrbitPoint(Statements):
         units = self.posed["units"]
         must(all(other.posed["units"] == units for other in self.earlier), "the units are not those of the points before")
         orbit = self.solved
-        if self.earlier or self.skipped or orbit.kind != "Value" or Fraction(orbit.condition.value) != Fraction(start.text):
+        if start is None or self.earlier or self.skipped or orbit.kind != "Value" or Fraction(orbit.condition.value) != Fraction(start.text):
             return
         period = abs(float(self.period.mid()))
         must(period <= 2 * units["time"] and units["time"] <= 2 * period, "the unit of time is not the period of the first orbit")

@@ -86,19 +86,17 @@ class EquilibriumPoint(Statements):
         return same and (one.omega is None or two.omega is None or one.omega.overlaps(two.omega))
 
     def numbers(self):
-        source = self.source
-        start = source.get("equilibrium", {}).get("start") if source is not None and "system" in source else None
-        if start is None or start.name not in ("Given", "Steady"):
-            raise NotCovered("numbers that do not stand in a problem file")
-        units = self.posed["units"]
-        given = self.of_system(float(units[-1]))
+        restarted, units = self.begins("equilibrium"), self.posed["units"]
+        given = self.of_system(float(units[-1]), restarted)
         begins = given[self.point["parameter"]]
         must(all(other.posed["units"] == units for other in self.earlier), "the units are not those of the points before")
         rest = self.solved
         if rest.kind == "Value":
-            self.asked(begins)
-            if not self.earlier and not self.skipped and Fraction(rest.condition) == Fraction(begins.text):
+            self.asked(begins, restarted)
+            if not restarted and not self.earlier and not self.skipped and Fraction(rest.condition) == Fraction(begins.text):
                 must(all(abs(x.real) <= 2 * unit for x, unit in zip(rest.y, rest.units)), "the unit of a state is less than it is at the first equilibrium")
+        if restarted:
+            raise NotCovered("numbers of an earlier run")
 
     def kind(self):
         said = self.point["kind"]

@@ -3,6 +3,7 @@
 check.py says what it is for.
 """
 
+import re
 from fractions import Fraction
 
 from flint import arb
@@ -11,6 +12,15 @@ from .balls import NotCovered, Tagged, must, whole
 
 WIDEST = 0.01
 """A distance of uniqueness is stated up to this share of the units."""
+
+
+NUMBER = re.compile(r"[-+]?(?:(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?|inf)")
+
+
+def number(cell):
+    """A cell of the table that is one number, and no ball or quotient."""
+    must(isinstance(cell, str) and NUMBER.fullmatch(cell), f"{cell!r} is no number")
+    return cell
 
 
 def fields(record, needed, optional=""):
@@ -91,8 +101,18 @@ class Statements:
     def arc(self):
         raise NotCovered("what lies between two points")
 
-    def asked(self, text):
-        """That a value is one of the problem."""
+    def begins(self, section):
+        """Whether the branch of a section of the problem begins with an earlier run, whose numbers do not stand in the problem."""
+        if self.source is None:
+            raise NotCovered("a certificate without its problem")
+        must(isinstance(self.source.get(section), dict) and "continuation" in self.source, "the problem is about something else")
+        start = self.source[section]["start"]
+        return isinstance(start, Tagged) and start.name in ("Restart", "Switch")
+
+    def asked(self, text, restarted=False):
+        """That a value is one of the problem. With what value a branch begins that goes on from an earlier run does not stand there."""
+        if restarted and self.point["kind"] != "UZ":
+            return
         continuation = self.source["continuation"]
         ends = [number for number in (*continuation["range"], text) if number is not None]
         # pairs are values of monitors, and a value may have the name of the parameter
@@ -101,14 +121,15 @@ class Statements:
         listed = Fraction(self.proof["condition"].value) in [Fraction(it.text) for it in map(bare, values) if not isinstance(it, tuple)]
         must(listed, "the value is not asked for in the problem")
 
-    def of_system(self, unit):
-        """That system, numbers and parameter are those of the problem. Returns the parameters as they are written there."""
+    def of_system(self, unit, restarted):
+        """That system, numbers and parameter are those of the problem, but for numbers of an earlier run. Returns the parameters as they
+        are written there."""
         source, posed = self.source, self.posed
         written, system = dict(source["system"]), dict(posed["system"])
         given, held = written.pop("parameters", {}), system.pop("parameters")
         must(list(given) == list(held), "the parameters are not those of the problem")
         for (name, number), value in zip(given.items(), posed["values"]):
-            varies = name == self.point["parameter"]
+            varies = name == self.point["parameter"] or restarted
             must(Fraction(number.text) == Fraction(value) or varies, f"{name} is {number.text} in the problem")
         plain = lambda it: (
             {k: plain(v) for k, v in it.items() if v not in (None, [], {}, ())}
@@ -132,8 +153,8 @@ class Statements:
         named = [str(int(point["label"])), point["kind"], name, "yes"]
         must([row[it] for it in ("label", "type", "parameter", "proven")] == named, "it is of another point")
         for what, (low, high), ball in intervals:
-            must(inside(ball, row[low], row[high]), f"the {what} is not in its interval")
-        must(float(row["unique"]) == self.said["unique"], "`unique` is not that of the certificate")
+            must(inside(ball, number(row[low]), number(row[high])), f"the {what} is not in its interval")
+        must(float(number(row["unique"])) == self.said["unique"], "`unique` is not that of the certificate")
         opened = isinstance(arc, Tagged)
         stated |= {"inequalities": self.said["inequalities"], "arc": "" if arc is None else "no" if opened else "yes"}
         stated |= {"why": "", "arc_why": arc.value if opened else ""}

@@ -10,8 +10,8 @@ use crate::problem::{Continuation, Problem, Start, decimal_at, decimal_of};
 pub(super) struct RequestedValues {
     /// `stop_at`.
     stops: Vec<Decimal>,
-    /// The range, and the value at which the branch begins.
-    ends: Vec<Decimal>,
+    /// The range, and the value at which the branch begins; `None` where that is one of an earlier run.
+    ends: Option<Vec<Decimal>>,
 }
 
 impl RequestedValues {
@@ -25,8 +25,13 @@ impl RequestedValues {
         let value = |value: f64| decimal_of(text, "continuation", value);
         RequestedValues {
             stops: section.values().map(value).collect(),
-            ends: [low, high].map(value).into_iter().chain(start).collect(),
+            ends: Some([low, high].map(value).into_iter().chain(start).collect()),
         }
+    }
+
+    /// The same where the branch begins with an earlier run.
+    pub(super) fn after_restart(self) -> RequestedValues {
+        RequestedValues { ends: None, ..self }
     }
 
     /// Whether the value at a point, where it is one of the parameter, is asked for: at an `EP` as an end.
@@ -35,10 +40,11 @@ impl RequestedValues {
     /// It is not.
     pub(super) fn check(&self, kind: EventType, value: Option<&Decimal>) -> Result<(), Refused> {
         let values = match kind {
-            EventType::EP => &self.ends,
-            _ => &self.stops,
+            EventType::EP => self.ends.as_ref(),
+            _ => Some(&self.stops),
         };
-        match value.is_none_or(|value| values.contains(value)) {
+        let mut both = value.zip(values).into_iter();
+        match both.all(|(value, values)| values.contains(value)) {
             true => Ok(()),
             false => Err(Refused::Problem("the value of the parameter")),
         }
@@ -48,20 +54,22 @@ impl RequestedValues {
 /// What the branch of a problem file is about.
 pub(crate) struct Requested {
     posed: Posed,
+    /// Whether the numbers of the model are those of an earlier run, and do not stand in the file.
+    restarted: bool,
     values: RequestedValues,
 }
 
 impl Requested {
-    /// Of a problem with its text; `None` where the model is that of an earlier run.
+    /// Of a problem with its text; `None` where no branch is followed.
     pub(crate) fn new(problem: &Problem, text: &str) -> Option<Requested> {
-        if let Start::Restart { .. } | Start::Switch { .. } = problem.wave.start {
-            return None;
-        }
+        let start = &problem.wave.start;
+        let restarted = matches!(start, Start::Restart { .. } | Start::Switch { .. });
         let (model, section) = (&problem.model, problem.continuation.as_ref()?);
         let (parameter, (low, high)) = (section.parameter, section.range);
         let material = model.has_material_damping(parameter);
         let start = model.value(parameter);
         let start = start.map(|start| decimal_of(text, parameter.path(), start));
+        let values = RequestedValues::new(section, start, text);
         Some(Requested {
             posed: Posed {
                 written: Written::new(model, material, |path| decimal_at(text, path)),
@@ -70,7 +78,11 @@ impl Requested {
                 mode: problem.wave.mode,
                 unit: high - low,
             },
-            values: RequestedValues::new(section, start, text),
+            restarted,
+            values: match restarted {
+                true => values.after_restart(),
+                false => values,
+            },
         })
     }
 
@@ -79,7 +91,12 @@ impl Requested {
     /// # Errors
     /// Its equations, or the value of its parameter, are not those of the problem.
     pub(crate) fn check(&self, point: &Point, proof: &Proof) -> Result<(), Refused> {
-        if proof.posed.fixed() != self.posed.fixed() {
+        let about = |posed: &Posed| (posed.impact, posed.parameter, posed.mode, posed.unit);
+        let equal = match self.restarted {
+            true => about(&proof.posed) == about(&self.posed),
+            false => proof.posed.fixed() == self.posed.fixed(),
+        };
+        if !equal {
             return Err(Refused::Problem("the model"));
         }
         let value = match &proof.condition {

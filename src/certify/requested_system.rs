@@ -11,8 +11,8 @@ use crate::problem::SystemProblem;
 /// What the branch of a system is about.
 pub(super) struct RequestedSystem {
     source: Source,
-    /// Values of the parameters in order, as they are written.
-    values: Vec<Decimal>,
+    /// Values of the parameters in order, as they are written; `None` where they are those of an earlier run.
+    values: Option<Vec<Decimal>>,
     /// Index of the continuation parameter.
     parameter: usize,
     /// Width of its range.
@@ -21,8 +21,13 @@ pub(super) struct RequestedSystem {
 }
 
 impl RequestedSystem {
-    /// Of a problem with its text.
-    pub(super) fn new(problem: &SystemProblem, text: &str) -> Option<RequestedSystem> {
+    /// Of a problem with its text; `None` where no branch is followed. Where that begins with an earlier run, the values of the
+    /// parameters do not stand there.
+    pub(super) fn new(
+        problem: &SystemProblem,
+        text: &str,
+        restarted: bool,
+    ) -> Option<RequestedSystem> {
         let source = &problem.system.source;
         let section = problem.continuation.as_ref()?;
         let (low, high) = section.range;
@@ -32,19 +37,23 @@ impl RequestedSystem {
             .parameters
             .names()
             .position(|name| *name == section.parameter)?;
-        let start = values[parameter].clone();
+        let asked = RequestedValues::new(section, values.get(parameter).cloned(), text);
         Some(RequestedSystem {
             source: source.clone(),
-            values,
+            values: (!restarted).then_some(values),
             parameter,
             unit: high - low,
-            asked: RequestedValues::new(section, Some(start), text),
+            asked: match restarted {
+                true => asked.after_restart(),
+                false => asked,
+            },
         })
     }
 
     /// Whether a value of the parameter is that at which the branch begins.
     pub(super) fn begins(&self, value: &Decimal) -> bool {
-        *value == self.values[self.parameter]
+        let values = self.values.as_ref();
+        values.and_then(|values| values.get(self.parameter)) == Some(value)
     }
 
     /// Whether a forcing is part of it.
@@ -65,12 +74,15 @@ impl RequestedSystem {
         if !system.is_some_and(|system| system.source.is_same(&self.source)) {
             return Err(Refused::Problem("the system"));
         }
-        let mut both = values.iter().zip(&self.values).enumerate();
-        let equal = values.len() == self.values.len()
-            && both.all(|(index, (one, other))| index == self.parameter || one == other);
+        let are_equal = |known: &Vec<Decimal>| {
+            let mut both = values.iter().zip(known).enumerate();
+            values.len() == known.len()
+                && both.all(|(index, (one, other))| index == self.parameter || one == other)
+        };
+        let equal = self.values.as_ref().is_none_or(are_equal);
         match equal && parameter == self.parameter && unit == self.unit {
             true => Ok(()),
-            false => Err(Refused::Problem("the numbers")),
+            false => Err(Refused::Problem("a number")),
         }
     }
 

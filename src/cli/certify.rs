@@ -18,7 +18,9 @@ use crate::certify::{
 };
 use crate::hybrid;
 use crate::hybrid::equilibrium::EquilibriumItem;
-use crate::output::certify::{CertificateFolder, Certified, Read, read, table_agrees};
+use crate::output::certify::{
+    CertificateFolder, Certified, Read, read, table_agrees, theorems_agree,
+};
 use crate::output::layout::CERTIFICATES;
 use crate::output::store::{Kind, SOURCE};
 use crate::problem::{Any, StabilitySection};
@@ -211,24 +213,25 @@ fn verify(path: &Path, quiet: bool) -> Result<Exit, Failure> {
     };
     let belongs = match (&read, &problem) {
         (_, None) => true,
-        (Read::Waves(_), Some((Any::Tube(_), _))) => true,
+        (Read::Waves(_), Some((Any::Tube(problem), _))) => problem.continuation.is_some(),
         (Read::Waves(_), _) | (_, Some((Any::Tube(_), _))) => false,
         (read, Some((Any::System(problem), _))) => {
-            matches!(read, Read::Equilibria(_)) == problem.equilibrium.is_some()
+            problem.continuation.is_some()
+                && !(problem.orbit.is_none() && problem.equilibrium.is_none())
+                && matches!(read, Read::Equilibria(_)) == problem.equilibrium.is_some()
         }
     };
     match (read, &problem) {
         _ if is_empty => said_of_all("nothing is stated", quiet),
         _ if !belongs => said_of_all("it is not that of the problem file", quiet),
         (Read::Waves(certificate), problem) => {
-            let points = &certificate.points;
             let requested = match problem {
                 Some((Any::Tube(problem), text)) => Requested::new(problem, text),
                 _ => None,
             };
             let rules = (|_: &Requested, _: &[_]| Ok(()), Requested::check);
             told(
-                (&file, points),
+                (&file, &certificate),
                 quiet,
                 requested.as_ref(),
                 rules,
@@ -240,10 +243,9 @@ fn verify(path: &Path, quiet: bool) -> Result<Exit, Failure> {
                 Some((Any::System(problem), text)) => orbit::Requested::new(problem, text),
                 _ => None,
             };
-            let points = &certificate.points;
             let rules = (orbit::Requested::check_units, orbit::Requested::check);
             told(
-                (&file, points),
+                (&file, &certificate),
                 quiet,
                 requested.as_ref(),
                 rules,
@@ -255,13 +257,12 @@ fn verify(path: &Path, quiet: bool) -> Result<Exit, Failure> {
                 Some((Any::System(problem), text)) => equilibrium::Requested::new(problem, text),
                 _ => None,
             };
-            let points = &certificate.points;
             let rules = (
                 equilibrium::Requested::check_units,
                 equilibrium::Requested::check,
             );
             told(
-                (&file, points),
+                (&file, &certificate),
                 quiet,
                 requested.as_ref(),
                 rules,
@@ -282,7 +283,7 @@ fn said_of_all(reason: &str, quiet: bool) -> Result<Exit, Failure> {
 /// Says of every stored point whether it holds: what its problem file asks of the units of all and of each point, where that is
 /// known, and that it is proven again.
 fn told<P: Certified + Send + Sync, R: Sync>(
-    (file, points): (&Path, &[Point<P>]),
+    (file, certificate): (&Path, &Certificate<P>),
     quiet: bool,
     requested: Option<&R>,
     (check_units, check): (
@@ -294,6 +295,10 @@ fn told<P: Certified + Send + Sync, R: Sync>(
 where
     Point<P>: Send + Sync,
 {
+    let points = &certificate.points;
+    if !points.is_sorted_by(|before, point| before.label < point.label) {
+        return said_of_all("its labels do not ascend", quiet);
+    }
     let units = requested.map(|requested| check_units(requested, points));
     if let Some(Err(reason)) = units {
         return said_of_all(&reason.to_string(), quiet);
@@ -313,20 +318,27 @@ where
         verdict(&points[index], before, verify)
     });
     let (verdicts, again): (Vec<String>, Vec<Point<P>>) = verdicts.into_iter().unzip();
-    let agrees = table_agrees(&file.with_file_name(CERTIFICATES), &again)?;
+    let table = table_agrees(&file.with_file_name(CERTIFICATES), &again)?;
+    let theorems = theorems_agree(file, certificate)?;
+    let beside = [
+        (CERTIFICATES, table),
+        (CertificateFolder::THEOREMS, theorems),
+    ];
+    let others = beside.iter().filter(|(_, agrees)| !agrees);
+    let others: Vec<&str> = others.map(|(name, _)| *name).collect();
     let lines = points.iter().zip(&verdicts);
     let lines =
         lines.map(|(point, verdict)| format!("{} {}: {verdict}\n", point.label, point.kind));
     let mut report: String = lines.collect();
-    if !agrees {
+    for name in &others {
         report.push_str(&format!(
-            "{CERTIFICATES}: refused: it says something else than the certificate\n"
+            "{name}: refused: it says something else than the certificate\n"
         ));
     }
     if !quiet {
         print(&report)?;
     }
-    let all = agrees && verdicts.iter().all(|verdict| verdict == VERIFIED);
+    let all = others.is_empty() && verdicts.iter().all(|verdict| verdict == VERIFIED);
     Ok(if all { Exit::Done } else { Exit::Unmet })
 }
 

@@ -189,11 +189,15 @@ impl Interval {
         self.low.abs().max(self.high.abs())
     }
 
-    /// A double near the middle.
+    /// A double near the middle; NaN where both ends are.
     pub fn middle(self) -> f64 {
         let middle = 0.5 * self.low + 0.5 * self.high;
-        // of an interval that is one double, that double
-        middle.clamp(self.low.min(self.high), self.high.max(self.low))
+        let (least, most) = (self.low.min(self.high), self.high.max(self.low));
+        match least <= most {
+            // of an interval that is one double, that double
+            true => middle.clamp(least, most),
+            false => f64::NAN,
+        }
     }
 
     /// Length, rounded up.

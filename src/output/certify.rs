@@ -5,7 +5,7 @@ use std::path::Path;
 use serde::Serialize;
 
 use super::layout::CERTIFICATES as TABLE;
-use super::store::{self, Growing, Store, StoreError, damaged, decode};
+use super::store::{self, Growing, Store, StoreError, VERSION, damaged, decode};
 use super::theorem::{Stated, enclosing, theorems, written};
 use crate::certify::{
     Certificate, Counted, Eigenvalue, Growth, Outcome, Point, Proof, Provable, Stretch, Verdict,
@@ -398,7 +398,7 @@ pub(crate) struct CertificateFolder {
 
 impl CertificateFolder {
     pub(crate) const FILE: &'static str = "certificate.ron";
-    const THEOREMS: &'static str = "theorem.md";
+    pub(crate) const THEOREMS: &'static str = "theorem.md";
 
     /// Begins in place of an earlier one.
     ///
@@ -430,6 +430,22 @@ impl CertificateFolder {
     }
 }
 
+/// Whether the theorems beside a certificate, if there are any, are those of its points. Another version may word them otherwise.
+///
+/// # Errors
+/// When they cannot be read.
+pub(crate) fn theorems_agree<P: Certified>(
+    path: &Path,
+    certificate: &Certificate<P>,
+) -> Result<bool, StoreError> {
+    let path = path.with_file_name(CertificateFolder::THEOREMS);
+    if certificate.version != VERSION || !path.is_file() {
+        return Ok(true);
+    }
+    let expected = theorems(&certificate.points, certificate.system.as_ref());
+    Ok(store::read(&path)?.lines().eq(expected.lines()))
+}
+
 /// Whether a table beside a certificate, if there is one, has the rows of its points: the same cells, but for ends of intervals
 /// that may lie farther out.
 ///
@@ -445,7 +461,13 @@ pub(crate) fn table_agrees<P: Certified>(
     let expected = table::table(points.iter().map(P::row));
     let expected = table::Table::parse(expected.as_bytes());
     let expected = expected.map_err(|error| damaged(path, error.to_string()))?;
-    let stored = store::table(path)?;
+    let bytes = store::bytes(path)?;
+    let stored = table::Table::parse(&bytes);
+    let stored = stored.map_err(|error| damaged(path, error.to_string()))?;
+    // cells without a column, or a line without an end, are read by none but stand there
+    let width = stored.columns().count();
+    let is_whole = |row: usize| stored.row(row).count() == width;
+    let is_whole = bytes.ends_with(b"\n") && (0..stored.len()).all(is_whole);
     let agrees = |row: usize, column: &str| {
         let ends: [Option<f64>; 2] = [&stored, &expected].map(|table| table.field(row, column));
         match ends {
@@ -457,7 +479,8 @@ pub(crate) fn table_agrees<P: Certified>(
             _ => stored.text(row, column) == expected.text(row, column),
         }
     };
-    Ok(stored.columns().eq(expected.columns())
+    Ok(is_whole
+        && stored.columns().eq(expected.columns())
         && stored.len() == expected.len()
         && (0..stored.len()).all(|row| expected.columns().all(|column| agrees(row, column))))
 }

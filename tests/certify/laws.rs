@@ -248,3 +248,15 @@ fn decimals_are_not_doubles() {
         assert!(Decimal::try_from(text.to_owned()).is_err(), "{text}");
     }
 }
+
+/// The middle of an interval is a number of it, and of none no number; it is asked for of whatever a certificate says.
+#[test]
+fn the_middle_of_what_is_no_interval() {
+    let ends = |low, high| Interval { low, high };
+    assert!(ends(f64::NAN, f64::NAN).middle().is_nan());
+    assert_eq!(ends(1.0, 3.0).middle(), 2.0);
+    assert_eq!(ends(3.0, 1.0).middle(), 2.0);
+    let next = 1.0_f64.next_up();
+    assert!([1.0, next].contains(&ends(1.0, next).middle()));
+    assert_eq!(ends(f64::MAX, f64::MAX).middle(), f64::MAX);
+}

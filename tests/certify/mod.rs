@@ -2,6 +2,7 @@
 //! origin; what must not be proven; the command line.
 
 mod arcs;
+mod beside;
 mod command;
 mod count;
 mod equilibria;

@@ -4,6 +4,10 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 
+use brakewave::certify::orbit::{self, Proof, Seen};
+use brakewave::certify::{Certificate, Outcome, Point};
+use brakewave::interval::Interval;
+use brakewave::orbit::EventType;
 use tempfile::TempDir;
 
 use crate::certify::with_a_field_more;
@@ -318,12 +322,8 @@ fn stick_and_sliding_modes() {
     assert!(rows.iter().all(|row| row["outside"] == "0"), "{rows:?}");
 }
 
-/// Onset of stick between dry friction's two slips, a Filippov sliding mode: it happens in both halves of the symmetric orbit
-/// at once, by the symmetry of the formulas. Closed form of the frequency with 19 digits. Beyond it there is no other event.
-#[test]
-fn stick_sets_in_in_both_halves() {
-    let folder = TempDir::new().unwrap();
-    let text = r#"(
+/// Dry friction about the onset of stick.
+const ONSET: &str = r#"(
     system: (
         states: ["x", "v"],
         parameters: {"w": 0.7227, "F": 0.6666666666666666, "z": 0.05},
@@ -339,7 +339,13 @@ fn stick_sets_in_in_both_halves() {
     continuation: (parameter: "w", range: (0.72266, 0.7227), toward: Down),
     stability: (),
 )"#;
-    let (code, rows) = certified(text, folder.path(), &["--arcs"]);
+
+/// Onset of stick between dry friction's two slips, a Filippov sliding mode: it happens in both halves of the symmetric orbit
+/// at once, by the symmetry of the formulas. Closed form of the frequency with 19 digits. Beyond it there is no other event.
+#[test]
+fn stick_sets_in_in_both_halves() {
+    let folder = TempDir::new().unwrap();
+    let (code, rows) = certified(ONSET, folder.path(), &["--arcs"]);
     assert_eq!(code, Some(0), "{rows:?}");
     assert_eq!(arcs(&rows), [["EP", ""], ["SL", "yes"], ["EP", "yes"]]);
     let onset: Vec<&Row> = rows.iter().filter(|row| row["type"] == "SL").collect();
@@ -358,6 +364,41 @@ fn stick_sets_in_in_both_halves() {
     let out = folder.path().join("out");
     let verified = brakewave(&["certify", "--verify", out.to_str().unwrap()]);
     assert_eq!(verified.status.code(), Some(0), "{verified:?}");
+}
+
+/// The onset of stick as the orbit with a stick of no duration in either half, seen in the sequence without: true as well. Its
+/// enclosure is about as wide as that of the other, and over a tenth of the distance there is no other, too.
+#[test]
+fn an_orbit_with_a_zone_of_no_duration_is_that_without_it() {
+    let folder = TempDir::new().unwrap();
+    certified(ONSET, folder.path(), &[]);
+    let text = fs::read_to_string(folder.path().join("out/certificate.ron")).unwrap();
+    let certificate: Certificate<Proof> = ron::from_str(&text).unwrap();
+    let onset = |point: &&Point<Proof>| point.kind == EventType::SL;
+    let point = certificate.points.iter().find(onset).unwrap();
+    let Outcome::Proven(honest) = &point.outcome else {
+        panic!("{point:?}");
+    };
+    let mut proof = honest.clone();
+    proof.posed.system = certificate.system.clone();
+    let there = proof.seen.pop().unwrap();
+    proof.seen.push(Seen {
+        condition: std::mem::replace(&mut proof.condition, there.condition),
+        near: std::mem::replace(&mut proof.near, there.near),
+    });
+    assert!(proof.near.sequence.len() > proof.seen[0].near.sequence.len());
+    let wider = |said: Interval| Interval::new(said.low - 1e-11, said.high + 1e-11);
+    proof.statement.parameter = wider(proof.statement.parameter);
+    proof.statement.period = wider(proof.statement.period);
+    proof.statement.unique *= 0.1;
+    let verdicts = (0..40).map(|inequalities| {
+        proof.statement.inequalities = inequalities;
+        orbit::verify(point, &proof)
+    });
+    // of its inequalities there is one number
+    let verdicts: Vec<_> = verdicts.collect();
+    let holding = verdicts.iter().filter(|verdict| verdict.is_ok());
+    assert_eq!(holding.count(), 1, "{verdicts:?}");
 }
 
 /// The converter of `problems/buck_converter.ron`: its orbit of two periods doubles again, and later a zone shrinks to nothing

@@ -9,15 +9,13 @@ use crate::problem::{EquilibriumStart, SystemProblem};
 pub(crate) struct Requested(RequestedSystem);
 
 impl Requested {
-    /// Of a problem with its text; `None` where the branch begins with an equilibrium of an earlier run, whose parameters do not
-    /// stand there.
+    /// Of a problem with its text; `None` where no branch of equilibria is followed.
     pub(crate) fn new(problem: &SystemProblem, text: &str) -> Option<Requested> {
-        match problem.equilibrium.as_ref()?.start {
-            EquilibriumStart::Given { .. } | EquilibriumStart::Steady { .. } => {
-                RequestedSystem::new(problem, text).map(Requested)
-            }
-            EquilibriumStart::Restart { .. } | EquilibriumStart::Switch { .. } => None,
-        }
+        let restarted = match problem.equilibrium.as_ref()?.start {
+            EquilibriumStart::Given { .. } | EquilibriumStart::Steady { .. } => false,
+            EquilibriumStart::Restart { .. } | EquilibriumStart::Switch { .. } => true,
+        };
+        RequestedSystem::new(problem, text, restarted).map(Requested)
     }
 
     /// Whether the units in which uniqueness is measured are the same at all points, and not smaller than half the equilibrium

@@ -114,11 +114,32 @@ pub(super) fn prove(proof: &Proof, seen: &Seen) -> Result<Vec<usize>, NotBeyond>
         system.mirror(&middle, &zero).ok_or(reason)?;
         holds(&system).map_err(|reason| open(reason.into()))?;
     }
-    let (event, guess, orbit) = enclosed(&proof.near, &proof.condition)?;
-    let both = [
-        (&system, &zero, &event, &guess, &orbit),
-        (&event, &orbit, &system, &middle, &zero),
-    ];
+    let (mut event, guess, orbit) = enclosed(&proof.near, &proof.condition)?;
+    let are_one = |event: &OrbitSystem| {
+        are_one([
+            (&system, &zero, event, &guess, &orbit),
+            (event, &orbit, &system, &middle, &zero),
+        ])
+    };
+    let mut found = are_one(&event);
+    // a zone that has no duration at the event has none in the other half of a symmetric orbit
+    if found.is_err() && !event.closed.is_empty() && event.mirror(&guess, &orbit).is_some() {
+        found = are_one(&event);
+    }
+    found.map(|()| system.closed.clone())
+}
+
+/// The equations and the zero of one orbit, and those of another with their unknowns in doubles.
+type Pair<'a> = (
+    &'a OrbitSystem<'a>,
+    &'a [Interval],
+    &'a OrbitSystem<'a>,
+    &'a [f64],
+    &'a [Interval],
+);
+
+/// Proves that two orbits are one, by formulas that lead from either of them to the other.
+fn are_one(both: [Pair; 2]) -> Result<(), NotBeyond> {
     let mut refused = NotBeyond::Laws;
     for (from, x, to, guess, other) in both {
         // at the event of a symmetric orbit it may be cut open at either of two instants
@@ -130,7 +151,7 @@ pub(super) fn prove(proof: &Proof, seen: &Seen) -> Result<Vec<usize>, NotBeyond>
             let hull: Vec<Interval> = pairs.map(|(a, b)| a.hull(*b)).collect();
             let equations = |x: &[Interval]| to.evaluate(x);
             if krawczyk::is_only_zero(&equations, guess, &hull) {
-                return Ok(system.closed.clone());
+                return Ok(());
             }
             refused = NotBeyond::Another;
         }

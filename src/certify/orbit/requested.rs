@@ -9,27 +9,28 @@ use crate::problem::{OrbitStart, SystemProblem};
 /// What the branch of a problem file is about.
 pub(crate) struct Requested {
     system: RequestedSystem,
-    /// Periods of the forcing in an orbit, or the most that are looked for.
-    periods: usize,
+    /// Periods of the forcing in an orbit, or the most that are looked for; `None` where they are those of an orbit of an earlier run.
+    periods: Option<usize>,
     /// Whether an orbit of fewer periods may be found.
     at_most: bool,
+    /// Whether the period is prescribed, and a second parameter free.
+    prescribed: bool,
 }
 
 impl Requested {
-    /// Of a problem with its text; `None` where the branch begins with an orbit of an earlier run, whose parameters do not
-    /// stand there.
+    /// Of a problem with its text; `None` where no branch of orbits is followed.
     pub(crate) fn new(problem: &SystemProblem, text: &str) -> Option<Requested> {
-        let at_most = match problem.orbit.start {
-            OrbitStart::Simulate { .. } => true,
-            OrbitStart::Given { .. } => false,
-            OrbitStart::Nowhere | OrbitStart::Restart { .. } | OrbitStart::Switch { .. } => {
-                return None;
-            }
+        let orbit = &problem.orbit;
+        let restarted = match orbit.start {
+            OrbitStart::Nowhere => return None,
+            OrbitStart::Simulate { .. } | OrbitStart::Given { .. } => false,
+            OrbitStart::Restart { .. } | OrbitStart::Switch { .. } => true,
         };
         Some(Requested {
-            system: RequestedSystem::new(problem, text)?,
-            periods: problem.orbit.periods,
-            at_most,
+            system: RequestedSystem::new(problem, text, restarted)?,
+            periods: (!restarted).then_some(orbit.periods),
+            at_most: matches!(orbit.start, OrbitStart::Simulate { .. }),
+            prescribed: orbit.period.is_some(),
         })
     }
 
@@ -85,13 +86,18 @@ impl Requested {
         } = &proof.posed;
         let of = (*parameter, units.parameter);
         self.system.check(system.as_ref(), values, of)?;
+        if self.prescribed {
+            return Err(Refused::Problem("the period"));
+        }
         let periods = usize::try_from(*periods).unwrap_or(usize::MAX);
-        // a doubling on the branch of the doubled orbit is one of the shorter orbit
-        let part = proof.condition == Condition::Doubling
-            && periods > 0
-            && self.periods.is_multiple_of(periods);
-        let fewer = self.at_most && periods > 0 && periods <= self.periods;
-        if self.system.is_forced() && periods != self.periods && !part && !fewer {
+        let fits = |asked: usize| {
+            // a doubling on the branch of the doubled orbit is one of the shorter orbit
+            let part = proof.condition == Condition::Doubling
+                && periods > 0
+                && asked.is_multiple_of(periods);
+            periods == asked || part || self.at_most && periods > 0 && periods <= asked
+        };
+        if self.system.is_forced() && !self.periods.is_none_or(fits) {
             return Err(Refused::Problem("the number of periods"));
         }
         let value = match &proof.condition {

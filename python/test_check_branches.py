@@ -1,0 +1,172 @@
+"""Tests of the checker on what certificates say of branches: problems beside them, arcs, an orbit in two sequences of zones.
+
+    BRAKEWAVE=target/release/brakewave python3 python/test_check_branches.py
+
+Where the binary or python-flint is not there the tests are skipped, and say so (see test_check.py).
+"""
+
+import shutil
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+
+from test_check import BINARY, ROOT, WAVES, check
+from test_check_orbits import FRICTION, read_ron, ron
+
+CLOCK = """(
+    system: (
+        states: ["t", "y", "z"], parameters: {"p": 1.0, "k": 0.05},
+        modes: {"run": (rates: {"t": "1", "y": "z", "z": "2"},
+            until: [(zero: "1 + p - t", to: "run", reset: {"t": "0", "y": "1.8 + k*p", "z": "-2.7"})])},
+    ),
+    orbit: (start: Given(mode: "run", state: {"t": 0.0, "y": 1.85, "z": -2.7}, period: 2.0)),
+    continuation: (parameter: "p", range: (0.5, 1.0), toward: Down, stop_at: [0.75]), stability: (),
+)"""
+"""A clock whose period is 1 + p."""
+REST = """(
+    system: (states: ["x"], parameters: {"p": 1.0, "k": 0.05}, modes: {"run": (rates: {"x": "p - k*x"})}),
+    equilibrium: (start: Given(mode: "run", state: {"x": 20.0})),
+    continuation: (parameter: "p", range: (0.5, 1.0), toward: Down, stop_at: [0.75]),
+)"""
+STARTS = {
+    "clock": 'Given(mode: "run", state: {"t": 0.0, "y": 1.85, "z": -2.7}, period: 2.0)',
+    "rest": 'Given(mode: "run", state: {"x": 20.0})',
+    "waves": "Fast",
+}
+FOLD = (
+    (ROOT / "problems/chua.ron").read_text(encoding="utf-8").split("    orbit:")[0].replace('"alpha": 7.5', '"alpha": 11.7038')
+    + """    orbit: (start: Given(mode: "inner", state: {"x": 1.0, "y": -0.27685, "z": -1.41492}, period: 3.4571)),
+    continuation: (parameter: "alpha", range: (7.0, 12.0), toward: Up, stop_after: [(event: LP, count: 1)]), stability: (),
+)"""
+)
+"""An end, a doubling, and a fold with a multiplier of -60 before: a product of matrices over its zones is wide."""
+BALL = (ROOT / "problems/bouncing_ball.ron").read_text(encoding="utf-8")
+
+
+def replaced(text, old, new):
+    assert old in text, old
+    return text.replace(old, new)
+
+
+@unittest.skipUnless(BINARY, "no binary of brakewave")
+class Branches(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.work, cls.folders = Path(tempfile.mkdtemp()), {}
+        cls.addClassCleanup(shutil.rmtree, cls.work)
+        cls.problems = {"clock": CLOCK, "rest": REST, "waves": WAVES, "friction": FRICTION, "fold": FOLD, "ball": BALL}
+        for name, problem in cls.problems.items():
+            (cls.work / f"{name}.ron").write_text(problem, encoding="utf-8")
+            cls.folders[name] = cls.work / name
+            cls.program("certify", f"{name}.ron", "--out", name, "--quiet", *["--arcs"] * (name == "fold"))
+
+    @classmethod
+    def program(cls, *arguments, code=0):
+        run = subprocess.run([BINARY, *arguments], cwd=cls.work, capture_output=True, text=True)
+        assert run.returncode == code, f"{arguments}: {run.returncode}, {run.stdout}{run.stderr}"
+        return run.stdout
+
+    def beside(self, name, source):
+        """Exit code and words of the checker of a certificate beside another problem."""
+        copy = self.work / "beside"
+        shutil.rmtree(copy, ignore_errors=True)
+        shutil.copytree(self.folders[name], copy)
+        (copy / "source.ron").write_text(source, encoding="utf-8")
+        return check(copy)
+
+    def changed(self, name, change, table=lambda text: text):
+        """Exit code and words of the checker of a certificate that a function changes."""
+        copy = self.work / "changed"
+        shutil.rmtree(copy, ignore_errors=True)
+        shutil.copytree(self.folders[name], copy)
+        certificate = read_ron((copy / "certificate.ron").read_text(encoding="utf-8"))
+        change(certificate)
+        (copy / "certificate.ron").write_text(ron(certificate), encoding="utf-8")
+        rows = (copy / "certificates.csv").read_text(encoding="utf-8")
+        (copy / "certificates.csv").write_text(table(rows), encoding="utf-8")
+        return check(copy)
+
+    def test_a_branch_that_goes_on_from_an_earlier_run(self):
+        # its numbers do not stand in the file, and all else does
+        others = {
+            "clock": [('"-2.7"', '"-2.6"', "system"), ('parameter: "p"', 'parameter: "k"', "parameter"), ("0.75", "0.76", "value"), ("(0.5,", "(0.6,", "unit")],
+            "rest": [("p - k*x", "p - 2*k*x", "system"), ('parameter: "p"', 'parameter: "k"', "parameter"), ("0.75", "0.76", "value"), ("(0.5,", "(0.6,", "unit")],
+            "waves": [("mode: 4", "mode: 5", "mode"), ("parameter: Mismatch", "parameter: Friction", "parameter"), ("0.08", "0.09", "value"), ("(0.045,", "(0.05,", "unit")],
+        }
+        for name, start in STARTS.items():
+            restart = replaced(self.problems[name], start, 'Restart(dir: "earlier", label: 1)')
+            code, told = self.beside(name, restart.replace('"k": 0.05', '"k": 0.07'))
+            self.assertEqual(code, 3, told)
+            self.assertNotIn("refused", told)
+            for old, new, what in others[name]:
+                with self.subTest(name=name, new=new):
+                    code, told = self.beside(name, replaced(restart, old, new))
+                    self.assertEqual(code, 1, told)
+                    self.assertRegex(told, f"numbers of the problem: refused: the {what}")
+
+    def test_a_period_that_is_prescribed(self):
+        code, told = self.beside("clock", replaced(CLOCK, "orbit: (", 'orbit: (period: "1.9", free: "k", '))
+        self.assertEqual(code, 1, told)
+        self.assertIn("refused: the period is prescribed", told)
+
+    def test_a_problem_about_something_else(self):
+        kinds = ("clock", "rest", "waves")
+        for name, other in ((name, other) for name in kinds for other in kinds if name != other):
+            code, told = self.beside(name, self.problems[other])
+            self.assertEqual(code, 1, told)
+            self.assertIn("refused: the problem is about something else", told)
+
+    def test_a_zone_of_no_duration(self):
+        # the onset of stick as the orbit that has a stick of no duration in either half, of which the one without is seen
+        def closed(certificate):
+            proof = next(it for it in certificate["points"] if it["kind"] == "SL")["outcome"].value
+            (seen,), near, condition, said = proof["seen"], proof["near"], proof["condition"], proof["statement"]
+            proof |= {"near": seen["near"], "condition": seen["condition"], "seen": [{"near": near, "condition": condition}]}
+            # it is enclosed about as narrowly
+            for name in "parameter", "period":
+                said[name] = {"low": said[name]["low"] - 1e-11, "high": said[name]["high"] + 1e-11}
+            said["unique"] = 1e-9
+            # those of the zones of no duration are among them
+            said["inequalities"] = 10
+
+        (self.work / "changed").mkdir(exist_ok=True)
+        code, told = self.changed("friction", closed)
+        lines = [line for line in told.splitlines() if " SL " in line and "row of" not in line]
+        self.assertTrue(lines and all("proven again" in line for line in lines), told)
+        told = self.program("certify", "--verify", "changed", code=1)
+        self.assertRegex(told, "SL: verified")
+
+    def test_cells_that_are_no_numbers(self):
+        for cell in ["0.75 +/- 0.1", "[0.75 +/- 1e-3]", "3/4", "0.7_5", "pi", ""]:
+            table = lambda text: "\n".join(",".join([*line.split(",")[:4], cell, *line.split(",")[5:]]) if ",UZ," in line else line for line in text.splitlines()) + "\n"
+            code, told = self.changed("clock", lambda _: None, table)
+            self.assertEqual(code, 1, told)
+            self.assertRegex(told, "row of certificates.csv: refused: .* is no number")
+            self.assertIn("certificates.csv: refused", self.program("certify", "--verify", "changed", code=1))
+
+    def test_an_arc_to_a_fold(self):
+        code, told = check(self.folders["fold"])
+        self.assertEqual(len([line for line in told.splitlines() if "arc: proven again" in line]), 2, told)
+        self.assertNotIn("refused", told)
+
+    def test_an_arc_that_leads_elsewhere(self):
+        # over a fold that is left out: the branch that begins there leads to another orbit at the same value
+        def over(certificate):
+            points = certificate["points"]
+            fold = next(i for i, point in enumerate(points) if point["kind"] == "LP")
+            points[:] = [points[fold - 1], points[fold + 1] | {"arc": "Proven"}]
+
+        def rows(text):
+            header, first, _, last, *_ = text.splitlines()
+            *cells, _, why = last.split(",")
+            return "\n".join([header, first, ",".join([*cells, "yes", why])]) + "\n"
+
+        code, told = self.changed("ball", over, rows)
+        self.assertEqual(code, 1, told)
+        self.assertRegex(told, "arc: refused: the curve does not lead to its last end")
+        self.assertIn("the arc before it", self.program("certify", "--verify", "changed", code=1))
+
+
+if __name__ == "__main__":
+    unittest.main()
