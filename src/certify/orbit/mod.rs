@@ -17,10 +17,13 @@ pub(super) mod exact;
 mod extended;
 mod facts;
 pub(super) mod flow;
+mod fraction;
 mod inequality;
 mod modes;
 pub(super) mod multipliers;
 mod open;
+mod products;
+mod ranged;
 // certificates are compared with their problem file by the command line
 #[cfg(feature = "cli")]
 mod requested;
@@ -201,9 +204,6 @@ fn prepared(item: &Item, special: &Special<AffineOrbit>, text: &str) -> Result<P
     let setting = &orbit.setting;
     if setting.prescribed.is_some() {
         return Err(Open::Prescribed);
-    }
-    if setting.system.products.is_some() {
-        return Err(Open::Contacts);
     }
     let at = setting.parameter;
     let names = setting.system.source.parameters.names();
@@ -548,13 +548,6 @@ pub(crate) fn proven_again(point: &Point<Proof>, proof: &Proof) -> Result<Proof,
 fn check_zones(proof: &Proof) -> Result<(), Refused> {
     let open = |open: Open| Refused::NoProof(open.to_string());
     let system = proof.posed.system().map_err(open)?;
-    let names: Vec<&str> = system.mode_names().collect();
-    let (_, modes) = Structure::of(system).map_err(open)?;
-    let is_mode = |zone: &Zone| {
-        let way = zone.way.map(|way| [way.guard, way.exit]);
-        let label = way.and_then(|way| modes.label(zone.mode, way));
-        names.get(zone.mode) == Some(&zone.name.as_str()) && zone.has_label(label)
-    };
     let seen = proof.seen.iter().map(|seen| &seen.near.sequence);
     let changed = proof.changed.iter();
     let changed = changed.flat_map(|changed| [&changed.before].into_iter().chain(&changed.after));
@@ -562,7 +555,17 @@ fn check_zones(proof: &Proof) -> Result<(), Refused> {
         .into_iter()
         .chain(seen)
         .chain(changed);
-    match sequences.flat_map(|sequence| &sequence.0).all(is_mode) {
+    let zones: Vec<&Zone> = sequences.flat_map(|sequence| &sequence.0).collect();
+    let needed = proof.posed.needed(proof.near.parameter, zones.iter().copied());
+    let (_, modes) = Structure::of(system, &needed).map_err(open)?;
+    let is_mode = |zone: &Zone| {
+        let way = zone.way.map(|way| [way.guard, way.exit]);
+        let label = way.and_then(|way| modes.label(zone.mode, way));
+        modes.modes.get(zone.mode).is_some()
+            && system.mode_name(zone.mode) == zone.name
+            && zone.has_label(label)
+    };
+    match zones.into_iter().all(is_mode) {
         true => Ok(()),
         false => Err(Refused::Statement("the name of a zone")),
     }

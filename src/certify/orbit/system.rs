@@ -6,6 +6,8 @@
 //! before, less a turn for every period of the forcing where the cycle closes, and a stretch ends where its guard
 //! is zero, or stationary where it is cut. One more equation singles out the event.
 
+use std::collections::BTreeSet;
+
 use serde::{Deserialize, Serialize};
 
 use super::Open;
@@ -14,9 +16,10 @@ use super::enclosure::Enclosure;
 use super::exact::Exact;
 use super::flow::{Exponential, Flow};
 use super::modes::{Modes, Structure};
+use super::products::Needed;
 use super::zeros::{Event, Facts, Vanishing};
 use crate::affine::orbit::setting::Scales;
-use crate::affine::orbit::{Margin, Sequence, Watch, ZonePoint};
+use crate::affine::orbit::{Margin, Sequence, Watch, Zone, ZonePoint};
 use crate::affine::system::System;
 use crate::interval::{Decimal, Interval, Number, PI};
 
@@ -45,6 +48,21 @@ impl Posed {
     /// There is none.
     pub fn system(&self) -> Result<&System, Open> {
         self.system.as_ref().ok_or(Open::Sequence)
+    }
+
+    /// The modes that zones name, next to a value of the parameter.
+    pub(super) fn needed<'a>(
+        &'a self,
+        near: f64,
+        zones: impl Iterator<Item = &'a Zone>,
+    ) -> Needed<'a> {
+        let modes: BTreeSet<usize> = zones.map(|zone| zone.mode).collect();
+        Needed {
+            values: &self.values,
+            parameter: self.parameter,
+            near: (near, self.units.parameter),
+            modes: modes.into_iter().collect(),
+        }
     }
 }
 
@@ -240,7 +258,8 @@ impl<'a> OrbitSystem<'a> {
         layout: &Layout,
     ) -> Result<(OrbitSystem<'a>, Vec<f64>), Open> {
         let of = posed.system()?;
-        let (structure, exact) = Structure::of(of)?;
+        let needed = posed.needed(near.parameter, near.sequence.0.iter());
+        let (structure, exact) = Structure::of(of, &needed)?;
         let states = exact.states;
         let zones = &near.zones;
         let known = zones.iter().flat_map(|zone| {
@@ -357,6 +376,9 @@ impl<'a> OrbitSystem<'a> {
 
     /// The modes over an interval of the parameter.
     pub fn enclosed(&self, parameter: Interval) -> Result<Modes<Enclosure>, Open> {
+        if !self.structure.covers(parameter) {
+            return Err(Open::Range);
+        }
         let of = |index: usize| match index == self.posed.parameter {
             true => Enclosure::variable(parameter, 0),
             false => Enclosure::constant(self.posed.values[index].interval()),
