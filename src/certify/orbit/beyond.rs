@@ -10,7 +10,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::modes::through;
+use super::exact::Exact;
+use super::modes::{Row, through};
 use super::open::NotBeyond;
 use super::system::{Condition, End, Near, OrbitSystem, Span, Stretch};
 use super::zeros::{Vanishing, less, unit, whole};
@@ -114,7 +115,10 @@ pub(super) fn prove(proof: &Proof, seen: &Seen) -> Result<Vec<usize>, NotBeyond>
         system.mirror(&middle, &zero).ok_or(reason)?;
         holds(&system).map_err(|reason| open(reason.into()))?;
     }
-    let (event, guess, orbit) = enclosed(&proof.near, &proof.condition)?;
+    let (mut event, guess, orbit) = enclosed(&proof.near, &proof.condition)?;
+    if !event.closed.is_empty() {
+        event.mirror(&guess, &orbit);
+    }
     let both = [
         (&system, &zero, &event, &guess, &orbit),
         (&event, &orbit, &system, &middle, &zero),
@@ -136,6 +140,17 @@ pub(super) fn prove(proof: &Proof, seen: &Seen) -> Result<Vec<usize>, NotBeyond>
         }
     }
     Err(refused)
+}
+
+/// The stretches that have no duration at an event in the sequence in which that is proven.
+pub(super) fn closed(proof: &Proof) -> Option<Vec<usize>> {
+    let (mut system, middle) = OrbitSystem::new(&proof.posed, &proof.near, &proof.condition).ok()?;
+    if !system.closed.is_empty() {
+        let equations = |x: &[Interval]| system.evaluate(x);
+        let zero = krawczyk::enclosed(&equations, &middle, &system.units(&middle))?;
+        system.mirror(&middle, &zero.at);
+    }
+    Some(system.closed)
 }
 
 impl OrbitSystem<'_> {
@@ -162,6 +177,31 @@ impl OrbitSystem<'_> {
         Some(legs)
     }
 
+    /// The states at the entry of a stretch as forms at the end of one before it, between which are none but such without duration;
+    /// and likewise what is zero where these end.
+    fn led(&self, last: usize, next: usize) -> (Vec<Row<Exact>>, Vec<Row<Exact>>) {
+        let (states, size) = (self.exact.states, self.exact.size());
+        let mut led: Vec<_> = (0..states).map(|state| unit(state, size)).collect();
+        let mut closing = Vec::new();
+        let mut at = last;
+        loop {
+            let before = whole(&led, size);
+            let Stretch { mode, end, .. } = self.stretches[at];
+            if let (End::Exit { guard, .. }, true) = (end, at != last) {
+                let mode = &self.exact.modes[mode];
+                let row = mode.derivative(&mode.guards[guard].row, self.divisor(at));
+                closing.push(through(&row, &before));
+            }
+            if let Some(reset) = self.reset(at) {
+                led = reset.iter().map(|row| through(row, &before)).collect();
+            }
+            at = (at + 1) % self.stretches.len();
+            if at == next {
+                return (led, closing);
+            }
+        }
+    }
+
     /// This orbit in the unknowns of other equations that it solves by formulas; `None` if they do not tell.
     fn solved(
         &self,
@@ -179,31 +219,16 @@ impl OrbitSystem<'_> {
             (other.len() == 1 || other.len() == 2 && of.end == End::Never)
                 && self.stretches[own[0]].mode == of.mode
         };
-        let count = self.stretches.len();
         let (states, size) = (self.exact.states, self.exact.size());
-        if legs.len() != theirs.len()
-            || !legs.iter().zip(&theirs).all(alike)
-            || !to.closed.is_empty()
-        {
+        if legs.len() != theirs.len() || !legs.iter().zip(&theirs).all(alike) {
             return None;
         }
         for (index, leg) in legs.iter().enumerate() {
             let (last, next) = (*leg.last()?, legs[(index + 1) % legs.len()][0]);
             let facts = &self.facts[last].end;
-            // the states at the next entry as forms at the end of the leg
-            let mut at = last;
-            let mut led: Vec<_> = (0..states).map(|state| unit(state, size)).collect();
-            loop {
-                if let Some(reset) = self.reset(at) {
-                    let before = whole(&led, size);
-                    led = reset.iter().map(|row| through(row, &before)).collect();
-                }
-                at = (at + 1) % count;
-                if at == next {
-                    break;
-                }
-            }
+            let (led, _) = self.led(last, next);
             let (begins, there) = (theirs[index][0], *theirs[index].last()?);
+            let (reset, closing) = to.led(there, theirs[(index + 1) % theirs.len()][0]);
             let Stretch { mode, end, .. } = to.stretches[there];
             let mode = &self.exact.modes[mode];
             let ends = match end {
@@ -211,8 +236,6 @@ impl OrbitSystem<'_> {
                 End::Touch { guard } => mode.derivative(&mode.guards[guard].row, 1),
                 End::Never => return None,
             };
-            let kept: Vec<_> = (0..states).map(|state| unit(state, size)).collect();
-            let reset = to.reset(there).unwrap_or(&kept);
             let mut pairs = reset.iter().zip(&led);
             let about = |one: &&Vanishing| theirs[index].contains(&one.stretch);
             let mut vanishing = to.vanishing.iter().filter(about);
@@ -225,6 +248,7 @@ impl OrbitSystem<'_> {
                 one.stretch == place && row.is_some_and(|row| facts.have(&row))
             };
             if !(facts.have(&ends)
+                && closing.iter().all(|row| facts.have(row))
                 && pairs.all(|(a, b)| facts.have(&less(a, b)))
                 && vanishing.all(zero))
             {

@@ -350,6 +350,14 @@ fn changed(
             }
         }
     }
+    // two contacts that change their order have a zone between them on both sides, and no sequence without one
+    if let Some(zone) = closed {
+        let (orbit, point) = branch;
+        let proof = prove(posed, near(orbit, point)?, Condition::closed(zone));
+        if let Some(proof) = proof.ok().filter(|proof| proof.change() == Some(change.kind)) {
+            return Ok(completed(proof, branch, change));
+        }
+    }
     Err(reason.unwrap_or(Open::Duration))
 }
 

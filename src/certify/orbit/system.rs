@@ -434,10 +434,15 @@ impl<'a> OrbitSystem<'a> {
         own: &dyn Fn(usize) -> Span,
     ) -> Option<Vec<Interval>> {
         let modes = self.enclosed(x[self.parameter()]).ok()?;
-        let mut carried = Vec::new();
+        let mut parts: Vec<Vec<Interval>> = Vec::new();
         for (index, stretch) in to.stretches.iter().enumerate() {
+            let mut carried = Vec::new();
             let span = own(index);
             let own = &span.stretches;
+            if own.is_empty() {
+                parts.push(carried);
+                continue;
+            }
             let time = match span.until {
                 Some(until) => until,
                 None => self.time(own, x),
@@ -470,9 +475,41 @@ impl<'a> OrbitSystem<'a> {
                 }
             }
             carried.push(time);
+            parts.push(carried);
         }
+        to.bridge(&mut parts, x[self.parameter()])?;
+        let mut carried = parts.concat();
         carried.push(x[self.parameter()]);
         Some(carried)
+    }
+
+    /// Fills in the unknowns of stretches without duration: what switches make of the end of the stretch before.
+    fn bridge(&self, parts: &mut [Vec<Interval>], parameter: Interval) -> Option<()> {
+        let modes = self.enclosed(parameter).ok()?;
+        let count = parts.len();
+        // as many in a row as there are stretches at most
+        for index in (0..2 * count).map(|index| index % count) {
+            let before = (index + count - 1) % count;
+            if !parts[index].is_empty() || parts[before].is_empty() {
+                continue;
+            }
+            let (width, from) = (self.width(), &parts[before]);
+            let end = &from[from.len() - 1 - width..from.len() - 1];
+            let mut entry = end.to_vec();
+            let Stretch { mode, end: way, .. } = self.stretches[before];
+            if let End::Exit { guard, exit } = way {
+                let z = self.lift(end);
+                let reset = &modes.modes.get(mode)?.guards.get(guard)?.exits.get(exit)?.reset;
+                for (state, row) in entry.iter_mut().zip(reset) {
+                    let terms = row.iter().zip(&z).map(|(form, z)| form.value * *z);
+                    *state = terms.fold(Interval::ZERO, |sum, term| sum + term);
+                }
+            }
+            let nodes = self.steps[index] + 1;
+            parts[index] = entry.repeat(nodes);
+            parts[index].push(Interval::ZERO);
+        }
+        parts.iter().all(|part| !part.is_empty()).then_some(())
     }
 
     /// The time that some stretches take together.
