@@ -1208,7 +1208,9 @@ class Orbit:
                     for _ in range(self.divisors[index] + 1):
                         row = combine(row, modes.matrices[mode])
                     row, stop = [-y for y in row], 0
-                holds = positive(modes.matrices[mode], row, z, end, time, (start, stop), index in closed)
+                # what is zero at the entry of every such zone grows from there
+                at_entry = stretch.end[:2] != ("exit", guard) and bool(self.order(lasting[0], mode, exact))
+                holds = positive(modes.matrices[mode], row, z, end, time, (start, stop), index in closed, at_entry)
                 yield f"guard {guard} within zone {zone}", holds
             if stretch.end[0] != "exit":
                 continue

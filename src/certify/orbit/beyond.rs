@@ -219,7 +219,7 @@ impl OrbitSystem<'_> {
             (other.len() == 1 || other.len() == 2 && of.end == End::Never)
                 && self.stretches[own[0]].mode == of.mode
         };
-        let (states, size) = (self.exact.states, self.exact.size());
+        let states = self.exact.states;
         if legs.len() != theirs.len() || !legs.iter().zip(&theirs).all(alike) {
             return None;
         }

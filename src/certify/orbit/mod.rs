@@ -353,9 +353,12 @@ fn changed(
     // two contacts that change their order have a zone between them on both sides, and no sequence without one
     if let Some(zone) = closed {
         let (orbit, point) = branch;
-        let proof = prove(posed, near(orbit, point)?, Condition::closed(zone));
-        if let Some(proof) = proof.ok().filter(|proof| proof.change() == Some(change.kind)) {
-            return Ok(completed(proof, branch, change));
+        match prove(posed, near(orbit, point)?, Condition::closed(zone)) {
+            Ok(proof) if proof.change() == Some(change.kind) => {
+                return Ok(completed(proof, branch, change));
+            }
+            Ok(_) => {}
+            Err(other) => reason = reason.or(Some(other)),
         }
     }
     Err(reason.unwrap_or(Open::Duration))
