@@ -872,7 +872,9 @@ class Orbit:
             for index, stretch in enumerate(self.stretches):
                 exact, mode = self.exact, stretch.mode
                 add(facts[index][0], index, False)
-                end = facts[index][0].along(exact.matrices[mode], exact.surfaces[mode])
+                # where no time passes all that is zero at the entry is so at the end
+                still = index in self.closed
+                end = Zeros(self.domain, facts[index][0].rows()) if still else facts[index][0].along(exact.matrices[mode], exact.surfaces[mode])
                 follower = facts[(index + 1) % len(facts)]
                 kind, *where = stretch.end
                 if kind == "never":

@@ -549,7 +549,9 @@ impl<C: Measured> Form<C> {
                 known.insert(place, form);
             }
             match known.get(&place) {
-                Some(Some(form)) => sum = sum.sum(form.clone().scaled(coefficient.clone())?, 1.0)?,
+                Some(Some(form)) => {
+                    sum = sum.sum(form.clone().scaled(coefficient.clone())?, 1.0)?
+                }
                 _ => sum.beyond.push((coefficient.clone(), term.clone())),
             }
         }

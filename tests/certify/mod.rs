@@ -3,6 +3,7 @@
 
 mod arcs;
 mod command;
+mod contacts;
 mod count;
 mod equilibria;
 mod laws;

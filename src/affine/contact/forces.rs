@@ -77,10 +77,12 @@ impl<C: Measured> Own<C> {
             kinematics: Vec::new(),
         };
         for (contact, law) in laws.iter().enumerate() {
-            let moving = own.moving(law, omega.clone()).map_err(|error| match error {
-                Ok(obstacle) => failed(contact)(obstacle),
-                Err(mistake) => (contact, mistake),
-            })?;
+            let moving = own
+                .moving(law, omega.clone())
+                .map_err(|error| match error {
+                    Ok(obstacle) => failed(contact)(obstacle),
+                    Err(mistake) => (contact, mistake),
+                })?;
             moving.check(law, contact, &names[contact])?;
             own.kinematics.push(Moving {
                 stretch: stretches[contact],
@@ -224,7 +226,12 @@ impl<C: Measured> Own<C> {
     }
 
     /// The row of A and −r of a contact that holds.
-    fn holding(&self, contact: usize, unknown: &[usize], forces: &[Form<C>]) -> Result<Row<C>, Obstacle> {
+    fn holding(
+        &self,
+        contact: usize,
+        unknown: &[usize],
+        forces: &[Form<C>],
+    ) -> Result<Row<C>, Obstacle> {
         let Moving { drift, by, .. } = &self.kinematics[contact];
         let mut rest = drift.clone();
         for (force, by) in forces.iter().zip(by) {
@@ -309,7 +316,10 @@ impl<C: Measured> Moving<C> {
         };
         let influence = &self.by[contact];
         let name = name.to_owned();
-        match influence.is_constant().then_some(influence.constant.certain()) {
+        match influence
+            .is_constant()
+            .then_some(influence.constant.certain())
+        {
             Some(0.0) => Err((contact, ContactMistake::NoInfluence(name, what))),
             Some(value) if value < 0.0 => Err((contact, ContactMistake::Sign(name, what))),
             _ => Ok(()),

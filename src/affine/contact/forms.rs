@@ -63,7 +63,12 @@ impl<C: Measured> ContactForms<C> {
         let mut own = Vec::new();
         let mut switches = Vec::new();
         for mode in modes {
-            own.push(Own::new(&mode.rates, &laws, (&names, stretches), omega.clone())?);
+            own.push(Own::new(
+                &mode.rates,
+                &laws,
+                (&names, stretches),
+                omega.clone(),
+            )?);
             switches.push(mode.switches);
         }
         Ok(ContactForms {
@@ -174,7 +179,11 @@ impl<C: Measured> ContactForms<C> {
     }
 
     /// The forces of contacts in these states.
-    pub(super) fn forces(&self, own: usize, digits: &[usize]) -> Result<&[Form<C>], ContactMistake> {
+    pub(super) fn forces(
+        &self,
+        own: usize,
+        digits: &[usize],
+    ) -> Result<&[Form<C>], ContactMistake> {
         let name = || self.name(own, digits);
         let find = || self.own[own].forces(&self.laws, digits, (&self.names, &name));
         let number = self.products.number(own, digits);
@@ -224,7 +233,11 @@ impl<C: Measured> ContactForms<C> {
 }
 
 /// Refuses a law with a force where none may stand, and bounds that have no meaning.
-fn check<C: Measured>(law: &Law<Form<C>>, states: usize, laws: &[Law<Form<C>>]) -> Result<(), ContactMistake> {
+fn check<C: Measured>(
+    law: &Law<Form<C>>,
+    states: usize,
+    laws: &[Law<Form<C>>],
+) -> Result<(), ContactMistake> {
     let force_in = |form: &Form<C>| form.has_from(states);
     let number = |form: &Form<C>| form.is_constant().then_some(form.constant.certain());
     let bounds: Vec<&Form<C>> = match law {

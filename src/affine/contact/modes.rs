@@ -68,7 +68,12 @@ impl<C: Measured> ContactForms<C> {
     }
 
     /// The rates with these forces.
-    fn rates(&self, own: usize, digits: &[usize], forces: &[Form<C>]) -> Result<Vec<Form<C>>, Obstacle> {
+    fn rates(
+        &self,
+        own: usize,
+        digits: &[usize],
+        forces: &[Form<C>],
+    ) -> Result<Vec<Form<C>>, Obstacle> {
         let mut rates = self.own[own].rates.clone();
         let contacts = forces.iter().zip(&self.own[own].weights);
         for (force, weights) in contacts.filter(|(force, _)| !force.is_zero()) {
@@ -260,12 +265,7 @@ impl<C: Measured> ContactForms<C> {
     }
 
     /// The switch of an instant that leads to these states.
-    fn switch(
-        &self,
-        instant: &Instant<C>,
-        arrival: Arrival<C>,
-        group: usize,
-    ) -> FormSwitch<C> {
+    fn switch(&self, instant: &Instant<C>, arrival: Arrival<C>, group: usize) -> FormSwitch<C> {
         let Instant {
             own,
             contact,

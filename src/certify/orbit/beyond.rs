@@ -144,7 +144,8 @@ pub(super) fn prove(proof: &Proof, seen: &Seen) -> Result<Vec<usize>, NotBeyond>
 
 /// The stretches that have no duration at an event in the sequence in which that is proven.
 pub(super) fn closed(proof: &Proof) -> Option<Vec<usize>> {
-    let (mut system, middle) = OrbitSystem::new(&proof.posed, &proof.near, &proof.condition).ok()?;
+    let (mut system, middle) =
+        OrbitSystem::new(&proof.posed, &proof.near, &proof.condition).ok()?;
     if !system.closed.is_empty() {
         let equations = |x: &[Interval]| system.evaluate(x);
         let zero = krawczyk::enclosed(&equations, &middle, &system.units(&middle))?;

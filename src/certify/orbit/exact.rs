@@ -127,7 +127,9 @@ impl Exact {
 
 /// The name of 1 over a name.
 fn inverted(name: &str) -> String {
-    let inner = name.strip_prefix("1/(").and_then(|rest| rest.strip_suffix(')'));
+    let inner = name
+        .strip_prefix("1/(")
+        .and_then(|rest| rest.strip_suffix(')'));
     match inner.filter(|inner| is_name(inner)) {
         Some(inner) => inner.to_owned(),
         None => format!("1/({name})"),

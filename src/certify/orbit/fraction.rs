@@ -135,7 +135,14 @@ mod tests {
         assert_eq!(of("25e-2"), Fraction::of_double(0.25).unwrap());
         assert_ne!(Some(of("0.1")), Fraction::of_double(0.1));
         assert_eq!(of("0.75").inverse().unwrap().to_string(), "4/3");
-        assert_eq!(Fraction::of_double(-2.0).unwrap().inverse().unwrap().to_string(), "-1/2");
+        assert_eq!(
+            Fraction::of_double(-2.0)
+                .unwrap()
+                .inverse()
+                .unwrap()
+                .to_string(),
+            "-1/2"
+        );
         assert_eq!(of("0.1").plus(of("0.9")), Some(Fraction::ONE));
         assert_eq!(Fraction::ZERO.inverse(), None);
         for beyond in [f64::INFINITY, f64::NAN, 1e300, 1e-300] {

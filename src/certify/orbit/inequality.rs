@@ -78,7 +78,11 @@ fn is_positive_beside(
     (at_entry, order): (bool, usize),
     duration: Interval,
 ) -> bool {
-    let place = if at_entry { pieces.first() } else { pieces.last() };
+    let place = if at_entry {
+        pieces.first()
+    } else {
+        pieces.last()
+    };
     let place = place.map_or(&[][..], |z| z);
     let still: Vec<Moving> = place.iter().map(|z| Moving::constant(z.value)).collect();
     let length = duration.high.max(NO_TIME);

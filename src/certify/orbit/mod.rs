@@ -492,7 +492,7 @@ fn halved(half: &OrbitSystem, x: &[Interval]) -> Result<usize, Open> {
     let value = Condition::Value(Decimal::of(half.near.parameter));
     let layout = Layout {
         steps: half.steps.repeat(2),
-        divided: Vec::new(),
+        ..Layout::default()
     };
     let (system, _) = OrbitSystem::laid_out(half.posed, half.near, &value, &layout)?;
     let whole = half.whole(x, &system).ok_or(Open::NotEnclosed)?;
@@ -567,7 +567,9 @@ fn check_zones(proof: &Proof) -> Result<(), Refused> {
         .chain(seen)
         .chain(changed);
     let zones: Vec<&Zone> = sequences.flat_map(|sequence| &sequence.0).collect();
-    let needed = proof.posed.needed(proof.near.parameter, zones.iter().copied());
+    let needed = proof
+        .posed
+        .needed(Interval::point(proof.near.parameter), zones.iter().copied());
     let (_, modes) = Structure::of(system, &needed).map_err(open)?;
     let is_mode = |zone: &Zone| {
         let way = zone.way.map(|way| [way.guard, way.exit]);

@@ -20,8 +20,10 @@ pub struct Needed<'a> {
     pub values: &'a [Decimal],
     /// Index of the one that varies.
     pub parameter: usize,
-    /// Its value, and its unit.
-    pub near: (f64, f64),
+    /// Its values.
+    pub range: Interval,
+    /// Its unit.
+    pub unit: f64,
     /// Numbers of modes, in order.
     pub modes: Vec<usize>,
 }
@@ -38,7 +40,7 @@ pub struct ProductModes {
 }
 
 /// Powers of two by which the unit of the parameter is divided until all that the modes hang on is decided.
-const HALVINGS: [i32; 4] = [0, 4, 12, 24];
+const HALVINGS: [i32; 7] = [0, 1, 2, 4, 8, 12, 24];
 
 impl ProductModes {
     /// Of a system with contacts; `None` of one without.
@@ -50,15 +52,18 @@ impl ProductModes {
             return Ok(None);
         };
         let fits = needed.values.len() == system.source.parameters.0.len()
-            && needed.modes.iter().all(|mode| *mode < products.count());
+            && needed.modes.iter().all(|mode| *mode < products.count())
+            && [needed.range.low, needed.range.high, needed.unit]
+                .iter()
+                .all(|x| x.is_finite())
+            && needed.unit > 0.0;
         if !fits {
             return Err(Open::Sequence);
         }
-        let (near, unit) = needed.near;
         let mut made = Err(Open::Sequence);
         for halvings in HALVINGS {
-            let range = Interval::around(near, unit * 2.0_f64.powi(-halvings));
-            made = ProductModes::over(system, needed, range);
+            let beside = Interval::around(0.0, needed.unit * 2.0_f64.powi(-halvings));
+            made = ProductModes::over(system, needed, needed.range + beside);
             if made.is_ok() {
                 break;
             }
@@ -86,7 +91,8 @@ impl ProductModes {
                 ..forms.mode(*number).map_err(Open::Contacts)?
             };
             let exact = mode.convert(&|one: &Ranged| Ok::<_, Open>(one.formula.clone()))?;
-            let formula = mode.convert(&|one: &Ranged| one.formula.formula().ok_or(Open::Written))?;
+            let formula =
+                mode.convert(&|one: &Ranged| one.formula.formula().ok_or(Open::Written))?;
             let (exact, formula) = exact.zip(formula).ok_or(Open::Written)?;
             Ok((*number, exact, formula))
         });
@@ -106,7 +112,10 @@ impl ProductModes {
 
     /// As formulas.
     pub fn exact(&self) -> Vec<FormMode<Exact>> {
-        self.modes.iter().map(|(_, exact, _)| exact.clone()).collect()
+        self.modes
+            .iter()
+            .map(|(_, exact, _)| exact.clone())
+            .collect()
     }
 
     /// With other coefficients, of the parameters by their names.

@@ -50,17 +50,18 @@ impl Posed {
         self.system.as_ref().ok_or(Open::Sequence)
     }
 
-    /// The modes that zones name, next to a value of the parameter.
+    /// The modes that zones name, next to values of the parameter.
     pub(super) fn needed<'a>(
         &'a self,
-        near: f64,
+        range: Interval,
         zones: impl Iterator<Item = &'a Zone>,
     ) -> Needed<'a> {
         let modes: BTreeSet<usize> = zones.map(|zone| zone.mode).collect();
         Needed {
             values: &self.values,
             parameter: self.parameter,
-            near: (near, self.units.parameter),
+            range,
+            unit: self.units.parameter,
             modes: modes.into_iter().collect(),
         }
     }
@@ -181,6 +182,8 @@ pub struct Layout {
     pub steps: Vec<usize>,
     /// Stretches whose equation is divided by a power of their duration.
     pub divided: Vec<usize>,
+    /// Values of the parameter that are led through.
+    pub range: Option<Interval>,
 }
 
 impl Layout {
@@ -190,6 +193,7 @@ impl Layout {
         Layout {
             steps: steps.map(|(a, b)| a.max(b)).collect(),
             divided: [self.divided, other.divided].concat(),
+            range: self.range.zip(other.range).map(|(a, b)| a.hull(b)),
         }
     }
 }
@@ -258,7 +262,8 @@ impl<'a> OrbitSystem<'a> {
         layout: &Layout,
     ) -> Result<(OrbitSystem<'a>, Vec<f64>), Open> {
         let of = posed.system()?;
-        let needed = posed.needed(near.parameter, near.sequence.0.iter());
+        let range = layout.range.unwrap_or(Interval::point(near.parameter));
+        let needed = posed.needed(range, near.sequence.0.iter());
         let (structure, exact) = Structure::of(of, &needed)?;
         let states = exact.states;
         let zones = &near.zones;
@@ -348,6 +353,7 @@ impl<'a> OrbitSystem<'a> {
         Layout {
             steps: self.steps.clone(),
             divided: self.divided.iter().map(|(index, _)| *index).collect(),
+            range: Some(Interval::point(self.near.parameter)),
         }
     }
 
@@ -499,7 +505,14 @@ impl<'a> OrbitSystem<'a> {
             let Stretch { mode, end: way, .. } = self.stretches[before];
             if let End::Exit { guard, exit } = way {
                 let z = self.lift(end);
-                let reset = &modes.modes.get(mode)?.guards.get(guard)?.exits.get(exit)?.reset;
+                let reset = &modes
+                    .modes
+                    .get(mode)?
+                    .guards
+                    .get(guard)?
+                    .exits
+                    .get(exit)?
+                    .reset;
                 for (state, row) in entry.iter_mut().zip(reset) {
                     let terms = row.iter().zip(&z).map(|(form, z)| form.value * *z);
                     *state = terms.fold(Interval::ZERO, |sum, term| sum + term);
