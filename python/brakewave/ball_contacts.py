@@ -77,7 +77,9 @@ class Contacts:
         for name, law in system["contacts"].items():
             must(law.name in FIELDS and set(law.value) <= set(FIELDS[law.name].split()), f"`{name}` has no such law")
             self.laws.append((law.name, {field: form(text) for field, text in law.value.items() if text is not None}))
-            self.elements.append(list(states).index(f"z_{name}") if law.name == "Jenkins" else None)
+            element = f"z_{name}" if law.name == "Jenkins" else None
+            must(element is None or element in states, f"`{element}` is no state")
+            self.elements.append(None if element is None else list(states).index(element))
         kinds = [(*STATES[kind], "open") if kind == "Spring" and "damping" in law else STATES[kind] for kind, law in self.laws]
         self.modes = ProductNames(list(system.get("modes", {})), kinds)
         self.zero, self.one = form("0"), form("1")

@@ -203,6 +203,42 @@ impl OrbitSystem<'_> {
         }
     }
 
+    /// Fills in the unknowns of stretches without duration: what switches make of the end of the stretch before.
+    pub(super) fn bridge(&self, parts: &mut [Vec<Interval>], parameter: Interval) -> Option<()> {
+        let modes = self.enclosed(parameter).ok()?;
+        let count = parts.len();
+        // as many in a row as there are stretches at most
+        for index in (0..2 * count).map(|index| index % count) {
+            let before = (index + count - 1) % count;
+            if !parts[index].is_empty() || parts[before].is_empty() {
+                continue;
+            }
+            let (width, from) = (self.width(), &parts[before]);
+            let end = &from[from.len() - 1 - width..from.len() - 1];
+            let mut entry = end.to_vec();
+            let Stretch { mode, end: way, .. } = self.stretches[before];
+            if let End::Exit { guard, exit } = way {
+                let z = self.lift(end);
+                let reset = &modes
+                    .modes
+                    .get(mode)?
+                    .guards
+                    .get(guard)?
+                    .exits
+                    .get(exit)?
+                    .reset;
+                for (state, row) in entry.iter_mut().zip(reset) {
+                    let terms = row.iter().zip(&z).map(|(form, z)| form.value * *z);
+                    *state = terms.fold(Interval::ZERO, |sum, term| sum + term);
+                }
+            }
+            let nodes = self.steps[index] + 1;
+            parts[index] = entry.repeat(nodes);
+            parts[index].push(Interval::ZERO);
+        }
+        parts.iter().all(|part| !part.is_empty()).then_some(())
+    }
+
     /// This orbit in the unknowns of other equations that it solves by formulas; `None` if they do not tell.
     fn solved(
         &self,

@@ -54,6 +54,7 @@ use crate::orbit::special::{Change, Special};
 use crate::orbit::{EventType, Examined, Orbit};
 use crate::problem::{decimal_at, decimal_of};
 use modes::Structure;
+use products::Needed;
 use system::{Layout, OrbitSystem};
 
 /// A margin of order one that is smaller than this at an event may vanish there; whether it does is proven.
@@ -567,9 +568,14 @@ fn check_zones(proof: &Proof) -> Result<(), Refused> {
         .chain(seen)
         .chain(changed);
     let zones: Vec<&Zone> = sequences.flat_map(|sequence| &sequence.0).collect();
-    let needed = proof
-        .posed
-        .needed(Interval::point(proof.near.parameter), zones.iter().copied());
+    let Posed {
+        values,
+        parameter,
+        units,
+        ..
+    } = &proof.posed;
+    let near = (Interval::point(proof.near.parameter), units.parameter);
+    let needed = Needed::new(values, *parameter, near, zones.iter().copied());
     let (_, modes) = Structure::of(system, &needed).map_err(open)?;
     let is_mode = |zone: &Zone| {
         let way = zone.way.map(|way| [way.guard, way.exit]);

@@ -5,12 +5,15 @@
 //! pivot is zero and which sign a factor has, is decided for a whole range of the parameter ([`Ranged`]). What comes out
 //! is modes like those that a user writes down.
 
+use std::collections::BTreeSet;
+
 use super::Open;
 use super::exact::{Exact, Formula};
 use super::ranged::Ranged;
 use crate::affine::contact::forms::{ContactForms, Written};
 use crate::affine::dual::Coefficient;
 use crate::affine::evaluation::{Evaluation, FormMode};
+use crate::affine::orbit::Zone;
 use crate::affine::system::{System, SystemError};
 use crate::interval::{Decimal, Interval, PI};
 
@@ -26,6 +29,25 @@ pub struct Needed<'a> {
     pub unit: f64,
     /// Numbers of modes, in order.
     pub modes: Vec<usize>,
+}
+
+impl<'a> Needed<'a> {
+    /// Those that zones name, with these values of the parameters, next to some of the one that varies and in its unit.
+    pub fn new(
+        values: &'a [Decimal],
+        parameter: usize,
+        (range, unit): (Interval, f64),
+        zones: impl Iterator<Item = &'a Zone>,
+    ) -> Needed<'a> {
+        let modes: BTreeSet<usize> = zones.map(|zone| zone.mode).collect();
+        Needed {
+            values,
+            parameter,
+            range,
+            unit,
+            modes: modes.into_iter().collect(),
+        }
+    }
 }
 
 /// The modes that contacts make, by their numbers.

@@ -6,8 +6,6 @@
 //! before, less a turn for every period of the forcing where the cycle closes, and a stretch ends where its guard
 //! is zero, or stationary where it is cut. One more equation singles out the event.
 
-use std::collections::BTreeSet;
-
 use serde::{Deserialize, Serialize};
 
 use super::Open;
@@ -19,7 +17,7 @@ use super::modes::{Modes, Structure};
 use super::products::Needed;
 use super::zeros::{Event, Facts, Vanishing};
 use crate::affine::orbit::setting::Scales;
-use crate::affine::orbit::{Margin, Sequence, Watch, Zone, ZonePoint};
+use crate::affine::orbit::{Margin, Sequence, Watch, ZonePoint};
 use crate::affine::system::System;
 use crate::interval::{Decimal, Interval, Number, PI};
 
@@ -48,22 +46,6 @@ impl Posed {
     /// There is none.
     pub fn system(&self) -> Result<&System, Open> {
         self.system.as_ref().ok_or(Open::Sequence)
-    }
-
-    /// The modes that zones name, next to values of the parameter.
-    pub(super) fn needed<'a>(
-        &'a self,
-        range: Interval,
-        zones: impl Iterator<Item = &'a Zone>,
-    ) -> Needed<'a> {
-        let modes: BTreeSet<usize> = zones.map(|zone| zone.mode).collect();
-        Needed {
-            values: &self.values,
-            parameter: self.parameter,
-            range,
-            unit: self.units.parameter,
-            modes: modes.into_iter().collect(),
-        }
     }
 }
 
@@ -263,7 +245,9 @@ impl<'a> OrbitSystem<'a> {
     ) -> Result<(OrbitSystem<'a>, Vec<f64>), Open> {
         let of = posed.system()?;
         let range = layout.range.unwrap_or(Interval::point(near.parameter));
-        let needed = posed.needed(range, near.sequence.0.iter());
+        let near_to = (range, posed.units.parameter);
+        let zones_of = near.sequence.0.iter();
+        let needed = Needed::new(&posed.values, posed.parameter, near_to, zones_of);
         let (structure, exact) = Structure::of(of, &needed)?;
         let states = exact.states;
         let zones = &near.zones;
@@ -487,42 +471,6 @@ impl<'a> OrbitSystem<'a> {
         let mut carried = parts.concat();
         carried.push(x[self.parameter()]);
         Some(carried)
-    }
-
-    /// Fills in the unknowns of stretches without duration: what switches make of the end of the stretch before.
-    fn bridge(&self, parts: &mut [Vec<Interval>], parameter: Interval) -> Option<()> {
-        let modes = self.enclosed(parameter).ok()?;
-        let count = parts.len();
-        // as many in a row as there are stretches at most
-        for index in (0..2 * count).map(|index| index % count) {
-            let before = (index + count - 1) % count;
-            if !parts[index].is_empty() || parts[before].is_empty() {
-                continue;
-            }
-            let (width, from) = (self.width(), &parts[before]);
-            let end = &from[from.len() - 1 - width..from.len() - 1];
-            let mut entry = end.to_vec();
-            let Stretch { mode, end: way, .. } = self.stretches[before];
-            if let End::Exit { guard, exit } = way {
-                let z = self.lift(end);
-                let reset = &modes
-                    .modes
-                    .get(mode)?
-                    .guards
-                    .get(guard)?
-                    .exits
-                    .get(exit)?
-                    .reset;
-                for (state, row) in entry.iter_mut().zip(reset) {
-                    let terms = row.iter().zip(&z).map(|(form, z)| form.value * *z);
-                    *state = terms.fold(Interval::ZERO, |sum, term| sum + term);
-                }
-            }
-            let nodes = self.steps[index] + 1;
-            parts[index] = entry.repeat(nodes);
-            parts[index].push(Interval::ZERO);
-        }
-        parts.iter().all(|part| !part.is_empty()).then_some(())
     }
 
     /// The time that some stretches take together.
