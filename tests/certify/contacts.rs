@@ -174,8 +174,7 @@ fn forged_certificates_are_refused() {
     }
 }
 
-/// A family of orbits at every value of the parameter, and a force that acts with a weight that turns with the forcing, are not
-/// proven, and the reason is said.
+/// A family of orbits at every value of the parameter, and rates that are not affine in the states, are not proven, and the reason is said.
 #[test]
 fn what_is_not_covered_is_said() {
     let folder = TempDir::new().unwrap();
@@ -195,13 +194,12 @@ fn what_is_not_covered_is_said() {
     let (code, rows) = certified(element, folder.path(), &[]);
     assert_eq!(code, Some(1), "{rows:?}");
     assert!(rows.iter().all(|row| row["proven"] == "no"), "{rows:?}");
-    // a weight that is no number
+    // a spring that is not linear
     let folder = TempDir::new().unwrap();
-    let mass = friction("(0.55, 0.6)").replace("- x + q", "- x + (1 + 0.1*cos(phase))*q");
-    let (_, rows) = certified(&mass, folder.path(), &[]);
-    assert!(rows.iter().all(|row| row["proven"] == "no"), "{rows:?}");
-    assert!(
-        rows.iter().all(|row| row["why"].contains("not")),
-        "{rows:?}"
-    );
+    let cubic = problem("contact_impact").replace("- x - p", "- x - 0.01*x^3 - p");
+    let cubic = cubic.replace("(0.05, 1.0)", "(0.9, 1.0)");
+    let (code, rows) = certified(&cubic, folder.path(), &[]);
+    assert_eq!(code, Some(1), "{rows:?}");
+    let of_rate = |row: &Row| row["why"].contains("rates.v is not affine");
+    assert!(rows.iter().all(of_rate), "{rows:?}");
 }
