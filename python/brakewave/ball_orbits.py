@@ -16,6 +16,7 @@ from math import inf
 
 from flint import acb, acb_mat, acb_poly, arb, arb_poly, ctx, fmpq, fmpq_poly
 
+from .ball_contacts import Contacts
 from .balls import SIGNS, Dual, NotCovered, Refused, Tagged, apply, as_matrix, decimal, distance, dual, exponential, injective, must, positive, prove_zero, real, tail, times, value_of, whole
 
 NEAR = 1e-6
@@ -255,11 +256,13 @@ def combine(row, matrix):
 
 
 class Modes:
-    """The modes of a system: ż = Mz, z = (x, 1, cos φ, sin φ, …), with guards, exits and resets as forms of z."""
+    """The modes of a system: ż = Mz, z = (x, 1, cos φ, sin φ, …), with guards, exits and resets as forms of z. Of those that contacts
+    make these are the ones of some numbers, next to a value of the parameter."""
 
-    def __init__(self, posed):
+    def __init__(self, posed, near=0.0, numbers=()):
         system, given = posed["system"], list(posed["system"]["parameters"])
-        parameter, self.divisors = whole(posed["parameter"], len(given)), []
+        self.made, contacts = (posed, near), system.get("contacts", {})
+        parameter, self.divisors, self.signs = whole(posed["parameter"], len(given)), [], []
         must(len(given) == len(posed["values"]), "there is not a value for every parameter")
         names = {name: Form.number(text) for name, text in zip(given, posed["values"])}
         names[given[parameter]] = Form.number(Ratio(fmpq_poly([0, 1])))
@@ -269,13 +272,15 @@ class Modes:
         must(self.omega is not None, "a frequency that moves")
         names |= {name: Form(states={index: Ratio(1)}) for index, name in enumerate(self.states)}
         names |= {"phase": Form(phase=1)} if forced else {}
+        names |= {name: Form(states={n + index: Ratio(1)}) for index, name in enumerate(contacts)}
         form = lambda text: evaluate(text, names, self.divisors)
         for name, text in system.get("define", {}).items():
             names[name] = form(text)
-        self.names = list(system["modes"])
+        self.names, elements = list(system.get("modes", {})), {f"z_{name}" for name, law in contacts.items() if law.name == "Jenkins"}
         written = [
             (
-                [form(mode["rates"][state]) for state in self.states],
+                # that of a Jenkins element is in its law
+                [form("0" if state in elements else mode["rates"][state]) for state in self.states],
                 [
                     (
                         form(switch["zero"]),
@@ -287,35 +292,40 @@ class Modes:
                     for switch in mode.get("until", [])
                 ],
             )
-            for mode in system["modes"].values()
+            for mode in system.get("modes", {}).values() or [{"rates": system["rates"]}]
         ]
-        every = [it for rates, switches in written for it in rates]
-        every += [it for _, switches in written for zero, _, reset, held, _ in switches for it in [zero, *reset.values(), *held]]
+        if contacts:
+            of = Contacts(system, form, written, (n, self.omega, near), self.divisors, self.signs)
+            self.names = of.modes
+            must(all(number < len(self.names) for number in numbers), "a mode that there is not")
+            written = {number: of.mode(number) for number in sorted({*numbers})}
+        else:
+            written = {number: (rates, [(*it, None) for it in switches]) for number, (rates, switches) in enumerate(written)}
+        every = [it for rates, _ in written.values() for it in rates]
+        every += [it for _, switches in written.values() for zero, _, reset, held, *_ in switches for it in [zero, *reset.values(), *held]]
         must(not any(it.phase for it in every), "the phase outside of sin and cos")
         self.harmonics = max((h for it in every for h, _ in it.waves), default=0)
         self.size = n + 1 + 2 * self.harmonics
-        self.matrices, self.guards, self.surfaces = [], [], []
-        for rates, switches in written:
+        self.matrices, self.guards, self.surfaces = {}, {}, {}
+        for number, (rates, switches) in written.items():
             rows = [self.row(rate) for rate in rates] + [[0] * self.size for _ in range(n, self.size)]
             for h in range(1, self.harmonics + 1):
                 cosine = n + 2 * h - 1
                 rows[cosine][cosine + 1], rows[cosine + 1][cosine] = -h * self.omega, h * self.omega
             guards = []
-            for form, to, reset, held, name in switches:
+            for form, to, reset, held, name, group in switches:
                 row, new = self.row(form), [self.row(reset[i]) if i in reset else self.unit(i) for i in range(n)]
-                # switches of one form are exits of one guard
-                same = (exits for known, exits in guards if not any(x - y for x, y in zip(known, row)))
-                exits = next(same, None)
+                # switches of one form are exits of one guard, but for those of contacts
+                same = (exits for known, exits in guards if group is None and not any(x - y for x, y in zip(known, row)))
+                exits = next(same, guards[group][1] if group is not None and group < len(guards) else None)
                 if exits is None:
                     exits = []
                     guards.append((row, exits))
                 exits.append((to, new, [self.row(it) for it in held], name))
-            self.matrices.append(rows)
-            self.guards.append(guards)
-            self.surfaces.append(None)
+            self.matrices[number], self.guards[number], self.surfaces[number] = rows, guards, None
         for sides in system.get("sliding", {}).values():
             self.slide(*(self.names.index(side) for side in sides))
-        self.names += list(system.get("sliding", {}))
+        self.names = self.names if contacts else self.names + list(system.get("sliding", {}))
 
     def unit(self, index):
         return [int(index == j) for j in range(self.size)]
@@ -346,7 +356,7 @@ class Modes:
         across = sum((a * d for a, d in zip(normal, along)), ratio(0))
         self.divisors.append(across * pivot[j])
         rows = [[x - t * d / across for x, t in zip(line, toward)] for line, d in zip(below, along)]
-        self.matrices.append(rows + below[self.count :])
+        self.matrices[len(self.matrices)] = rows + below[self.count :]
         stay, own, ends = [self.unit(i) for i in range(self.count)], len(self.guards), [-x for x in toward]
         # the other guards of both modes end sliding, too: they have to be positive, and what follows is not covered
         multiple = lambda row: not any(x * b - a * y for x, a in zip(row, normal) for y, b in zip(row, normal))
@@ -355,10 +365,13 @@ class Modes:
             if not multiple(row) and not any(not any(x - y for x, y in zip(row, known)) for known in watched):
                 watched.append(row)
         own_conditions = [(ends, [(first, stay, [], None)]), (away, [(second, stay, [], None)])]
-        self.guards.append(own_conditions + [(row, []) for row in watched])
-        self.surfaces.append(normal)
+        self.guards[own], self.surfaces[own] = own_conditions + [(row, []) for row in watched], normal
         out.insert(0, (own, stay, [away], None))
         back.insert(0, (own, stay, [ends], None))
+
+    def including(self, numbers):
+        """The same with modes of these numbers, too."""
+        return self if isinstance(self.names, list) else Modes(*self.made, [*self.matrices, *numbers])
 
     def check_zone(self, zone):
         """That a zone has the name of its mode, and the label of the switch that ends it: the name of that, where the same mode goes on."""
@@ -380,6 +393,9 @@ class Modes:
         # a common factor may hide that something is divided by zero
         value = parameter.v if isinstance(parameter, Dual) else parameter
         must(all(ratio(it).clear(value) for it in self.divisors), "a division by what may be zero")
+        for number, strict in self.signs:
+            sign = real(ratio(number).at(acb(value)))
+            must(sign > 0 if strict else sign >= 0, "a bound or the influence of a force may be negative")
         number = lambda x: x.at(parameter) if isinstance(x, Ratio) else x
         there.row_of = lambda row: [number(x) for x in row]
         rows = lambda lines: [there.row_of(line) for line in lines]
@@ -531,7 +547,7 @@ class Orbit:
         self.forced, self.periods = posed["system"].get("forcing") is not None, whole(posed["periods"])
         # what vanishes at the event is looked for next to it
         self.domain = domain or arb(float(near["parameter"]), NEAR * float(posed["units"]["parameter"]))
-        self.exact = Modes(posed)
+        self.exact = Modes(posed, near["parameter"], [mode for mode, _ in self.sequence])
         self.n, self.stretches, self.guess = self.exact.count, [], []
         middle = self.exact.at(decimal(repr(float(near["parameter"]))))
         for index, (zone, (mode, way), at) in enumerate(zip(sequence, self.sequence, zones)):
@@ -851,7 +867,9 @@ class Orbit:
             for index, stretch in enumerate(self.stretches):
                 exact, mode = self.exact, stretch.mode
                 add(facts[index][0], index, False)
-                end = facts[index][0].along(exact.matrices[mode], exact.surfaces[mode])
+                # where no time passes all that is zero at the entry is so at the end
+                still = index in self.closed
+                end = Zeros(self.domain, facts[index][0].rows()) if still else facts[index][0].along(exact.matrices[mode], exact.surfaces[mode])
                 follower = facts[(index + 1) % len(facts)]
                 kind, *where = stretch.end
                 if kind == "never":
@@ -1210,7 +1228,9 @@ class Orbit:
                     for _ in range(self.divisors[index] + 1):
                         row = combine(row, modes.matrices[mode])
                     row, stop = [-y for y in row], 0
-                holds = positive(modes.matrices[mode], row, z, end, time, (start, stop), index in closed)
+                # what is zero at the entry of every such zone grows from there
+                at_entry = stretch.end[:2] != ("exit", guard) and bool(self.order(lasting[0], mode, exact))
+                holds = positive(modes.matrices[mode], row, z, end, time, (start, stop), index in closed, at_entry)
                 yield f"guard {guard} within zone {zone}", holds
             if stretch.end[0] != "exit":
                 continue

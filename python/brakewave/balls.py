@@ -333,10 +333,10 @@ def over(matrix, form, state, largest, low, high, order):
 
 
 @ctx.workprec(SIGNS)
-def positive(matrix, row, begin, end, time, orders, closed=False):
+def positive(matrix, row, begin, end, time, orders, closed=False, at_entry=False):
     """Whether a form is positive over a zone of ẋ = Mx, from one state to another, with zeros of these orders there, or grows
     along a curve. Between the pieces at the ends it is followed from either of them; where the zone may be closed, from
-    its end alone."""
+    its end alone, or from its entry."""
     # backwards in time the flow is that of −M
     ways = flows(matrix, row, begin), flows([[-x for x in line] for line in matrix], row, end)
     time, firsts = real(dual(time).v), []
@@ -344,7 +344,8 @@ def positive(matrix, row, begin, end, time, orders, closed=False):
     # an instant that the shortest zone does not have has nothing to grow from at the end of the curve
     shown = lambda way, low, high, order: any(over(*flow, low, high, order) for k, flow in enumerate(way) if not k or high <= shortest)
     if closed:
-        return over(*ways[1][0], 0, length, orders[1])
+        side = 0 if at_entry else 1
+        return over(*ways[side][0], 0, length, orders[side])
     for way, order in zip(ways, orders):
         first = length / 2 if order else 0.0
         while order and not shown(way, 0, first, order):

@@ -637,10 +637,11 @@ class OrbitPoint(Statements):
             must(all(size <= 2 * unit for size, unit in zip(sizes, units["states"])), "the unit of a state is less than it is on the first orbit")
 
     def kind(self):
-        modes, changed = self.solved.exact, self.proof.get("changed") or {}
-        for sequence in filter(None, (changed.get("before"), changed.get("after"))):
-            for zone in zones_of(sequence):
-                modes.check_zone(zone)
+        changed = self.proof.get("changed") or {}
+        zones = [zone for sequence in filter(None, (changed.get("before"), changed.get("after"))) for zone in zones_of(sequence)]
+        modes = self.solved.exact.including([whole(zone["mode"]) for zone in zones])
+        for zone in zones:
+            modes.check_zone(zone)
         return kind_of(self.point, self.proof, self.solved)
 
     def inequalities(self):

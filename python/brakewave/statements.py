@@ -138,6 +138,8 @@ class Statements:
             if isinstance(it, (list, tuple))
             else it
         )
+        elements = [f"z_{name}" for name, law in written.get("contacts", {}).items() if law.name == "Jenkins"]
+        written["states"] = [*written["states"], *(name for name in elements if name not in written["states"])]
         must(plain(written) == plain(system), "the system is not that of the problem")
         continuation = source["continuation"]
         must(continuation["parameter"] == self.point["parameter"], "the parameter is not that of the problem")

@@ -27,6 +27,19 @@ pub trait Coefficient: Algebra + Default + PartialEq {
     }
 }
 
+/// A coefficient whose size decides: which terms cancel, which guards are one, which way a force acts.
+pub trait Measured: Coefficient {
+    /// Part of its largest coefficient by which a form and a multiple of another may differ where they are the same for the
+    /// mathematics.
+    const SAME: f64;
+    /// The number nearest to zero that it may be.
+    fn certain(&self) -> f64;
+    /// The largest modulus that it may have.
+    fn largest(&self) -> f64;
+    /// The sum of two, zero where that is nothing but rounding.
+    fn cancelled(self, other: Self) -> Self;
+}
+
 /// How a number depends on the parameter along which a system is led.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Degree {
@@ -150,6 +163,29 @@ impl Coefficient for Dual {
     fn finite(self) -> Result<Dual, Obstacle> {
         let finite = self.value.is_finite() && self.by.iter().all(|by| by.is_finite());
         finite.then_some(self).ok_or(Obstacle::NotFinite)
+    }
+}
+
+impl Measured for Dual {
+    const SAME: f64 = 1e-12;
+
+    fn certain(&self) -> f64 {
+        self.value
+    }
+
+    fn largest(&self) -> f64 {
+        self.value.abs()
+    }
+
+    fn cancelled(self, other: Dual) -> Dual {
+        /// Part of two coefficients below which their sum is nothing but the roundings of the few operations that made them.
+        const ROUNDING: f64 = 16.0 * f64::EPSILON;
+        let sum = |a: f64, b: f64| match (a + b).abs() <= ROUNDING * (a.abs() + b.abs()) {
+            true => 0.0,
+            false => a + b,
+        };
+        let by = std::array::from_fn(|p| sum(self.by[p], other.by[p]));
+        Dual::new(sum(self.value, other.value), by).of_degree(self.degree.max(other.degree))
     }
 }
 

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::contact::law::Law;
-use super::dual::{Coefficient, Dual};
+use super::dual::{Coefficient, Dual, Measured};
 use super::expression::{Expression, Flaw, Obstacle};
 use super::form::Form;
 use super::system::{Mistake, Switch, System, SystemError};
@@ -53,7 +53,87 @@ impl<C> FormMode<C> {
     }
 }
 
-impl FormMode {
+impl<C> FormSwitch<C> {
+    /// The same with every coefficient through a function; `None` where a form has terms that are not affine.
+    ///
+    /// # Errors
+    /// The first that the function has.
+    fn convert<D, E>(
+        &self,
+        change: &impl Fn(&C) -> Result<D, E>,
+    ) -> Result<Option<FormSwitch<D>>, E> {
+        let Some(guard) = self.guard.convert(change)? else {
+            return Ok(None);
+        };
+        let reset = self.reset.iter().map(|(state, form)| {
+            let form = form.convert(change)?;
+            Ok(form.map(|form| (*state, form)))
+        });
+        let reset = reset.collect::<Result<Option<Vec<_>>, E>>()?;
+        let conditions = converted(&self.conditions, change)?;
+        Ok(reset.zip(conditions).map(|(reset, conditions)| FormSwitch {
+            guard,
+            to: self.to,
+            rest: self.rest,
+            reset,
+            conditions,
+            tangent: self.tangent,
+            group: self.group,
+            name: self.name.clone(),
+        }))
+    }
+}
+
+impl<C> FormMode<C> {
+    /// The same with every coefficient through a function; `None` where a form has terms that are not affine.
+    ///
+    /// # Errors
+    /// The first that the function has.
+    pub(crate) fn convert<D, E>(
+        &self,
+        change: &impl Fn(&C) -> Result<D, E>,
+    ) -> Result<Option<FormMode<D>>, E> {
+        let switches = self.switches.iter().map(|switch| switch.convert(change));
+        let switches = switches.collect::<Result<Option<Vec<_>>, E>>()?;
+        let rates = converted(&self.rates, change)?;
+        let held = converted(&self.held, change)?;
+        let parts = rates.zip(switches).zip(held);
+        Ok(parts.map(|((rates, switches), held)| FormMode {
+            rates,
+            switches,
+            held,
+        }))
+    }
+}
+
+impl<C: PartialEq> FormMode<C> {
+    /// Of every switch, the number of its guard: those of one form have one, but for contacts, which say it.
+    pub(crate) fn guards(&self) -> Vec<usize> {
+        let mut known: Vec<&Form<C>> = Vec::new();
+        let mut guards = Vec::new();
+        for switch in &self.switches {
+            let place = match switch.group {
+                Some(group) => (group < known.len()).then_some(group),
+                None => known.iter().position(|form| **form == switch.guard),
+            };
+            guards.push(place.unwrap_or(known.len()));
+            if place.is_none() {
+                known.push(&switch.guard);
+            }
+        }
+        guards
+    }
+}
+
+/// Forms with every coefficient through a function.
+fn converted<C, D, E>(
+    forms: &[Form<C>],
+    change: &impl Fn(&C) -> Result<D, E>,
+) -> Result<Option<Vec<Form<D>>>, E> {
+    forms.iter().map(|form| form.convert(change)).collect()
+}
+
+impl<C: Measured> FormMode<C> {
     /// The mode with every expression as it is within it, where its guards are not negative: the absolute value of a
     /// multiple of one has no kink there, nor has one of a form that is held at zero.
     ///
@@ -62,9 +142,9 @@ impl FormMode {
     pub fn within(mut self) -> Result<Self, Obstacle> {
         let guards = self.switches.iter().map(|one| &one.guard);
         let guards = guards.chain(&self.held);
-        let guards: Vec<Form> = guards.cloned().collect();
+        let guards: Vec<Form<C>> = guards.cloned().collect();
         let mut known = HashMap::new();
-        let mut resolve = |form: &mut Form| {
+        let mut resolve = |form: &mut Form<C>| {
             if !form.beyond.is_empty() {
                 *form = form.where_positive(&guards, &mut known)?;
             }
@@ -84,11 +164,11 @@ impl FormMode {
     ///
     /// # Errors
     /// An operation that has no result there.
-    pub fn of_mode(&self, form: &Form) -> Result<Form, Obstacle> {
+    pub fn of_mode(&self, form: &Form<C>) -> Result<Form<C>, Obstacle> {
         if form.beyond.is_empty() {
             return Ok(form.clone());
         }
-        let guards: Vec<Form> = self.switches.iter().map(|one| one.guard.clone()).collect();
+        let guards: Vec<Form<C>> = self.switches.iter().map(|one| one.guard.clone()).collect();
         form.where_positive(&guards, &mut HashMap::new())
     }
 }

@@ -76,6 +76,13 @@ impl Function {
         all.find_map(|(known, function)| (known == name).then_some(function))
     }
 
+    /// The name by which expressions call it.
+    pub(crate) fn name(self) -> &'static str {
+        let mut all = Function::ALL.into_iter();
+        all.find_map(|(name, function)| (function == self).then_some(name))
+            .unwrap_or_default()
+    }
+
     /// Value and derivative at a real number.
     pub(crate) fn at(self, x: f64) -> (f64, f64) {
         match self {

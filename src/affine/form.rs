@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use super::dual::{Coefficient, Degree, Dual};
+use super::dual::{Coefficient, Degree, Dual, Measured};
 use super::expression::{Algebra, Extremum, Function, Obstacle, Operation};
 
 /// Highest multiple of the phase.
@@ -421,6 +421,29 @@ impl<C: Coefficient> Form<C> {
     }
 }
 
+impl<C> Form<C> {
+    /// The same with every coefficient through a function; `None` where it has terms that are not affine.
+    ///
+    /// # Errors
+    /// The first that the function has.
+    pub(crate) fn convert<D, E>(
+        &self,
+        change: &impl Fn(&C) -> Result<D, E>,
+    ) -> Result<Option<Form<D>>, E> {
+        if !self.beyond.is_empty() {
+            return Ok(None);
+        }
+        let pair = |[cosine, sine]: &[C; 2]| Ok([change(cosine)?, change(sine)?]);
+        Ok(Some(Form {
+            states: self.states.iter().map(change).collect::<Result<_, E>>()?,
+            constant: change(&self.constant)?,
+            harmonics: self.harmonics.iter().map(pair).collect::<Result<_, E>>()?,
+            beyond: Vec::new(),
+            phase: self.phase,
+        }))
+    }
+}
+
 impl<C: Coefficient> Algebra for Form<C> {
     fn number(value: f64) -> Form<C> {
         Form::constant(C::number(value))
@@ -496,11 +519,15 @@ impl<C: Coefficient> Algebra for Form<C> {
     }
 }
 
-/// Part of the largest coefficient by which a form and a multiple of another may differ where they are the same for the
-/// mathematics.
-const SAME: f64 = 1e-12;
-
 impl Form {
+    /// How it depends on the parameter along which a system is led.
+    pub(super) fn degree(&self) -> Degree {
+        let degrees = self.coefficients().map(|c| c.degree);
+        degrees.max().unwrap_or_default()
+    }
+}
+
+impl<C: Measured> Form<C> {
     /// The form where some others are not negative: ±g in the place of |g| where g is a multiple of one of these.
     /// `known` has the terms that have been met, and whether they are others there.
     ///
@@ -508,9 +535,9 @@ impl Form {
     /// An operation that has no result there.
     pub(super) fn where_positive(
         &self,
-        positive: &[Form],
-        known: &mut HashMap<*const Term, Option<Form>>,
-    ) -> Result<Form, Obstacle> {
+        positive: &[Form<C>],
+        known: &mut HashMap<*const Term<C>, Option<Form<C>>>,
+    ) -> Result<Form<C>, Obstacle> {
         let mut sum = Form {
             beyond: Vec::new(),
             ..self.clone()
@@ -522,30 +549,36 @@ impl Form {
                 known.insert(place, form);
             }
             match known.get(&place) {
-                Some(Some(form)) => sum = sum.sum(form.clone().scaled(*coefficient)?, 1.0)?,
-                _ => sum.beyond.push((*coefficient, term.clone())),
+                Some(Some(form)) => {
+                    sum = sum.sum(form.clone().scaled(coefficient.clone())?, 1.0)?
+                }
+                _ => sum.beyond.push((coefficient.clone(), term.clone())),
             }
         }
         Ok(sum)
     }
 
     /// The sign of the number that it is times another form: of zero, it is 1.
-    pub(super) fn sign_of_ratio(&self, other: &Form) -> Option<f64> {
+    pub(super) fn sign_of_ratio(&self, other: &Form<C>) -> Option<f64> {
         // a guard that has no state is one of time alone: where it is zero is known, and not what is multiplied with it
-        let size = |state: &usize| other.states[*state].value.abs();
+        let size = |state: &usize| other.states[*state].certain().abs();
         let pivot = (0..other.states.len()).max_by(|one, more| size(one).total_cmp(&size(more)))?;
         if size(&pivot) == 0.0 {
             return None;
         }
-        let own = self.states.get(pivot).copied().unwrap_or_default();
-        let factor = own.over(other.states[pivot]);
+        let own = self.states.get(pivot).cloned().unwrap_or_default();
+        let factor = own.operate(Operation::Over, other.states[pivot].clone());
+        let factor = factor.ok()?;
+        if factor.certain() == 0.0 && factor.largest() > 0.0 {
+            return None;
+        }
+        let negative = factor.certain() < 0.0;
         let rest = other.clone().scaled(factor).ok()?;
         let rest = self.clone().sum(rest, -1.0).ok()?;
-        (rest.largest() <= SAME * self.largest())
-            .then(|| if factor.value < 0.0 { -1.0 } else { 1.0 })
+        (rest.largest() <= C::SAME * self.largest()).then(|| if negative { -1.0 } else { 1.0 })
     }
 
-    fn coefficients(&self) -> impl Iterator<Item = &Dual> {
+    fn coefficients(&self) -> impl Iterator<Item = &C> {
         let harmonics = self.harmonics.iter().flatten();
         let terms = self.states.iter().chain(harmonics).chain([&self.constant]);
         terms.chain(self.beyond.iter().map(|(c, _)| c))
@@ -553,33 +586,35 @@ impl Form {
 
     /// Size of its largest coefficient.
     pub(super) fn largest(&self) -> f64 {
-        let values = self.coefficients().map(|c| c.value.abs());
+        let values = self.coefficients().map(C::largest);
         values.fold(0.0, f64::max)
     }
 
-    /// How it depends on the parameter along which a system is led.
-    pub(super) fn degree(&self) -> Degree {
-        let degrees = self.coefficients().map(|c| c.degree);
-        degrees.max().unwrap_or_default()
+    /// Size of its largest coefficient, or the least that it may have where that is a number.
+    pub(super) fn certain(&self) -> f64 {
+        match self.is_constant() {
+            true => self.constant.certain().abs(),
+            false => self.largest(),
+        }
     }
 
     /// Whether it is the same as another where a guard is zero: their difference is nothing, or a multiple of the guard.
-    pub(super) fn is_same_at(&self, other: &Form, guard: &Form) -> bool {
+    pub(super) fn is_same_at(&self, other: &Form<C>, guard: &Form<C>) -> bool {
         let size = self.largest().max(other.largest());
         let difference = self.clone().sum(other.clone(), -1.0);
         difference.is_ok_and(|difference| {
-            difference.largest() <= SAME * size || difference.sign_of_ratio(guard).is_some()
+            difference.largest() <= C::SAME * size || difference.sign_of_ratio(guard).is_some()
         })
     }
 }
 
-impl Term {
+impl<C: Measured> Term<C> {
     /// Another form of it where some are not negative; `None` where it is the same.
     fn where_positive(
         &self,
-        positive: &[Form],
-        known: &mut HashMap<*const Term, Option<Form>>,
-    ) -> Result<Option<Form>, Obstacle> {
+        positive: &[Form<C>],
+        known: &mut HashMap<*const Term<C>, Option<Form<C>>>,
+    ) -> Result<Option<Form<C>>, Obstacle> {
         let [one, other] = &self.operands;
         let resolved = [
             one.where_positive(positive, known)?,
@@ -590,10 +625,10 @@ impl Term {
                 .iter()
                 .filter_map(|form| resolved[0].sign_of_ratio(form));
             if let Some(sign) = signs.next() {
-                return resolved[0].clone().scaled(Dual::number(sign)).map(Some);
+                return resolved[0].clone().scaled(C::number(sign)).map(Some);
             }
         }
-        let is_same = |one: &Form, other: &Form| {
+        let is_same = |one: &Form<C>, other: &Form<C>| {
             let mut pairs = one.beyond.iter().zip(&other.beyond);
             one.beyond.len() == other.beyond.len()
                 && pairs.all(|((_, one), (_, other))| Arc::ptr_eq(one, other))

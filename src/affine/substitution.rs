@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use super::dual::{Coefficient, Dual};
+use super::dual::{Coefficient, Measured};
 use super::expression::{Algebra, Obstacle, Operation};
 use super::form::{Form, Rule, Term};
 
@@ -112,56 +112,46 @@ impl<C: Coefficient> Form<C> {
     }
 }
 
-/// Part of two coefficients below which their sum is nothing but the roundings of the few operations that made them.
-const ROUNDING: f64 = 16.0 * f64::EPSILON;
-
-/// One plus another, zero where that is rounding; derivatives, too.
-fn cancelled(one: Dual, other: Dual) -> Dual {
-    let sum = |a: f64, b: f64| match (a + b).abs() <= ROUNDING * (a.abs() + b.abs()) {
-        true => 0.0,
-        false => a + b,
-    };
-    let by = std::array::from_fn(|p| sum(one.by[p], other.by[p]));
-    Dual::new(sum(one.value, other.value), by).of_degree(one.degree.max(other.degree))
-}
-
-impl Form {
+impl<C: Measured> Form<C> {
     /// What a unit of a state adds to it.
     ///
     /// # Errors
     /// See [`Form::times`].
-    pub(super) fn slope(&self, state: usize) -> Result<Form, Obstacle> {
+    pub(super) fn slope(&self, state: usize) -> Result<Form<C>, Obstacle> {
         if self.beyond.is_empty() {
-            let by = self.states.get(state).copied();
+            let by = self.states.get(state).cloned();
             return Ok(Form::constant(by.unwrap_or_default()));
         }
         let mut unit = vec![Form::default(); state + 1];
         unit[state] = Form::number(1.0);
-        Ok(self.lie(&unit, Dual::default())?.trimmed())
+        Ok(self.lie(&unit, C::default())?.trimmed())
     }
 
     /// The form where others are zero, each of which has no state that those before are without.
-    pub(super) fn where_zero(self, zero: &[Form]) -> Form {
+    pub(super) fn where_zero(self, zero: &[Form<C>]) -> Form<C> {
         zero.iter().fold(self, Form::without)
     }
 
     /// The form where another one is zero: nothing where it is a multiple of that, or else without the state of which that has
     /// most.
-    fn without(self, zero: &Form) -> Form {
+    fn without(self, zero: &Form<C>) -> Form<C> {
         if self.sign_of_ratio(zero).is_some() {
             return Form::default();
         }
-        let size = |state: &usize| zero.states[*state].value.abs();
+        let size = |state: &usize| zero.states[*state].certain().abs();
         let pivot = (0..zero.states.len()).max_by(|one, other| size(one).total_cmp(&size(other)));
         let Some(pivot) = pivot.filter(|pivot| size(pivot) > 0.0 && zero.beyond.is_empty()) else {
             return self;
         };
-        let own = self.states.get(pivot).copied().unwrap_or_default();
-        if own == Dual::default() {
+        let own = self.states.get(pivot).cloned().unwrap_or_default();
+        if own == C::default() {
             return self;
         }
-        let factor = Form::constant(own.over(zero.states[pivot])).negative();
-        let taken = zero.clone().times(factor);
+        let factor = own.operate(Operation::Over, zero.states[pivot].clone());
+        let taken = factor.and_then(|factor| {
+            let factor = Form::constant(factor).negative();
+            zero.clone().times(factor)
+        });
         let less = taken.and_then(|taken| self.clone().held_by(taken));
         less.unwrap_or(self)
     }
@@ -170,28 +160,28 @@ impl Form {
     ///
     /// # Errors
     /// See [`Form::plus`].
-    pub(super) fn held_by(self, other: Form) -> Result<Form, Obstacle> {
+    pub(super) fn held_by(self, other: Form<C>) -> Result<Form<C>, Obstacle> {
         let mut sum = self.clone().plus(other.clone())?;
         for (index, state) in sum.states.iter_mut().enumerate() {
-            let of = |form: &Form| form.states.get(index).copied().unwrap_or_default();
-            *state = cancelled(of(&self), of(&other));
+            let of = |form: &Form<C>| form.states.get(index).cloned().unwrap_or_default();
+            *state = of(&self).cancelled(of(&other));
         }
-        sum.constant = cancelled(self.constant, other.constant);
+        sum.constant = self.constant.clone().cancelled(other.constant.clone());
         for (index, pair) in sum.harmonics.iter_mut().enumerate() {
-            let of = |form: &Form| form.harmonics.get(index).copied().unwrap_or_default();
+            let of = |form: &Form<C>| form.harmonics.get(index).cloned().unwrap_or_default();
             let (one, other) = (of(&self), of(&other));
-            *pair = [0, 1].map(|part| cancelled(one[part], other[part]));
+            *pair = [0, 1].map(|part| one[part].clone().cancelled(other[part].clone()));
         }
         for (coefficient, term) in &mut sum.beyond {
-            let of = |form: &Form| {
+            let of = |form: &Form<C>| {
                 let mut terms = form.beyond.iter();
                 let own = terms.find(|(_, known)| Arc::ptr_eq(known, term));
-                own.map_or_else(Dual::default, |(coefficient, _)| *coefficient)
+                own.map_or_else(C::default, |(coefficient, _)| coefficient.clone())
             };
-            *coefficient = cancelled(of(&self), of(&other));
+            *coefficient = of(&self).cancelled(of(&other));
         }
         sum.beyond
-            .retain(|(coefficient, _)| *coefficient != Dual::default());
+            .retain(|(coefficient, _)| *coefficient != C::default());
         Ok(sum.trimmed())
     }
 }
@@ -201,7 +191,7 @@ mod tests {
     use super::super::expression::Expression;
     use super::*;
 
-    fn form(text: &str) -> Form<Dual> {
+    fn form(text: &str) -> Form {
         let meaning = |name: &str| match name {
             "x" => Some(Form::state(0)),
             "y" => Some(Form::state(1)),

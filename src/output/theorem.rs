@@ -76,8 +76,16 @@ impl Stated for orbit::Proof {
             true => String::new(),
             false => format!(" with {given}"),
         };
+        let contacts = system.is_some_and(|system| !system.source.contacts.is_empty());
+        let made = match contacts {
+            true => {
+                " Its modes, their guards and exits are made by the laws of its contacts, forces that hold being those that keep a \
+                 slip or a closed gap at zero."
+            }
+            false => "",
+        };
         format!(
-            "**Hypothesis.** The system of `source.ron`{given}; {name} is free. A guard is positive in its mode; where it is \
+            "**Hypothesis.** The system of `source.ron`{given}; {name} is free.{made} A guard is positive in its mode; where it is \
              zero the first of its exits is taken whose conditions are not negative.\n\n\
              **Conclusion.** There are a number {name} in {} and a periodic orbit with a period in {} and the zones {}. {closes} \
              Every guard is positive within every zone, except what vanishes at the event; every condition of an exit that is \

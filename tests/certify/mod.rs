@@ -4,6 +4,7 @@
 mod arcs;
 mod beside;
 mod command;
+mod contacts;
 mod count;
 mod equilibria;
 mod laws;

@@ -12,13 +12,13 @@ use tempfile::TempDir;
 
 use crate::certify::with_a_field_more;
 
-fn brakewave(arguments: &[&str]) -> Output {
+pub fn brakewave(arguments: &[&str]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_brakewave"));
     command.args(arguments).output().unwrap()
 }
 
 /// A row of `certificates.csv` by its columns.
-type Row = std::collections::HashMap<String, String>;
+pub type Row = std::collections::HashMap<String, String>;
 
 /// A problem file of the repository as far as its system, with another value in it.
 fn system_of(name: &str, old: &str, new: &str) -> String {
@@ -29,7 +29,7 @@ fn system_of(name: &str, old: &str, new: &str) -> String {
 }
 
 /// Certifies a problem into a folder.
-fn certified(text: &str, folder: &Path, options: &[&str]) -> (Option<i32>, Vec<Row>) {
+pub fn certified(text: &str, folder: &Path, options: &[&str]) -> (Option<i32>, Vec<Row>) {
     let (file, out) = (folder.join("problem.ron"), folder.join("out"));
     fs::write(&file, text).unwrap();
     let [file, to] = [&file, &out].map(|path| path.to_str().unwrap());
@@ -41,20 +41,20 @@ fn certified(text: &str, folder: &Path, options: &[&str]) -> (Option<i32>, Vec<R
 }
 
 /// That an interval of a row has a number of 20 digits, and is no wider than so many units of its last place.
-fn encloses(row: &Row, columns: [&str; 2], value: f64, widest: f64) {
+pub fn encloses(row: &Row, columns: [&str; 2], value: f64, widest: f64) {
     let [low, high] = columns.map(|column| row[column].parse::<f64>().unwrap());
     assert!(low <= value && value <= high, "{row:?}: {value}");
     assert!(high - low <= widest * value.abs(), "{row:?}: {value}");
 }
 
 /// Types of the points, and whether the arc before each is proven.
-fn arcs(rows: &[Row]) -> Vec<[&str; 2]> {
+pub fn arcs(rows: &[Row]) -> Vec<[&str; 2]> {
     rows.iter()
         .map(|row| [&*row["type"], &*row["arc"]])
         .collect()
 }
 
-const VALUE: [&str; 2] = ["low", "high"];
+pub const VALUE: [&str; 2] = ["low", "high"];
 
 fn oscillator(values: &str, rest: &str) -> String {
     format!(

@@ -10,13 +10,14 @@ use super::law::{
     BACKWARD, CLOSED, FORWARD, GIVES_BACKWARD, GIVES_FORWARD, HELD, Law, OPEN, PARTING, STICK,
 };
 use super::mistake::ContactMistake;
+use crate::affine::dual::{Dual, Measured};
 use crate::affine::expression::{Algebra, Obstacle};
 use crate::affine::form::Form;
 
 /// A guard of a contact, and what it changes.
-pub struct Ending {
+pub struct Ending<C = Dual> {
     /// What is positive as long as the contact stays as it is.
-    pub guard: Form,
+    pub guard: Form<C>,
     /// The state of the contact beyond.
     pub to: usize,
     /// Whether it is an impact, and whether that has a restitution.
@@ -26,18 +27,18 @@ pub struct Ending {
 }
 
 /// States of the contacts that follow.
-pub struct Arrival {
+pub struct Arrival<C = Dual> {
     /// These states.
     pub digits: Vec<usize>,
     /// What is not negative where they do.
-    pub conditions: Vec<Form>,
+    pub conditions: Vec<Form<C>>,
 }
 
 /// Contacts in states that are on trial, with what is not negative where they came to them.
 #[derive(Clone)]
-struct Trial {
+struct Trial<C> {
     digits: Vec<usize>,
-    conditions: Vec<Form>,
+    conditions: Vec<Form<C>>,
     /// Contacts that have been looked at in these states.
     seen: Vec<bool>,
     /// States that the chain has been through.
@@ -45,31 +46,31 @@ struct Trial {
 }
 
 /// The instant at which a mode ends.
-pub struct Instant<'a> {
+pub struct Instant<'a, C = Dual> {
     /// The forms of the system.
-    pub forms: &'a ContactForms,
+    pub forms: &'a ContactForms<C>,
     /// The user's mode.
     pub own: usize,
     /// States of the contacts before.
     pub before: &'a [usize],
     /// Forces before.
-    pub forces: &'a [Form],
+    pub forces: &'a [Form<C>],
     /// The contact that ends.
     pub contact: usize,
     /// How.
-    pub ending: &'a Ending,
+    pub ending: &'a Ending<C>,
     /// Others that end by the same guard, with their states beyond: two that act on one slip.
     pub together: &'a [(usize, usize)],
     /// New values of the states that jump.
-    pub jump: &'a [(usize, Form)],
+    pub jump: &'a [(usize, Form<C>)],
 }
 
-impl Instant<'_> {
+impl<C: Measured> Instant<'_, C> {
     /// Every end of the chain of changes.
     ///
     /// # Errors
     /// Forces that are not determined.
-    pub fn arrivals(&self) -> Result<Vec<Arrival>, ContactMistake> {
+    pub fn arrivals(&self) -> Result<Vec<Arrival<C>>, ContactMistake> {
         let mut digits = self.before.to_vec();
         digits[self.contact] = self.ending.to;
         for (contact, to) in self.together {
@@ -104,7 +105,7 @@ impl Instant<'_> {
     }
 
     /// A form after the jump.
-    fn after(&self, form: &Form) -> Result<Form, Obstacle> {
+    fn after(&self, form: &Form<C>) -> Result<Form<C>, Obstacle> {
         if self.jump.is_empty() {
             return Ok(form.clone());
         }
@@ -131,7 +132,7 @@ impl Instant<'_> {
             (Law::Jenkins { slip, .. }, GIVES_BACKWARD) => Some((contact, slip, -1.0)),
             _ => None,
         });
-        let sliders: Vec<(usize, &Form, f64)> = sliders.collect();
+        let sliders: Vec<(usize, &Form<C>, f64)> = sliders.collect();
         if sliders.is_empty() {
             return;
         }
@@ -169,7 +170,7 @@ impl Instant<'_> {
     }
 
     /// The trials after an impact, which turns the slip of other contacts and the velocity of their gaps.
-    fn turned(&self, trial: Trial) -> Result<Vec<Trial>, ContactMistake> {
+    fn turned(&self, trial: Trial<C>) -> Result<Vec<Trial<C>>, ContactMistake> {
         let mut trials = vec![trial];
         if self.jump.is_empty() {
             return Ok(trials);
@@ -183,7 +184,7 @@ impl Instant<'_> {
             let after = self.after(speed).map_err(|error| self.failed(error))?;
             let change = after.clone().minus(speed.clone());
             let change = change.map_err(|error| self.failed(error))?.trimmed();
-            if change.largest() <= f64::EPSILON * speed.largest() {
+            if change.largest() <= C::SAME.min(f64::EPSILON) * speed.largest() {
                 continue;
             }
             // before an impact the velocity of the gap is negative
@@ -197,7 +198,7 @@ impl Instant<'_> {
             let mut next = Vec::new();
             for trial in trials {
                 let digit = trial.digits[contact];
-                let mut lead = |to: usize, condition: Option<Form>| {
+                let mut lead = |to: usize, condition: Option<Form<C>>| {
                     let mut trial = trial.clone();
                     trial.digits[contact] = to;
                     trial.conditions.extend(condition);
@@ -244,7 +245,7 @@ impl Instant<'_> {
 
     /// The ways on from a trial: by the first contact whose state is not settled by what has held before. `None` where all
     /// are.
-    fn unsettled(&self, trial: &Trial) -> Result<Option<Vec<Trial>>, ContactMistake> {
+    fn unsettled(&self, trial: &Trial<C>) -> Result<Option<Vec<Trial<C>>>, ContactMistake> {
         let forms = self.forms;
         let name = || forms.name(self.own, &trial.digits);
         let forces = match forms.forces(self.own, &trial.digits) {
@@ -310,8 +311,8 @@ impl Instant<'_> {
         &self,
         contact: usize,
         digit: usize,
-        forces: &[Form],
-    ) -> Result<Vec<(Form, usize)>, Obstacle> {
+        forces: &[Form<C>],
+    ) -> Result<Vec<(Form<C>, usize)>, Obstacle> {
         let force = || self.after(&forces[contact]);
         Ok(match (&self.forms.laws[contact], digit) {
             (law @ Law::Friction { .. }, STICK) => {

@@ -7,49 +7,48 @@
 
 use super::law::{BACKWARD, CLOSED, FORWARD, GIVES_BACKWARD, GIVES_FORWARD, HELD, Law, STICK};
 use super::mistake::{ContactMistake, Kinematic};
-use crate::affine::dual::Dual;
+use crate::affine::dual::{Dual, Measured};
 use crate::affine::expression::{Algebra, Obstacle};
 use crate::affine::form::Form;
-use crate::linalg::Matrix;
 
 /// Part of the largest entry of its row below which a pivot is nothing but the rounding of what has been taken away.
 const NOTHING: f64 = 1e-12;
 
 /// What the forces do to the rates of one of the user's modes, and to the contacts.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Own {
+pub struct Own<C = Dual> {
     /// Rates of the states without forces.
-    pub rates: Vec<Form>,
+    pub rates: Vec<Form<C>>,
     /// Of every contact: what its force adds to the rates of the states.
-    pub weights: Vec<Vec<Form>>,
+    pub weights: Vec<Vec<Form<C>>>,
     /// Of every contact: how its slip or its gap moves.
-    pub kinematics: Vec<Moving>,
+    pub kinematics: Vec<Moving<C>>,
 }
 
 /// How the slip of a contact, or the velocity of its gap, moves.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Moving {
+pub struct Moving<C = Dual> {
     /// The slip, or the velocity of the gap.
-    pub speed: Form,
+    pub speed: Form<C>,
     /// Its rate without forces.
-    pub drift: Form,
+    pub drift: Form<C>,
     /// What every force adds to that.
-    pub by: Vec<Form>,
+    pub by: Vec<Form<C>>,
     /// The state of a Jenkins element.
     pub stretch: Option<usize>,
 }
 
-impl Own {
+impl<C: Measured> Own<C> {
     /// Takes the forces out of rates in which they are states from number `states` on, as many as there are laws.
     ///
     /// # Errors
     /// A force that does not stand linearly, or has no influence, or the wrong sign.
     pub fn new(
-        rates: &[Form],
-        laws: &[Law<Form>],
+        rates: &[Form<C>],
+        laws: &[Law<Form<C>>],
         (names, stretches): (&[String], &[Option<usize>]),
-        omega: Dual,
-    ) -> Result<Own, (usize, ContactMistake)> {
+        omega: C,
+    ) -> Result<Own<C>, (usize, ContactMistake)> {
         let states = rates.len();
         let none = |state: usize| (state >= states).then(Form::default);
         let failed = |contact: usize| {
@@ -59,7 +58,7 @@ impl Own {
             }
         };
         let bare = rates.iter().map(|rate| rate.with(&none));
-        let bare: Vec<Form> = bare.collect::<Result<_, _>>().map_err(failed(0))?;
+        let bare: Vec<Form<C>> = bare.collect::<Result<_, _>>().map_err(failed(0))?;
         let mut weights = Vec::new();
         for (contact, name) in names.iter().enumerate() {
             let mut own = Vec::new();
@@ -78,10 +77,12 @@ impl Own {
             kinematics: Vec::new(),
         };
         for (contact, law) in laws.iter().enumerate() {
-            let moving = own.moving(law, omega).map_err(|error| match error {
-                Ok(obstacle) => failed(contact)(obstacle),
-                Err(mistake) => (contact, mistake),
-            })?;
+            let moving = own
+                .moving(law, omega.clone())
+                .map_err(|error| match error {
+                    Ok(obstacle) => failed(contact)(obstacle),
+                    Err(mistake) => (contact, mistake),
+                })?;
             moving.check(law, contact, &names[contact])?;
             own.kinematics.push(Moving {
                 stretch: stretches[contact],
@@ -94,16 +95,16 @@ impl Own {
     /// How the slip or the gap of a law moves.
     fn moving(
         &self,
-        law: &Law<Form>,
-        omega: Dual,
-    ) -> Result<Moving, Result<Obstacle, ContactMistake>> {
-        let along = |form: &Form, rates: &[Form], omega: Dual| {
+        law: &Law<Form<C>>,
+        omega: C,
+    ) -> Result<Moving<C>, Result<Obstacle, ContactMistake>> {
+        let along = |form: &Form<C>, rates: &[Form<C>], omega: C| {
             form.lie(rates, omega).map(Form::trimmed).map_err(Ok)
         };
-        let by = |form: &Form| -> Result<Vec<Form>, _> {
+        let by = |form: &Form<C>| -> Result<Vec<Form<C>>, _> {
             let forces = self.weights.iter();
             forces
-                .map(|weights| along(form, weights, Dual::default()))
+                .map(|weights| along(form, weights, C::default()))
                 .collect()
         };
         let speed = match law {
@@ -112,7 +113,7 @@ impl Own {
                 if !by(gap)?.iter().all(Form::is_zero) {
                     return Err(Err(ContactMistake::Massless));
                 }
-                along(gap, &self.rates, omega)?
+                along(gap, &self.rates, omega.clone())?
             }
         };
         Ok(Moving {
@@ -129,10 +130,10 @@ impl Own {
     /// They are not determined, or contradict a law.
     pub fn forces(
         &self,
-        laws: &[Law<Form>],
+        laws: &[Law<Form<C>>],
         digits: &[usize],
         names: (&[String], &dyn Fn() -> String),
-    ) -> Result<Vec<Form>, ContactMistake> {
+    ) -> Result<Vec<Form<C>>, ContactMistake> {
         let failed = |obstacle| ContactMistake::Obstacle(names.1(), obstacle);
         let count = laws.len();
         let mut forces = vec![Form::default(); count];
@@ -191,9 +192,9 @@ impl Own {
     fn known(
         &self,
         contact: usize,
-        law: &Law<Form>,
+        law: &Law<Form<C>>,
         digit: usize,
-    ) -> Result<Option<Form>, Obstacle> {
+    ) -> Result<Option<Form<C>>, Obstacle> {
         let none = Form::default();
         let force = match (law, digit) {
             (Law::Friction { .. }, STICK) | (Law::Stop { .. }, CLOSED) => return Ok(None),
@@ -225,7 +226,12 @@ impl Own {
     }
 
     /// The row of A and −r of a contact that holds.
-    fn holding(&self, contact: usize, unknown: &[usize], forces: &[Form]) -> Result<Row, Obstacle> {
+    fn holding(
+        &self,
+        contact: usize,
+        unknown: &[usize],
+        forces: &[Form<C>],
+    ) -> Result<Row<C>, Obstacle> {
         let Moving { drift, by, .. } = &self.kinematics[contact];
         let mut rest = drift.clone();
         for (force, by) in forces.iter().zip(by) {
@@ -241,10 +247,10 @@ impl Own {
     fn linking(
         &self,
         contact: usize,
-        force: &Form,
+        force: &Form<C>,
         unknown: &[usize],
-        forces: &[Form],
-    ) -> Result<Row, Obstacle> {
+        forces: &[Form<C>],
+    ) -> Result<Row<C>, Obstacle> {
         let states = self.rates.len();
         let mut row = Vec::new();
         for other in unknown {
@@ -265,9 +271,9 @@ impl Own {
     /// force needs to be for a unit of the acceleration that it stops.
     fn check_paradox(
         &self,
-        laws: &[Law<Form>],
+        laws: &[Law<Form<C>>],
         unknown: &[usize],
-        rows: &[Row],
+        rows: &[Row<C>],
         (names, mode): (&[String], &dyn Fn() -> String),
     ) -> Result<(), ContactMistake> {
         let constant = rows
@@ -276,13 +282,18 @@ impl Own {
         if !constant {
             return Ok(());
         }
-        let matrix = Matrix::from_fn(unknown.len(), unknown.len(), |row, column| {
-            rows[row].0[column].constant.value
-        });
-        let singular = || ContactMistake::Singular(mode());
-        let inverse = matrix.try_inverse().ok_or_else(singular)?;
+        let failed = |obstacle| ContactMistake::Obstacle(mode(), obstacle);
         for (index, contact) in unknown.iter().enumerate() {
-            if matches!(laws[*contact], Law::Stop { .. }) && inverse[(index, index)] <= 0.0 {
+            if !matches!(laws[*contact], Law::Stop { .. }) {
+                continue;
+            }
+            let mut unit = rows.to_vec();
+            for (row, (_, value)) in unit.iter_mut().enumerate() {
+                *value = Form::number(if row == index { 1.0 } else { 0.0 });
+            }
+            let column = eliminated(unit).map_err(failed)?;
+            let column = column.ok_or_else(|| ContactMistake::Singular(mode()))?;
+            if column[index].constant.certain() <= 0.0 {
                 let name = names[*contact].clone();
                 return Err(ContactMistake::Paradox(mode(), name));
             }
@@ -291,11 +302,11 @@ impl Own {
     }
 }
 
-impl Moving {
+impl<C: Measured> Moving<C> {
     /// Refuses a force without influence on what it acts on, or of the wrong sign, where that is a number.
     fn check(
         &self,
-        law: &Law<Form>,
+        law: &Law<Form<C>>,
         contact: usize,
         name: &str,
     ) -> Result<(), (usize, ContactMistake)> {
@@ -305,7 +316,10 @@ impl Moving {
         };
         let influence = &self.by[contact];
         let name = name.to_owned();
-        match influence.is_constant().then_some(influence.constant.value) {
+        match influence
+            .is_constant()
+            .then_some(influence.constant.certain())
+        {
             Some(0.0) => Err((contact, ContactMistake::NoInfluence(name, what))),
             Some(value) if value < 0.0 => Err((contact, ContactMistake::Sign(name, what))),
             _ => Ok(()),
@@ -314,17 +328,16 @@ impl Moving {
 }
 
 /// A row of A and −r.
-type Row = (Vec<Form>, Form);
+type Row<C> = (Vec<Form<C>>, Form<C>);
 
 /// The solution of a linear system by elimination, pivots in the order of the unknowns: masses make it positive definite.
 /// `None` where it is singular.
-fn eliminated(mut rows: Vec<Row>) -> Result<Option<Vec<Form>>, Obstacle> {
+fn eliminated<C: Measured>(mut rows: Vec<Row<C>>) -> Result<Option<Vec<Form<C>>>, Obstacle> {
     let count = rows.len();
-    let size = |form: &Form| form.largest();
-    let sizes = |row: &Row| row.0.iter().map(size).fold(0.0, f64::max);
+    let sizes = |row: &Row<C>| row.0.iter().map(Form::largest).fold(0.0, f64::max);
     let mut scales: Vec<f64> = rows.iter().map(sizes).collect();
     for pivot in 0..count {
-        let fits = |row: &usize| size(&rows[*row].0[pivot]) > NOTHING * scales[*row];
+        let fits = |row: &usize| rows[*row].0[pivot].certain() > NOTHING * scales[*row];
         let Some(row) = (pivot..count).find(fits) else {
             return Ok(None);
         };

@@ -3,7 +3,7 @@
 use super::forces::Own;
 use super::law::{Law, Products};
 use super::mistake::{ContactMistake, MAX_PRODUCTS};
-use crate::affine::dual::Dual;
+use crate::affine::dual::{Dual, Measured};
 use crate::affine::evaluation::{FormMode, FormSwitch};
 use crate::affine::expression::Obstacle;
 use crate::affine::form::Form;
@@ -11,44 +11,44 @@ use crate::affine::slots::Slots;
 
 /// A system with contacts as forms, of which its modes are made.
 #[derive(Debug)]
-pub struct ContactForms {
+pub struct ContactForms<C = Dual> {
     /// The user's modes.
-    pub(super) own: Vec<Own>,
+    pub(super) own: Vec<Own<C>>,
     /// The user's switches of these.
-    pub(super) switches: Vec<Vec<FormSwitch>>,
+    pub(super) switches: Vec<Vec<FormSwitch<C>>>,
     /// The laws, bounds with forces as states from the number of states on.
-    pub(super) laws: Vec<Law<Form>>,
+    pub(super) laws: Vec<Law<Form<C>>>,
     /// Names of the contacts.
     pub(super) names: Vec<String>,
     /// The modes with the states of the contacts.
     pub(super) products: Products,
     /// Forces of every mode that has been asked for.
-    forces: Slots<Result<Vec<Form>, ContactMistake>>,
+    forces: Slots<Result<Vec<Form<C>>, ContactMistake>>,
 }
 
 /// What is to be known of a system to make its modes.
-pub struct Written<'a> {
+pub struct Written<'a, C = Dual> {
     /// Names of the contacts.
     pub names: Vec<String>,
     /// Their laws.
-    pub laws: Vec<Law<Form>>,
+    pub laws: Vec<Law<Form<C>>>,
     /// The state of every Jenkins element.
     pub stretches: &'a [Option<usize>],
     /// The modes with the states of the contacts.
     pub products: Products,
     /// Angular frequency of the forcing.
-    pub omega: Dual,
+    pub omega: C,
 }
 
-impl ContactForms {
+impl<C: Measured> ContactForms<C> {
     /// Of the user's modes, in whose rates forces are states from the number of states on.
     ///
     /// # Errors
     /// What is wrong with a contact, with its number.
     pub fn new(
-        modes: Vec<FormMode>,
-        written: Written,
-    ) -> Result<ContactForms, (usize, ContactMistake)> {
+        modes: Vec<FormMode<C>>,
+        written: Written<C>,
+    ) -> Result<ContactForms<C>, (usize, ContactMistake)> {
         let Written {
             names,
             laws,
@@ -63,7 +63,12 @@ impl ContactForms {
         let mut own = Vec::new();
         let mut switches = Vec::new();
         for mode in modes {
-            own.push(Own::new(&mode.rates, &laws, (&names, stretches), omega)?);
+            own.push(Own::new(
+                &mode.rates,
+                &laws,
+                (&names, stretches),
+                omega.clone(),
+            )?);
             switches.push(mode.switches);
         }
         Ok(ContactForms {
@@ -95,7 +100,7 @@ impl ContactForms {
 
     /// Whether every form that modes are made of is affine, with forces that act with constant weights.
     pub fn is_affine(&self) -> bool {
-        let affine = |form: &Form| form.beyond.is_empty();
+        let affine = |form: &Form<C>| form.beyond.is_empty();
         let own = self.own.iter().all(|own| {
             let weights = own.weights.iter().flatten();
             let moving = own.kinematics.iter();
@@ -108,7 +113,7 @@ impl ContactForms {
         });
         let switches = self.switches.iter().flatten();
         let mut of_switches = switches.flat_map(FormSwitch::forms);
-        let law = |law: &Law<Form>| match law {
+        let law = |law: &Law<Form<C>>| match law {
             Law::Stop { gap, restitution } => affine(gap) && restitution.is_constant(),
             Law::Spring {
                 gap,
@@ -150,7 +155,7 @@ impl ContactForms {
 
     /// Numbers that make no sense where they are negative: bounds, what a static one has more, restitutions, and what forces do
     /// to what they act on.
-    pub fn signs(&self) -> Vec<Dual> {
+    pub fn signs(&self) -> Vec<C> {
         let influence = self.own.iter().flat_map(|own| {
             let moving = own.kinematics.iter().enumerate();
             moving.map(|(contact, moving)| moving.by[contact].clone())
@@ -174,7 +179,11 @@ impl ContactForms {
     }
 
     /// The forces of contacts in these states.
-    pub(super) fn forces(&self, own: usize, digits: &[usize]) -> Result<&[Form], ContactMistake> {
+    pub(super) fn forces(
+        &self,
+        own: usize,
+        digits: &[usize],
+    ) -> Result<&[Form<C>], ContactMistake> {
         let name = || self.name(own, digits);
         let find = || self.own[own].forces(&self.laws, digits, (&self.names, &name));
         let number = self.products.number(own, digits);
@@ -183,7 +192,7 @@ impl ContactForms {
     }
 
     /// The most that friction holds, given all forces.
-    pub(super) fn hold(&self, law: &Law<Form>, forces: &[Form]) -> Result<Form, Obstacle> {
+    pub(super) fn hold(&self, law: &Law<Form<C>>, forces: &[Form<C>]) -> Result<Form<C>, Obstacle> {
         let Law::Friction { bound, hold, .. } = law else {
             return Ok(Form::default());
         };
@@ -191,7 +200,7 @@ impl ContactForms {
     }
 
     /// A form in which forces stand as states, with these in their place.
-    fn with_forces(&self, form: &Form, forces: &[Form]) -> Result<Form, Obstacle> {
+    fn with_forces(&self, form: &Form<C>, forces: &[Form<C>]) -> Result<Form<C>, Obstacle> {
         let states = self.own[0].rates.len();
         form.with(&|state| forces.get(state.checked_sub(states)?).cloned())
     }
@@ -201,8 +210,8 @@ impl ContactForms {
         &self,
         own: usize,
         contact: usize,
-        forces: &[Form],
-    ) -> Result<Form, Obstacle> {
+        forces: &[Form<C>],
+    ) -> Result<Form<C>, Obstacle> {
         let moving = &self.own[own].kinematics[contact];
         let mut rate = moving.drift.clone();
         for (force, by) in forces.iter().zip(&moving.by) {
@@ -215,7 +224,7 @@ impl ContactForms {
     ///
     /// # Errors
     /// The forces are not determined, or it has no value.
-    pub fn of_mode(&self, form: &Form, number: usize) -> Result<Form, ContactMistake> {
+    pub fn of_mode(&self, form: &Form<C>, number: usize) -> Result<Form<C>, ContactMistake> {
         let (own, digits) = self.products.digits(number);
         let forces = self.forces(own, &digits)?;
         let failed = |obstacle| ContactMistake::Obstacle(self.products.name(number), obstacle);
@@ -224,10 +233,14 @@ impl ContactForms {
 }
 
 /// Refuses a law with a force where none may stand, and bounds that have no meaning.
-fn check(law: &Law<Form>, states: usize, laws: &[Law<Form>]) -> Result<(), ContactMistake> {
-    let force_in = |form: &Form| form.has_from(states);
-    let number = |form: &Form| form.is_constant().then_some(form.constant.value);
-    let bounds: Vec<&Form> = match law {
+fn check<C: Measured>(
+    law: &Law<Form<C>>,
+    states: usize,
+    laws: &[Law<Form<C>>],
+) -> Result<(), ContactMistake> {
+    let force_in = |form: &Form<C>| form.has_from(states);
+    let number = |form: &Form<C>| form.is_constant().then_some(form.constant.certain());
+    let bounds: Vec<&Form<C>> = match law {
         Law::Friction { slip, bound, hold } => {
             if force_in(slip) {
                 return Err(ContactMistake::HasForce);
@@ -244,7 +257,7 @@ fn check(law: &Law<Form>, states: usize, laws: &[Law<Form>]) -> Result<(), Conta
             vec![bound]
         }
         Law::Stop { restitution, .. } if number(restitution).is_some_and(|value| value < 0.0) => {
-            return Err(ContactMistake::Restitution(restitution.constant.value));
+            return Err(ContactMistake::Restitution(restitution.constant.certain()));
         }
         Law::Stop { .. } | Law::Spring { .. } => {
             match law.parts().into_iter().any(|(_, form)| force_in(form)) {

@@ -7,7 +7,7 @@
 
 mod arrivals;
 mod forces;
-pub(super) mod forms;
+pub(crate) mod forms;
 pub mod law;
 pub mod mistake;
 mod modes;

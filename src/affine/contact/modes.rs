@@ -6,16 +6,17 @@ use super::law::{
     BACKWARD, CLOSED, FORWARD, GIVES_BACKWARD, GIVES_FORWARD, HELD, Law, OPEN, PARTING, STICK,
 };
 use super::mistake::ContactMistake;
+use crate::affine::dual::Measured;
 use crate::affine::evaluation::{FormMode, FormSwitch};
 use crate::affine::expression::{Algebra, Obstacle};
 use crate::affine::form::Form;
 
-impl ContactForms {
+impl<C: Measured> ContactForms<C> {
     /// A mode by its number.
     ///
     /// # Errors
     /// Its forces are not determined.
-    pub fn mode(&self, number: usize) -> Result<FormMode, ContactMistake> {
+    pub fn mode(&self, number: usize) -> Result<FormMode<C>, ContactMistake> {
         let (own, digits) = self.products.digits(number);
         let name = self.name(own, &digits);
         let failed = |obstacle| ContactMistake::Obstacle(name.clone(), obstacle);
@@ -67,7 +68,12 @@ impl ContactForms {
     }
 
     /// The rates with these forces.
-    fn rates(&self, own: usize, digits: &[usize], forces: &[Form]) -> Result<Vec<Form>, Obstacle> {
+    fn rates(
+        &self,
+        own: usize,
+        digits: &[usize],
+        forces: &[Form<C>],
+    ) -> Result<Vec<Form<C>>, Obstacle> {
         let mut rates = self.own[own].rates.clone();
         let contacts = forces.iter().zip(&self.own[own].weights);
         for (force, weights) in contacts.filter(|(force, _)| !force.is_zero()) {
@@ -89,7 +95,7 @@ impl ContactForms {
     }
 
     /// What is zero all along in a mode: the slip of what sticks, the gap of what is closed.
-    fn held(&self, own: usize, digits: &[usize]) -> Vec<Form> {
+    fn held(&self, own: usize, digits: &[usize]) -> Vec<Form<C>> {
         let contacts = self.laws.iter().zip(digits).enumerate();
         let held = contacts.flat_map(|(contact, (law, digit))| match (law, *digit) {
             (Law::Friction { slip, .. }, STICK) => vec![slip.clone()],
@@ -101,9 +107,22 @@ impl ContactForms {
         held.collect()
     }
 
+    /// What does not change in a mode, by the forces that hold: the slip of what sticks, the velocity of the gap that is closed.
+    pub fn kept(&self, number: usize) -> Vec<Form<C>> {
+        let (own, digits) = self.products.digits(number);
+        let contacts = self.laws.iter().zip(&digits).enumerate();
+        let kept = contacts.filter_map(|(contact, law)| match law {
+            (Law::Friction { .. }, &STICK) | (Law::Stop { .. }, &CLOSED) => {
+                Some(self.own[own].kinematics[contact].speed.clone())
+            }
+            _ => None,
+        });
+        kept.collect()
+    }
+
     /// What is held in a mode, each without those before.
-    pub(super) fn reduced(&self, own: usize, digits: &[usize]) -> Vec<Form> {
-        let mut known: Vec<Form> = Vec::new();
+    pub(super) fn reduced(&self, own: usize, digits: &[usize]) -> Vec<Form<C>> {
+        let mut known: Vec<Form<C>> = Vec::new();
         for held in self.held(own, digits) {
             known.push(held.where_zero(&known));
         }
@@ -111,7 +130,7 @@ impl ContactForms {
     }
 
     /// Whether a slip is zero all along in a mode.
-    fn is_held(&self, own: usize, digits: &[usize], slip: &Form) -> bool {
+    fn is_held(&self, own: usize, digits: &[usize], slip: &Form<C>) -> bool {
         let held = self.reduced(own, digits);
         slip.clone().where_zero(&held).is_zero()
     }
@@ -121,8 +140,8 @@ impl ContactForms {
     fn together(
         &self,
         (own, digits): (usize, &[usize]),
-        ends: &Ends,
-        (contact, ending): (usize, &Ending),
+        ends: &Ends<C>,
+        (contact, ending): (usize, &Ending<C>),
         group: usize,
     ) -> Vec<(usize, usize)> {
         let found = ends.beside(contact, &ends.within[group], &ends.within);
@@ -142,9 +161,9 @@ impl ContactForms {
         &self,
         (own, digits): (usize, &[usize]),
         contact: usize,
-        forces: &[Form],
-    ) -> Result<Vec<Ending>, Obstacle> {
-        let plain = |guard: Form, to: usize| Ending {
+        forces: &[Form<C>],
+    ) -> Result<Vec<Ending<C>>, Obstacle> {
+        let plain = |guard: Form<C>, to: usize| Ending {
             guard,
             to,
             impact: None,
@@ -226,7 +245,7 @@ impl ContactForms {
     }
 
     /// The states that jump at an impact of a contact: x − (1 + e)ġ w/(∇ġ·w).
-    fn jump(&self, own: usize, contact: usize) -> Result<Vec<(usize, Form)>, Obstacle> {
+    fn jump(&self, own: usize, contact: usize) -> Result<Vec<(usize, Form<C>)>, Obstacle> {
         let Law::Stop { restitution, .. } = &self.laws[contact] else {
             return Ok(Vec::new());
         };
@@ -246,7 +265,7 @@ impl ContactForms {
     }
 
     /// The switch of an instant that leads to these states.
-    fn switch(&self, instant: &Instant, arrival: Arrival, group: usize) -> FormSwitch {
+    fn switch(&self, instant: &Instant<C>, arrival: Arrival<C>, group: usize) -> FormSwitch<C> {
         let Instant {
             own,
             contact,
@@ -276,20 +295,20 @@ impl ContactForms {
 }
 
 /// The ends of a mode, in the order of its guards.
-struct Ends {
+struct Ends<C> {
     /// The contact of each, the state that it leads to, and whether it is an impact.
     of: Vec<(usize, usize, bool)>,
     /// The guard of each.
-    guards: Vec<Form>,
+    guards: Vec<Form<C>>,
     /// The same where what contacts hold is zero.
-    within: Vec<Form>,
+    within: Vec<Form<C>>,
 }
 
-impl Ends {
-    fn new(endings: &[Vec<Ending>], held: &[Form]) -> Ends {
+impl<C: Measured> Ends<C> {
+    fn new(endings: &[Vec<Ending<C>>], held: &[Form<C>]) -> Ends<C> {
         let all = endings.iter().enumerate();
         let all = all.flat_map(|(contact, own)| own.iter().map(move |one| (contact, one)));
-        let of = |(contact, one): (usize, &Ending)| (contact, one.to, one.impact.is_some());
+        let of = |(contact, one): (usize, &Ending<C>)| (contact, one.to, one.impact.is_some());
         let guards = all.clone().map(|(_, one)| one.guard.clone());
         let within = all
             .clone()
@@ -302,7 +321,7 @@ impl Ends {
     }
 
     /// Contacts beside one that end by a guard, as these guards are, with their states beyond.
-    fn beside(&self, contact: usize, guard: &Form, guards: &[Form]) -> Vec<(usize, usize)> {
+    fn beside(&self, contact: usize, guard: &Form<C>, guards: &[Form<C>]) -> Vec<(usize, usize)> {
         let mut found: Vec<(usize, usize)> = Vec::new();
         for (other, (of, to, impact)) in guards.iter().zip(&self.of) {
             let new = *of != contact && found.iter().all(|(known, _)| known != of);

@@ -67,7 +67,7 @@ impl<'a> Place<'a> {
     fn ending(&self, arc: &OrbitSystem) -> Result<Ending, Undecided> {
         let closed = match self.seen {
             Some(seen) => beyond::prove(self.proof, seen).map_err(Broken::Beyond)?,
-            None => Vec::new(),
+            None => beyond::closed(self.proof).ok_or(Broken::End)?,
         };
         let found = || {
             let (system, middle) =

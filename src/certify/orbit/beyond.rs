@@ -10,7 +10,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::modes::through;
+use super::exact::Exact;
+use super::modes::{Row, through};
 use super::open::NotBeyond;
 use super::system::{Condition, End, Near, OrbitSystem, Span, Stretch};
 use super::zeros::{Vanishing, less, unit, whole};
@@ -159,6 +160,18 @@ fn are_one(both: [Pair; 2]) -> Result<(), NotBeyond> {
     Err(refused)
 }
 
+/// The stretches that have no duration at an event in the sequence in which that is proven.
+pub(super) fn closed(proof: &Proof) -> Option<Vec<usize>> {
+    let (mut system, middle) =
+        OrbitSystem::new(&proof.posed, &proof.near, &proof.condition).ok()?;
+    if !system.closed.is_empty() {
+        let equations = |x: &[Interval]| system.evaluate(x);
+        let zero = krawczyk::enclosed(&equations, &middle, &system.units(&middle))?;
+        system.mirror(&middle, &zero.at);
+    }
+    Some(system.closed)
+}
+
 impl OrbitSystem<'_> {
     /// The stretches that have a duration, from the instant of the event on; those that no switch lies between are together.
     fn legs(&self) -> Option<Vec<Vec<usize>>> {
@@ -183,6 +196,67 @@ impl OrbitSystem<'_> {
         Some(legs)
     }
 
+    /// The states at the entry of a stretch as forms at the end of one before it, between which are none but such without duration;
+    /// and likewise what is zero where these end.
+    fn led(&self, last: usize, next: usize) -> (Vec<Row<Exact>>, Vec<Row<Exact>>) {
+        let (states, size) = (self.exact.states, self.exact.size());
+        let mut led: Vec<_> = (0..states).map(|state| unit(state, size)).collect();
+        let mut closing = Vec::new();
+        let mut at = last;
+        loop {
+            let before = whole(&led, size);
+            let Stretch { mode, end, .. } = self.stretches[at];
+            if let (End::Exit { guard, .. }, true) = (end, at != last) {
+                let mode = &self.exact.modes[mode];
+                let row = mode.derivative(&mode.guards[guard].row, self.divisor(at));
+                closing.push(through(&row, &before));
+            }
+            if let Some(reset) = self.reset(at) {
+                led = reset.iter().map(|row| through(row, &before)).collect();
+            }
+            at = (at + 1) % self.stretches.len();
+            if at == next {
+                return (led, closing);
+            }
+        }
+    }
+
+    /// Fills in the unknowns of stretches without duration: what switches make of the end of the stretch before.
+    pub(super) fn bridge(&self, parts: &mut [Vec<Interval>], parameter: Interval) -> Option<()> {
+        let modes = self.enclosed(parameter).ok()?;
+        let count = parts.len();
+        // as many in a row as there are stretches at most
+        for index in (0..2 * count).map(|index| index % count) {
+            let before = (index + count - 1) % count;
+            if !parts[index].is_empty() || parts[before].is_empty() {
+                continue;
+            }
+            let (width, from) = (self.width(), &parts[before]);
+            let end = &from[from.len() - 1 - width..from.len() - 1];
+            let mut entry = end.to_vec();
+            let Stretch { mode, end: way, .. } = self.stretches[before];
+            if let End::Exit { guard, exit } = way {
+                let z = self.lift(end);
+                let reset = &modes
+                    .modes
+                    .get(mode)?
+                    .guards
+                    .get(guard)?
+                    .exits
+                    .get(exit)?
+                    .reset;
+                for (state, row) in entry.iter_mut().zip(reset) {
+                    let terms = row.iter().zip(&z).map(|(form, z)| form.value * *z);
+                    *state = terms.fold(Interval::ZERO, |sum, term| sum + term);
+                }
+            }
+            let nodes = self.steps[index] + 1;
+            parts[index] = entry.repeat(nodes);
+            parts[index].push(Interval::ZERO);
+        }
+        parts.iter().all(|part| !part.is_empty()).then_some(())
+    }
+
     /// This orbit in the unknowns of other equations that it solves by formulas; `None` if they do not tell.
     fn solved(
         &self,
@@ -200,31 +274,16 @@ impl OrbitSystem<'_> {
             (other.len() == 1 || other.len() == 2 && of.end == End::Never)
                 && self.stretches[own[0]].mode == of.mode
         };
-        let count = self.stretches.len();
-        let (states, size) = (self.exact.states, self.exact.size());
-        if legs.len() != theirs.len()
-            || !legs.iter().zip(&theirs).all(alike)
-            || !to.closed.is_empty()
-        {
+        let states = self.exact.states;
+        if legs.len() != theirs.len() || !legs.iter().zip(&theirs).all(alike) {
             return None;
         }
         for (index, leg) in legs.iter().enumerate() {
             let (last, next) = (*leg.last()?, legs[(index + 1) % legs.len()][0]);
             let facts = &self.facts[last].end;
-            // the states at the next entry as forms at the end of the leg
-            let mut at = last;
-            let mut led: Vec<_> = (0..states).map(|state| unit(state, size)).collect();
-            loop {
-                if let Some(reset) = self.reset(at) {
-                    let before = whole(&led, size);
-                    led = reset.iter().map(|row| through(row, &before)).collect();
-                }
-                at = (at + 1) % count;
-                if at == next {
-                    break;
-                }
-            }
+            let (led, _) = self.led(last, next);
             let (begins, there) = (theirs[index][0], *theirs[index].last()?);
+            let (reset, closing) = to.led(there, theirs[(index + 1) % theirs.len()][0]);
             let Stretch { mode, end, .. } = to.stretches[there];
             let mode = &self.exact.modes[mode];
             let ends = match end {
@@ -232,8 +291,6 @@ impl OrbitSystem<'_> {
                 End::Touch { guard } => mode.derivative(&mode.guards[guard].row, 1),
                 End::Never => return None,
             };
-            let kept: Vec<_> = (0..states).map(|state| unit(state, size)).collect();
-            let reset = to.reset(there).unwrap_or(&kept);
             let mut pairs = reset.iter().zip(&led);
             let about = |one: &&Vanishing| theirs[index].contains(&one.stretch);
             let mut vanishing = to.vanishing.iter().filter(about);
@@ -246,6 +303,7 @@ impl OrbitSystem<'_> {
                 one.stretch == place && row.is_some_and(|row| facts.have(&row))
             };
             if !(facts.have(&ends)
+                && closing.iter().all(|row| facts.have(row))
                 && pairs.all(|(a, b)| facts.have(&less(a, b)))
                 && vanishing.all(zero))
             {

@@ -1,29 +1,29 @@
-//! Coefficients of a system as formulas: sums of products of whole numbers and names.
+//! Coefficients of a system as formulas: sums of products of fractions and names.
 //!
 //! Two formulas that are written as the same sum are the same number, whatever the parameters. So it is known that
 //! a guard is zero where another was, which no interval can tell. Of numbers that are the same for other
-//! reasons nothing is known, and nothing follows.
+//! reasons nothing is known, and nothing follows. Names are expressions: a formula has a value ([`Formula`]).
 
 use std::collections::BTreeMap;
 
+use super::fraction::Fraction;
 use crate::affine::dual::Coefficient;
-use crate::affine::expression::{Algebra, Function, Obstacle, Operation};
+use crate::affine::expression::{Algebra, Expression, Function, Obstacle, Operation};
+use crate::affine::system::is_name;
 
 /// Terms up to this are multiplied out; a larger product is one name.
 const MOST_TERMS: usize = 256;
 /// Whole exponents up to this are products.
 const MOST_FACTORS: f64 = 16.0;
-/// A decimal of so many characters is the one that its double is written as.
-const LONGEST: usize = 15;
 
-/// Whole factors of products of names, in order.
+/// Factors of products of names, in order.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Exact(BTreeMap<Vec<String>, i64>);
+pub struct Exact(BTreeMap<Vec<String>, Fraction>);
 
 impl Exact {
     /// A name that stands for a number.
     pub fn named(name: String) -> Exact {
-        Exact(BTreeMap::from([(vec![name], 1)]))
+        Exact(BTreeMap::from([(vec![name], Fraction::ONE)]))
     }
 
     /// Whether it is zero.
@@ -31,54 +31,65 @@ impl Exact {
         self.0.is_empty()
     }
 
-    fn of_whole(value: i64) -> Exact {
-        let terms = (value != 0).then(|| (Vec::new(), value));
+    fn of_fraction(value: Fraction) -> Exact {
+        let terms = (!value.is_zero()).then(|| (Vec::new(), value));
         Exact(terms.into_iter().collect())
     }
 
-    /// The whole number that it is.
-    pub fn number(&self) -> Option<i64> {
+    /// The fraction that it is.
+    fn fraction(&self) -> Option<Fraction> {
         match self.0.iter().next() {
-            None => Some(0),
+            None => Some(Fraction::ZERO),
             Some((names, factor)) if names.is_empty() && self.0.len() == 1 => Some(*factor),
             Some(_) => None,
         }
     }
 
-    fn text(&self) -> String {
-        let term = |(names, factor): (&Vec<String>, &i64)| format!("{factor}*{}", names.join("*"));
-        let terms: Vec<String> = self.0.iter().map(term).collect();
-        format!("({})", terms.join("+"))
+    /// The whole number that it is.
+    pub fn number(&self) -> Option<i64> {
+        self.fraction().and_then(Fraction::whole)
     }
 
-    /// self + sign·other; `None` beyond the range of whole numbers.
-    fn plus(&self, sign: i64, other: &Exact) -> Option<Exact> {
+    /// As an expression in brackets.
+    fn text(&self) -> String {
+        let term = |(names, factor): (&Vec<String>, &Fraction)| match (names.is_empty(), factor) {
+            (true, _) => factor.to_string(),
+            (false, &Fraction::ONE) => names.join("*"),
+            (false, _) => format!("{factor}*{}", names.join("*")),
+        };
+        let terms: Vec<String> = self.0.iter().map(term).collect();
+        match terms.is_empty() {
+            true => "(0)".to_owned(),
+            false => format!("({})", terms.join("+")),
+        }
+    }
+
+    /// self + sign·other; `None` beyond the range of fractions.
+    fn plus(&self, sign: Fraction, other: &Exact) -> Option<Exact> {
         let mut sum = self.0.clone();
         for (names, factor) in &other.0 {
-            let known = sum.get(names).copied().unwrap_or(0);
-            match known.checked_add(factor.checked_mul(sign)?)? {
-                0 => sum.remove(names),
-                factor => sum.insert(names.clone(), factor),
+            let known = sum.get(names).copied().unwrap_or(Fraction::ZERO);
+            let factor = known.plus(factor.times(sign)?)?;
+            match factor.is_zero() {
+                true => sum.remove(names),
+                false => sum.insert(names.clone(), factor),
             };
         }
         Some(Exact(sum))
     }
 
-    /// The sum whose product with a single term it is, if there is one.
-    fn over(&self, other: &Exact) -> Option<Exact> {
-        let mut terms = other.0.iter();
-        let (Some((names, by)), None) = (terms.next(), terms.next()) else {
-            return None;
-        };
-        let divided = |(own, factor): (&Vec<String>, &i64)| {
-            let mut rest = own.clone();
-            for name in names {
-                rest.remove(rest.binary_search(name).ok()?);
-            }
-            let whole = factor.checked_rem(*by)? == 0;
-            whole.then(|| (rest, factor / by))
-        };
-        self.0.iter().map(divided).collect::<Option<_>>().map(Exact)
+    /// 1 over it: of a single term term by term, of a sum as a name, with 1 as its first factor.
+    fn inverse(&self) -> Option<Exact> {
+        let (names, factor) = self.0.iter().next()?;
+        let by = factor.inverse()?;
+        if self.0.len() == 1 {
+            let mut names: Vec<String> = names.iter().map(|name| inverted(name)).collect();
+            names.sort_unstable();
+            return Some(Exact(BTreeMap::from([(names, by)])));
+        }
+        let sum = self.product(&Exact::of_fraction(by))?;
+        let name = format!("1/{}", sum.text());
+        Some(Exact(BTreeMap::from([(vec![name], by)])))
     }
 
     fn product(&self, other: &Exact) -> Option<Exact> {
@@ -88,29 +99,79 @@ impl Exact {
         let mut product = Exact::default();
         for (one, factor) in &self.0 {
             for (two, by) in &other.0 {
-                let mut names = [&one[..], two].concat();
+                let mut names = one.clone();
+                for name in two {
+                    // a name times its inverse is 1: intervals tell that it is not zero
+                    match names.iter().position(|known| *known == inverted(name)) {
+                        Some(place) => drop(names.remove(place)),
+                        None => names.push(name.clone()),
+                    }
+                }
                 names.sort_unstable();
-                let term = Exact(BTreeMap::from([(names, factor.checked_mul(*by)?)]));
-                product = product.plus(1, &term)?;
+                let term = Exact(BTreeMap::from([(names, factor.times(*by)?)]));
+                product = product.plus(Fraction::ONE, &term)?;
             }
         }
         Some(product)
+    }
+
+    /// As a formula that has a value; `None` where a name is no expression of this length.
+    pub fn formula(&self) -> Option<Formula> {
+        let terms = self.0.iter().map(|(names, factor)| {
+            let names = names.iter().map(|name| Expression::read(name).ok());
+            Some((*factor, names.collect::<Option<_>>()?))
+        });
+        terms.collect::<Option<_>>().map(Formula)
+    }
+}
+
+/// The name of 1 over a name.
+fn inverted(name: &str) -> String {
+    let inner = name
+        .strip_prefix("1/(")
+        .and_then(|rest| rest.strip_suffix(')'));
+    match inner.filter(|inner| is_name(inner)) {
+        Some(inner) => inner.to_owned(),
+        None => format!("1/({name})"),
+    }
+}
+
+/// A formula whose names are read: it has a value where these have.
+#[derive(Clone, Debug)]
+pub struct Formula(Vec<(Fraction, Vec<Expression>)>);
+
+impl Formula {
+    /// Its value, where names stand for what `meaning` says.
+    ///
+    /// # Errors
+    /// An operation without result, or a name without meaning.
+    pub fn value<A: Algebra>(&self, meaning: &impl Fn(&str) -> Option<A>) -> Result<A, Obstacle> {
+        let mut sum = A::number(0.0);
+        for (factor, names) in &self.0 {
+            let mut product = factor.value::<A>()?;
+            for name in names {
+                let value = name.evaluate(meaning).map_err(|_| Obstacle::NotFinite)?;
+                product = product.operate(Operation::Times, value)?;
+            }
+            sum = sum.operate(Operation::Plus, product)?;
+        }
+        Ok(sum)
     }
 }
 
 impl Algebra for Exact {
     fn number(value: f64) -> Exact {
-        let whole = value.fract() == 0.0 && value.abs() < 1e15;
-        match whole {
-            true => Exact::of_whole(value as i64),
-            false => Exact::named(format!("{value:?}")),
+        match Fraction::of_double(value) {
+            Some(fraction) => Exact::of_fraction(fraction),
+            // no expression: it has no value
+            None => Exact::named(format!("double {value:?}")),
         }
     }
 
-    fn decimal(value: f64, text: &str) -> Exact {
-        match text.len() <= LONGEST {
-            true => <Exact as Algebra>::number(value),
-            false => Exact::named(text.to_owned()),
+    fn decimal(_: f64, text: &str) -> Exact {
+        match Fraction::of_decimal(text) {
+            Some(fraction) => Exact::of_fraction(fraction),
+            None => Exact::named(text.to_owned()),
         }
     }
 
@@ -124,14 +185,15 @@ impl Algebra for Exact {
             Operation::Minus => self.sum(1.0, other, -1.0),
             Operation::Times => self.times(other),
             // intervals tell that it is not zero
-            Operation::Over => match self.over(&other) {
-                Some(quotient) => quotient,
-                None => self.times(Exact::named(format!("1/{}", other.text()))),
-            },
+            Operation::Over => {
+                let inverse = other.inverse();
+                let named = || Exact::named(format!("1/{}", other.text()));
+                self.times(inverse.unwrap_or_else(named))
+            }
             Operation::Power => {
                 match Coefficient::whole(&other).filter(|n| (0.0..=MOST_FACTORS).contains(n)) {
                     Some(n) => {
-                        let one = Exact::of_whole(1);
+                        let one = Exact::of_fraction(Fraction::ONE);
                         (0..n as usize).fold(one, |power, _| power.times(self.clone()))
                     }
                     None => Exact::named(format!("{}^{}", self.text(), other.text())),
@@ -144,8 +206,8 @@ impl Algebra for Exact {
         use Function::{Abs, Asin, Atan, Cos, Cosh, Exp, Sin, Sinh, Sqrt, Tan, Tanh};
         Ok(match (function, self.is_zero()) {
             (Sin | Tan | Sqrt | Abs | Tanh | Asin | Atan | Sinh, true) => self,
-            (Cos | Exp | Cosh, true) => Exact::of_whole(1),
-            _ => Exact::named(format!("{function:?}{}", self.text())),
+            (Cos | Exp | Cosh, true) => Exact::of_fraction(Fraction::ONE),
+            _ => Exact::named(format!("{}{}", function.name(), self.text())),
         })
     }
 }
@@ -159,7 +221,7 @@ impl Coefficient for Exact {
             _ => x.times(<Exact as Algebra>::number(weight)),
         };
         let (one, other) = (weighted(self, weight), weighted(other, other_weight));
-        let sum = one.plus(1, &other);
+        let sum = one.plus(Fraction::ONE, &other);
         sum.unwrap_or_else(|| Exact::named(format!("({}+{})", one.text(), other.text())))
     }
 

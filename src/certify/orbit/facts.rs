@@ -37,7 +37,11 @@ impl OrbitSystem<'_> {
             for index in 0..count {
                 let Stretch { mode, end, .. } = self.stretches[index];
                 let mode = &self.exact.modes[mode];
-                let mut zero = facts[index].entry.along(mode, states);
+                // where no time passes all that is zero at the entry is so at the end
+                let mut zero = match self.closed.contains(&index) {
+                    true => facts[index].entry.clone(),
+                    false => facts[index].entry.along(mode, states),
+                };
                 let next = (index + 1) % count;
                 match end {
                     End::Exit { guard, exit } => {

@@ -70,22 +70,29 @@ const LENGTHENS: f64 = 1.9;
 /// A stretch of no length is followed over this time: far above where products of times and numbers underflow.
 const NO_TIME: f64 = 1e-100;
 
-/// Whether a form is positive within a stretch that may have no length, with a zero of this order at its end.
-fn is_positive_before(
+/// Whether a form is positive within a stretch that may have no length, with a zero of this order at its entry, or at its end.
+fn is_positive_beside(
     passing: &Passing,
     row: &Along,
     pieces: &[Vec<Moving>],
-    order: usize,
+    (at_entry, order): (bool, usize),
     duration: Interval,
 ) -> bool {
-    let end = pieces.last().map_or(&[][..], |z| z);
-    let still: Vec<Moving> = end.iter().map(|z| Moving::constant(z.value)).collect();
+    let place = if at_entry {
+        pieces.first()
+    } else {
+        pieces.last()
+    };
+    let place = place.map_or(&[][..], |z| z);
+    let still: Vec<Moving> = place.iter().map(|z| Moving::constant(z.value)).collect();
     let length = duration.high.max(NO_TIME);
     let polynomial = passing.flow.polynomial(row, &still, length);
     let value = |time: Interval| polynomial.over(time, order).value;
-    bisect(Interval::point(length), -1.0, |time| match order % 2 {
-        0 => value(time),
-        _ => -value(time),
+    let side = if at_entry { 1.0 } else { -1.0 };
+    let odd = !at_entry && order % 2 == 1;
+    bisect(Interval::point(length), side, |time| match odd {
+        false => value(time),
+        true => -value(time),
     })
 }
 
@@ -131,10 +138,14 @@ impl OrbitSystem<'_> {
                 let at_end = facts.end.order(&formula.row, known).unwrap_or(0);
                 let mut row = along(&modes.modes[mode].guards[guard].row, rate);
                 let closes = closed.contains(&index);
-                let divisor = match end {
-                    End::Exit { guard: own, .. } if own == guard && closes => self.divisor(index),
-                    _ => 0,
+                let ends = matches!(end, End::Exit { guard: own, .. } if own == guard);
+                let divisor = match ends && closes {
+                    true => self.divisor(index),
+                    false => 0,
                 };
+                // what is zero at the entry of every such stretch grows from there
+                let begins = lasting.entry.order(&formula.row, known);
+                let at_entry = !ends && begins.is_some_and(|order| order > 0);
                 if divisor > 0 {
                     // zero at the end, and less the later over the power of time that it has as a factor from the entry on
                     let falls = (0..=divisor).fold(vec![row], |row, _| product(&row, &matrix));
@@ -143,8 +154,13 @@ impl OrbitSystem<'_> {
                 let row = passing.flow.along(&matrix, &row);
                 let positive = match closes {
                     true => {
-                        let order = if divisor > 0 { 0 } else { at_end };
-                        is_positive_before(passing, &row, &pieces, order, duration.value)
+                        let order = match at_entry {
+                            true => at_start,
+                            false if divisor > 0 => 0,
+                            false => at_end,
+                        };
+                        let zero = (at_entry, order);
+                        is_positive_beside(passing, &row, &pieces, zero, duration.value)
                     }
                     false => is_positive(passing, &row, &pieces, [at_start, at_end]),
                 };

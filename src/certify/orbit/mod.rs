@@ -17,10 +17,13 @@ pub(super) mod exact;
 mod extended;
 mod facts;
 pub(super) mod flow;
+mod fraction;
 mod inequality;
 mod modes;
 pub(super) mod multipliers;
 mod open;
+mod products;
+mod ranged;
 // certificates are compared with their problem file by the command line
 #[cfg(feature = "cli")]
 mod requested;
@@ -51,6 +54,7 @@ use crate::orbit::special::{Change, Special};
 use crate::orbit::{EventType, Examined, Orbit};
 use crate::problem::{decimal_at, decimal_of};
 use modes::Structure;
+use products::Needed;
 use system::{Layout, OrbitSystem};
 
 /// A margin of order one that is smaller than this at an event may vanish there; whether it does is proven.
@@ -202,9 +206,6 @@ fn prepared(item: &Item, special: &Special<AffineOrbit>, text: &str) -> Result<P
     if setting.prescribed.is_some() {
         return Err(Open::Prescribed);
     }
-    if setting.system.products.is_some() {
-        return Err(Open::Contacts);
-    }
     let at = setting.parameter;
     let names = setting.system.source.parameters.names();
     let values = names.zip(setting.values.iter().copied());
@@ -354,6 +355,17 @@ fn changed(
             }
         }
     }
+    // two contacts that change their order have a zone between them on both sides, and no sequence without one
+    if let Some(zone) = closed {
+        let (orbit, point) = branch;
+        match prove(posed, near(orbit, point)?, Condition::closed(zone)) {
+            Ok(proof) if proof.change() == Some(change.kind) => {
+                return Ok(completed(proof, branch, change));
+            }
+            Ok(_) => {}
+            Err(other) => reason = reason.or(Some(other)),
+        }
+    }
     Err(reason.unwrap_or(Open::Duration))
 }
 
@@ -485,7 +497,7 @@ fn halved(half: &OrbitSystem, x: &[Interval]) -> Result<usize, Open> {
     let value = Condition::Value(Decimal::of(half.near.parameter));
     let layout = Layout {
         steps: half.steps.repeat(2),
-        divided: Vec::new(),
+        ..Layout::default()
     };
     let (system, _) = OrbitSystem::laid_out(half.posed, half.near, &value, &layout)?;
     let whole = half.whole(x, &system).ok_or(Open::NotEnclosed)?;
@@ -552,13 +564,6 @@ pub(crate) fn proven_again(point: &Point<Proof>, proof: &Proof) -> Result<Proof,
 fn check_zones(proof: &Proof) -> Result<(), Refused> {
     let open = |open: Open| Refused::NoProof(open.to_string());
     let system = proof.posed.system().map_err(open)?;
-    let names: Vec<&str> = system.mode_names().collect();
-    let (_, modes) = Structure::of(system).map_err(open)?;
-    let is_mode = |zone: &Zone| {
-        let way = zone.way.map(|way| [way.guard, way.exit]);
-        let label = way.and_then(|way| modes.label(zone.mode, way));
-        names.get(zone.mode) == Some(&zone.name.as_str()) && zone.has_label(label)
-    };
     let seen = proof.seen.iter().map(|seen| &seen.near.sequence);
     let changed = proof.changed.iter();
     let changed = changed.flat_map(|changed| [&changed.before].into_iter().chain(&changed.after));
@@ -566,7 +571,24 @@ fn check_zones(proof: &Proof) -> Result<(), Refused> {
         .into_iter()
         .chain(seen)
         .chain(changed);
-    match sequences.flat_map(|sequence| &sequence.0).all(is_mode) {
+    let zones: Vec<&Zone> = sequences.flat_map(|sequence| &sequence.0).collect();
+    let Posed {
+        values,
+        parameter,
+        units,
+        ..
+    } = &proof.posed;
+    let near = (Interval::point(proof.near.parameter), units.parameter);
+    let needed = Needed::new(values, *parameter, near, zones.iter().copied());
+    let (_, modes) = Structure::of(system, &needed).map_err(open)?;
+    let is_mode = |zone: &Zone| {
+        let way = zone.way.map(|way| [way.guard, way.exit]);
+        let label = way.and_then(|way| modes.label(zone.mode, way));
+        modes.modes.get(zone.mode).is_some()
+            && system.mode_name(zone.mode) == zone.name
+            && zone.has_label(label)
+    };
+    match zones.into_iter().all(is_mode) {
         true => Ok(()),
         false => Err(Refused::Statement("the name of a zone")),
     }

@@ -1,12 +1,17 @@
 //! A system as linear flows of z = (x, 1, cos φ, sin φ, …), with coefficients of any kind.
 
+use std::collections::BTreeMap;
+use std::ops::Index;
+
 use super::Open;
 use super::exact::Exact;
+use super::products::{Needed, ProductModes};
 use crate::affine::dual::Coefficient;
 use crate::affine::evaluation::{Evaluation, FormMode, FormSwitch};
 use crate::affine::expression::{Algebra, Operation};
 use crate::affine::form::Form;
 use crate::affine::system::{System, SystemError};
+use crate::interval::Interval;
 
 /// A linear form of z.
 pub type Row<C> = Vec<C>;
@@ -35,17 +40,36 @@ pub struct Guard<C> {
 pub struct Mode<C> {
     pub matrix: Vec<Row<C>>,
     pub guards: Vec<Guard<C>>,
-    /// What is zero all along in a sliding mode.
-    pub surface: Option<Row<C>>,
+    /// What does not change, by the making of the mode: the form of its surface, a slip that a contact holds.
+    pub kept: Vec<Row<C>>,
 }
 
-/// Modes of the file, then the sliding ones.
+/// Modes by their numbers: of those that contacts make there are few.
+#[derive(Clone, Debug, Default)]
+pub struct Numbered<C>(BTreeMap<usize, Mode<C>>);
+
+impl<C> Numbered<C> {
+    /// The mode of a number, if it is there.
+    pub fn get(&self, number: usize) -> Option<&Mode<C>> {
+        self.0.get(&number)
+    }
+}
+
+impl<C> Index<usize> for Numbered<C> {
+    type Output = Mode<C>;
+
+    fn index(&self, number: usize) -> &Mode<C> {
+        &self.0[&number]
+    }
+}
+
+/// Modes of the file, then the sliding ones; or some of those that contacts make.
 #[derive(Clone, Debug)]
 pub struct Modes<C> {
     pub states: usize,
     pub harmonics: usize,
     pub omega: C,
-    pub modes: Vec<Mode<C>>,
+    pub modes: Numbered<C>,
 }
 
 /// The direction that F₊ − F₋ keeps.
@@ -63,6 +87,8 @@ pub struct Structure {
     /// Of every switch of a mode, the guard that it belongs to.
     guards: Vec<Vec<usize>>,
     slides: Vec<Sliding>,
+    /// The modes that contacts make, in the place of those of the file.
+    products: Option<ProductModes>,
 }
 
 /// What is known of a sliding mode whatever the parameters.
@@ -121,14 +147,28 @@ impl<C: Coefficient> Mode<C> {
 /// The frequency of the forcing and the modes of a system as forms, with these coefficients.
 fn evaluated<C: Coefficient>(
     system: &System,
+    products: Option<&ProductModes>,
     parameter: &dyn Fn(usize) -> C,
     pi: C,
 ) -> Result<(C, Vec<FormMode<C>>), Open> {
     let forms = || {
-        let evaluation = Evaluation::new(system, parameter, pi)?;
-        Ok((evaluation.frequency()?, evaluation.modes()?))
+        let evaluation = Evaluation::new(system, parameter, pi.clone())?;
+        let modes = match products {
+            Some(_) => Vec::new(),
+            None => evaluation.modes()?,
+        };
+        Ok((evaluation.frequency()?, modes))
     };
-    forms().map_err(|error: SystemError| Open::System(error.path))
+    let forms = forms().map_err(|error: SystemError| Open::System(error.path));
+    let (omega, modes) = forms?;
+    let Some(products) = products else {
+        return Ok((omega, modes));
+    };
+    let meaning = |name: &str| match name {
+        "pi" => Some(pi.clone()),
+        _ => system.source.parameters.index(name).map(parameter),
+    };
+    Ok((omega, products.values(&meaning)?))
 }
 
 impl<C: Coefficient> Modes<C> {
@@ -143,11 +183,16 @@ impl<C: Coefficient> Modes<C> {
             states,
             harmonics: harmonics.max().unwrap_or(0),
             omega: omega.clone(),
-            modes: Vec::new(),
+            modes: Numbered(BTreeMap::new()),
         };
-        for (mode, guards) in forms.iter().zip(&structure.guards) {
+        let numbers: Vec<usize> = match &structure.products {
+            Some(products) => products.numbers().collect(),
+            None => (0..forms.len()).collect(),
+        };
+        let written = forms.iter().zip(&structure.guards);
+        for (number, (mode, guards)) in numbers.into_iter().zip(written) {
             let mode = modes.mode(mode, guards);
-            modes.modes.push(mode);
+            modes.modes.0.insert(number, mode);
         }
         for (sides, sliding) in system.sliding.iter().zip(&structure.slides) {
             modes.slide(*sides, sliding)?;
@@ -207,7 +252,7 @@ impl<C: Coefficient> Modes<C> {
         Mode {
             matrix,
             guards: found,
-            surface: None,
+            kept: mode.held.iter().map(|form| self.row(form)).collect(),
         }
     }
 
@@ -224,7 +269,8 @@ impl<C: Coefficient> Modes<C> {
                 .iter()
                 .map(|form| self.row(form))
                 .collect(),
-            name: switch.name.clone(),
+            // contacts name every switch of theirs
+            name: switch.name.clone().filter(|_| switch.group.is_none()),
         }
     }
 
@@ -232,7 +278,7 @@ impl<C: Coefficient> Modes<C> {
     /// of the first mode. It lasts while both fields point at the surface and the other guards of both modes are
     /// positive; where one of these ends it is not covered.
     fn slide(&mut self, sides: [usize; 2], sliding: &Sliding) -> Result<(), Open> {
-        let own = self.modes.len();
+        let own = self.modes.0.len();
         let [first, second] = sides.map(|side| &self.modes[side]);
         let leave = [first.guard_to(sides[1]), second.guard_to(sides[0])];
         let [Some(leave_first), Some(leave_second)] = leave else {
@@ -280,18 +326,24 @@ impl<C: Coefficient> Modes<C> {
         let guards = own_conditions.into_iter().chain(watched).collect();
         // at the surface: the sliding mode where the other field points back, the other mode where not
         let [slide_first, slide_second] = [away, ends].map(|held| exit(own, vec![held]));
-        self.modes[sides[0]].guards[leave_first]
+        self.side(sides[0])?.guards[leave_first]
             .exits
             .insert(0, slide_first);
-        self.modes[sides[1]].guards[leave_second]
+        self.side(sides[1])?.guards[leave_second]
             .exits
             .insert(0, slide_second);
-        self.modes.push(Mode {
+        let mode = Mode {
             matrix,
             guards,
-            surface: Some(surface),
-        });
+            kept: vec![surface],
+        };
+        self.modes.0.insert(own, mode);
         Ok(())
+    }
+
+    /// A mode on one side of a surface.
+    fn side(&mut self, number: usize) -> Result<&mut Mode<C>, Open> {
+        self.modes.0.get_mut(&number).ok_or(Open::Sliding)
     }
 }
 
@@ -300,25 +352,17 @@ impl Structure {
     ///
     /// # Errors
     /// Two modes between which sliding is not covered.
-    pub fn of(system: &System) -> Result<(Structure, Modes<Exact>), Open> {
+    pub fn of(system: &System, needed: &Needed) -> Result<(Structure, Modes<Exact>), Open> {
+        if let Some(products) = ProductModes::of(system, needed)? {
+            return Structure::of_products(system, products);
+        }
         let names: Vec<&str> = system.source.parameters.names().collect();
         let named = |index: usize| Exact::named(names[index].to_owned());
-        let forms = evaluated(system, &named, Exact::named("pi".to_owned()))?;
-        let of_mode = |mode: &FormMode<Exact>| {
-            let mut known: Vec<&Form<Exact>> = Vec::new();
-            let mut guards = Vec::new();
-            for switch in &mode.switches {
-                let place = known.iter().position(|form| **form == switch.guard);
-                guards.push(place.unwrap_or(known.len()));
-                if place.is_none() {
-                    known.push(&switch.guard);
-                }
-            }
-            guards
-        };
+        let forms = evaluated(system, None, &named, Exact::named("pi".to_owned()))?;
         let mut structure = Structure {
-            guards: forms.1.iter().map(of_mode).collect(),
+            guards: forms.1.iter().map(FormMode::guards).collect(),
             slides: Vec::new(),
+            products: None,
         };
         for [first, second] in &system.sliding {
             let modes = Modes::of(&forms, system, &structure)?;
@@ -331,6 +375,32 @@ impl Structure {
         Ok((structure, modes))
     }
 
+    /// The same of modes that contacts make.
+    fn of_products(
+        system: &System,
+        products: ProductModes,
+    ) -> Result<(Structure, Modes<Exact>), Open> {
+        let names: Vec<&str> = system.source.parameters.names().collect();
+        let named = |index: usize| Exact::named(names[index].to_owned());
+        let pi = Exact::named("pi".to_owned());
+        let frequency = || Evaluation::new(system, &named, pi)?.frequency();
+        let omega = frequency().map_err(|error: SystemError| Open::System(error.path))?;
+        let forms = (omega, products.exact());
+        let structure = Structure {
+            guards: products.guards.clone(),
+            slides: Vec::new(),
+            products: Some(products),
+        };
+        let modes = Modes::of(&forms, system, &structure)?;
+        Ok((structure, modes))
+    }
+
+    /// Whether it is known over an interval of the parameter.
+    pub fn covers(&self, parameter: Interval) -> bool {
+        let products = self.products.as_ref();
+        products.is_none_or(|products| parameter.within(products.range))
+    }
+
     /// The modes with other coefficients of the parameters.
     ///
     /// # Errors
@@ -341,7 +411,8 @@ impl Structure {
         parameter: &dyn Fn(usize) -> C,
         pi: C,
     ) -> Result<Modes<C>, Open> {
-        Modes::of(&evaluated(system, parameter, pi)?, system, self)
+        let forms = evaluated(system, self.products.as_ref(), parameter, pi)?;
+        Modes::of(&forms, system, self)
     }
 }
 

@@ -1,5 +1,7 @@
 //! Why an orbit is not proven: what is not covered, and what is undecided.
 
+use crate::affine::contact::mistake::ContactMistake;
+
 /// Which inequality is not proven.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Unproven {
@@ -48,9 +50,18 @@ pub enum Open {
     /// The period is prescribed.
     #[error("not covered: orbits whose period is prescribed, with a parameter that is free for it")]
     Prescribed,
-    /// Modes that contacts make.
-    #[error("not covered: systems with `contacts`")]
-    Contacts,
+    /// Forces of contacts over the range of the parameter.
+    #[error("undecided: {0}")]
+    Contacts(ContactMistake),
+    /// Numbers of contacts that must not be negative.
+    #[error("undecided: whether a bound, a restitution or the influence of a force is negative")]
+    Signs,
+    /// Formulas of contacts that are too long.
+    #[error("not covered: forces of contacts whose formulas are so long")]
+    Written,
+    /// Modes of contacts beyond the range in which they are known.
+    #[error("undecided: the modes that contacts make over so wide an interval of the parameter")]
+    Range,
     /// A value of a monitor.
     #[error("not covered: a value of a monitor")]
     Monitor,

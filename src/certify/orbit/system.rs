@@ -14,6 +14,7 @@ use super::enclosure::Enclosure;
 use super::exact::Exact;
 use super::flow::{Exponential, Flow};
 use super::modes::{Modes, Structure};
+use super::products::Needed;
 use super::zeros::{Event, Facts, Vanishing};
 use crate::affine::orbit::setting::Scales;
 use crate::affine::orbit::{Margin, Sequence, Watch, ZonePoint};
@@ -163,6 +164,8 @@ pub struct Layout {
     pub steps: Vec<usize>,
     /// Stretches whose equation is divided by a power of their duration.
     pub divided: Vec<usize>,
+    /// Values of the parameter that are led through.
+    pub range: Option<Interval>,
 }
 
 impl Layout {
@@ -172,6 +175,7 @@ impl Layout {
         Layout {
             steps: steps.map(|(a, b)| a.max(b)).collect(),
             divided: [self.divided, other.divided].concat(),
+            range: self.range.zip(other.range).map(|(a, b)| a.hull(b)),
         }
     }
 }
@@ -240,7 +244,11 @@ impl<'a> OrbitSystem<'a> {
         layout: &Layout,
     ) -> Result<(OrbitSystem<'a>, Vec<f64>), Open> {
         let of = posed.system()?;
-        let (structure, exact) = Structure::of(of)?;
+        let range = layout.range.unwrap_or(Interval::point(near.parameter));
+        let near_to = (range, posed.units.parameter);
+        let zones_of = near.sequence.0.iter();
+        let needed = Needed::new(&posed.values, posed.parameter, near_to, zones_of);
+        let (structure, exact) = Structure::of(of, &needed)?;
         let states = exact.states;
         let zones = &near.zones;
         let known = zones.iter().flat_map(|zone| {
@@ -329,6 +337,7 @@ impl<'a> OrbitSystem<'a> {
         Layout {
             steps: self.steps.clone(),
             divided: self.divided.iter().map(|(index, _)| *index).collect(),
+            range: Some(Interval::point(self.near.parameter)),
         }
     }
 
@@ -357,6 +366,9 @@ impl<'a> OrbitSystem<'a> {
 
     /// The modes over an interval of the parameter.
     pub fn enclosed(&self, parameter: Interval) -> Result<Modes<Enclosure>, Open> {
+        if !self.structure.covers(parameter) {
+            return Err(Open::Range);
+        }
         let of = |index: usize| match index == self.posed.parameter {
             true => Enclosure::variable(parameter, 0),
             false => Enclosure::constant(self.posed.values[index].interval()),
@@ -412,10 +424,15 @@ impl<'a> OrbitSystem<'a> {
         own: &dyn Fn(usize) -> Span,
     ) -> Option<Vec<Interval>> {
         let modes = self.enclosed(x[self.parameter()]).ok()?;
-        let mut carried = Vec::new();
+        let mut parts: Vec<Vec<Interval>> = Vec::new();
         for (index, stretch) in to.stretches.iter().enumerate() {
+            let mut carried = Vec::new();
             let span = own(index);
             let own = &span.stretches;
+            if own.is_empty() {
+                parts.push(carried);
+                continue;
+            }
             let time = match span.until {
                 Some(until) => until,
                 None => self.time(own, x),
@@ -448,7 +465,10 @@ impl<'a> OrbitSystem<'a> {
                 }
             }
             carried.push(time);
+            parts.push(carried);
         }
+        to.bridge(&mut parts, x[self.parameter()])?;
+        let mut carried = parts.concat();
         carried.push(x[self.parameter()]);
         Some(carried)
     }

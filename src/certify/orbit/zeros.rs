@@ -84,8 +84,8 @@ impl Zeros {
         loop {
             let mut next = Zeros::default();
             let surface = |row: &Row<Exact>| {
-                let known = mode.surface.as_ref();
-                known.is_some_and(|known| known == row || *known == negative(row))
+                let mut kept = mode.kept.iter();
+                kept.any(|known| known == row || *known == negative(row))
             };
             for row in kept.rows() {
                 if surface(row) || kept.have(&through(row, &mode.matrix)) {
