@@ -28,12 +28,44 @@ pub(super) fn propagator(
     time: f64,
 ) -> (Matrix, [Option<Matrix>; VARYING]) {
     let by = by.map(|by| by.filter(|by| by.as_slice().iter().any(|by| *by != 0.0)));
-    // the products of the sizes that oscillators have are compiled for them
-    match states {
-        2 => exponential(matrix, by, norm, time, 2),
-        3 => exponential(matrix, by, norm, time, 3),
-        4 => exponential(matrix, by, norm, time, 4),
-        size => exponential(matrix, by, norm, time, size),
+    pulp::Arch::new().dispatch(Exponential {
+        matrix,
+        by,
+        states,
+        norm,
+        time,
+    })
+}
+
+/// What an exponential follows from.
+struct Exponential<'a> {
+    matrix: &'a Matrix,
+    by: [Option<&'a Matrix>; VARYING],
+    states: usize,
+    norm: f64,
+    time: f64,
+}
+
+impl pulp::WithSimd for Exponential<'_> {
+    type Output = (Matrix, [Option<Matrix>; VARYING]);
+
+    /// In the widest registers of the machine; no operation is contracted or reordered.
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) -> Self::Output {
+        let Exponential {
+            matrix,
+            by,
+            states,
+            norm,
+            time,
+        } = self;
+        // the products of the sizes that oscillators have are compiled for them
+        match states {
+            2 => exponential(matrix, by, norm, time, 2),
+            3 => exponential(matrix, by, norm, time, 3),
+            4 => exponential(matrix, by, norm, time, 4),
+            size => exponential(matrix, by, norm, time, size),
+        }
     }
 }
 

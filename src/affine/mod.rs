@@ -10,6 +10,7 @@
 //! orbits, whose period [`closure`] may prescribe, [`connection`] those to which they come beside saddles, and of which [`monitor`]s are numbers, laid out in a [`monitored`] system.
 
 pub mod closure;
+mod coefficients;
 pub mod connection;
 pub mod contact;
 pub mod course;

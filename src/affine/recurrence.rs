@@ -5,10 +5,10 @@
 //! Derivatives, 2008, chapter 13). A coefficient carries its derivatives in the states, in the phase of the forcing and in the
 //! parameters that vary along: these *lanes* go through one convolution, in groups that fit into registers.
 
-use std::ops::Range;
 use std::sync::Arc;
 
-use super::dual::{Dual, VARYING};
+use super::coefficients::{CoefficientTable, Sparse, TOGETHER};
+use super::dual::VARYING;
 use super::expression::{Function, root};
 use super::form::Rule;
 use super::rows::Row;
@@ -16,47 +16,6 @@ use crate::linalg::{Matrix, Vector};
 
 /// An operand of `abs` that is smaller than this part of its terms is zero: the next coefficient has its sign.
 const KINK: f64 = 1e-12;
-
-/// Derivatives that go through a convolution together.
-const TOGETHER: usize = 4;
-
-/// Some of the derivatives of a number.
-type Lanes = [f64; TOGETHER];
-
-/// A linear form of z with few terms.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Sparse {
-    pub terms: Vec<(usize, Dual)>,
-    /// Of how many of the parameters that vary its coefficients are functions: the first, if any, or both.
-    pub parameters: usize,
-}
-
-impl Sparse {
-    /// The terms that are not zero.
-    pub fn new(at: impl Iterator<Item = (usize, Dual)>) -> Sparse {
-        let terms: Vec<_> = at.filter(|(_, c)| *c != Dual::default()).collect();
-        let last = |by: &[f64; VARYING]| by.iter().rposition(|by| *by != 0.0);
-        let counts = terms
-            .iter()
-            .map(|(_, c)| last(&c.by).map_or(0, |last| last + 1));
-        Sparse {
-            parameters: counts.max().unwrap_or(0),
-            terms,
-        }
-    }
-
-    /// The component of z that it is, if it is one.
-    fn component(&self) -> Option<usize> {
-        let one = Dual {
-            value: 1.0,
-            ..Dual::default()
-        };
-        match self.terms[..] {
-            [(component, by)] if by == one => Some(component),
-            _ => None,
-        }
-    }
-}
 
 /// A component of z that is made of others.
 #[derive(Clone, Debug, PartialEq)]
@@ -100,19 +59,6 @@ pub struct Series {
     parameter: usize,
 }
 
-/// Coefficients of components, operands and what is found with a component: of every place all orders after one another.
-#[derive(Clone, Debug)]
-struct CoefficientTable {
-    orders: usize,
-    values: Vec<f64>,
-    /// Groups of derivatives that a coefficient has, none where they are not asked for: in what z is made of at the beginning, so
-    /// much, then in the parameters.
-    groups: usize,
-    inner: usize,
-    parameters: usize,
-    lanes: Vec<Lanes>,
-}
-
 /// Where the operands of every step stand in a table: with a component that they are, or behind all components.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Places {
@@ -140,9 +86,10 @@ impl Places {
     }
 }
 
-/// Where a step finds its operands, and where it leaves what it makes.
+/// Where a step finds its operands, behind so many components where they are none, and where it leaves what it makes.
 #[derive(Clone, Copy)]
 struct Around {
+    components: usize,
     a: usize,
     b: usize,
     own: usize,
@@ -150,157 +97,18 @@ struct Around {
 }
 
 impl CoefficientTable {
-    fn value(&self, place: usize, k: usize) -> f64 {
-        self.values[place * self.orders + k]
-    }
-
-    /// Where the derivatives of the coefficient of order k of a place begin.
-    fn at(&self, place: usize, k: usize) -> usize {
-        (place * self.orders + k) * self.groups
-    }
-
-    fn lanes(&self, place: usize, k: usize, group: usize) -> Lanes {
-        self.lanes[self.at(place, k) + group]
-    }
-
-    /// Puts the coefficient of an order of a form, times a number, as that of order k.
-    fn gather(&mut self, place: usize, row: &Sparse, (from, k): (usize, usize), factor: f64) {
-        let at = self.at(place, k);
-        let mut value = 0.0;
-        for (c, by) in &row.terms {
-            value += by.value * self.value(*c, from);
-        }
-        self.values[place * self.orders + k] = value * factor;
-        for group in 0..self.groups {
-            let mut sum = [0.0; TOGETHER];
-            for (c, by) in &row.terms {
-                let z = &self.lanes[self.at(*c, from) + group];
-                for lane in 0..TOGETHER {
-                    sum[lane] += by.value * z[lane];
-                }
-            }
-            self.lanes[at + group] = sum.map(|x| x * factor);
-        }
-        if self.groups > 0 && row.parameters > 0 {
-            for (c, by) in &row.terms {
-                let value = self.value(*c, from) * factor;
-                for (lane, by) in (self.inner..).zip(&by.by[..row.parameters]) {
-                    self.lanes[at + lane / TOGETHER][lane % TOGETHER] += by * value;
-                }
-            }
-        }
-    }
-
-    /// Σ w(i)aᵢb_{k−i} over orders i, and a group of its derivatives where there are any.
-    #[inline(always)]
-    fn convolved(
-        &self,
-        pair: [usize; 2],
-        orders: (Range<usize>, usize),
-        weight: impl Fn(usize) -> f64,
-        group: usize,
-    ) -> (f64, Lanes) {
-        // most have one group
-        match self.groups {
-            1 => self.convolved_of(pair, orders, weight, (0, 1)),
-            groups => self.convolved_of(pair, orders, weight, (group, groups)),
-        }
-    }
-
-    #[inline(always)]
-    fn convolved_of(
-        &self,
-        [a, b]: [usize; 2],
-        (orders, k): (Range<usize>, usize),
-        weight: impl Fn(usize) -> f64,
-        (group, groups): (usize, usize),
-    ) -> (f64, Lanes) {
-        let count = orders.len();
-        let firsts = [
-            a * self.orders + orders.start,
-            b * self.orders + k + 1 - orders.end,
-        ];
-        let [a, b] = firsts.map(|first| &self.values[first..][..count]);
-        let (mut value, mut sum) = (0.0, [0.0; TOGETHER]);
-        if groups == 0 {
-            for i in 0..count {
-                value += weight(orders.start + i) * a[i] * b[count - 1 - i];
-            }
-            return (value, sum);
-        }
-        let [a_by, b_by] = firsts.map(|first| &self.lanes[first * groups..][..count * groups]);
-        for i in 0..count {
-            let (back, weight) = (count - 1 - i, weight(orders.start + i));
-            let (x, y) = (weight * a[i], weight * b[back]);
-            let (x_by, y_by) = (&a_by[i * groups + group], &b_by[back * groups + group]);
-            value += x * b[back];
-            for lane in 0..TOGETHER {
-                sum[lane] += x * y_by[lane] + y * x_by[lane];
-            }
-        }
-        (value, sum)
-    }
-
-    /// Puts Σ w(i)aᵢb_{k−i} over orders i.
-    #[inline(always)]
-    fn convolve(
-        &mut self,
-        place: usize,
-        pair: [usize; 2],
-        (orders, k): (Range<usize>, usize),
-        weight: impl Fn(usize) -> f64,
-    ) {
-        let at = self.at(place, k);
-        for group in 0..self.groups.max(1) {
-            let (value, lanes) = self.convolved(pair, (orders.clone(), k), &weight, group);
-            self.values[place * self.orders + k] = value;
-            if let Some(own) = self.lanes.get_mut(at + group) {
-                *own = lanes;
-            }
-        }
-    }
-
-    /// Puts u of order k, where bu of this order is a_k or nothing and Σ w(i)xᵢy_{k−i} over orders i, x or y being u.
-    #[inline(always)]
-    fn divide(
-        &mut self,
-        (own, b): (usize, usize),
-        first: Option<usize>,
-        pair: [usize; 2],
-        (orders, k): (Range<usize>, usize),
-        weight: impl Fn(usize) -> f64,
-    ) {
-        let divisor = self.value(b, 0);
-        let at = self.at(own, k);
-        for group in 0..self.groups.max(1) {
-            let (sum, mut lanes) = self.convolved(pair, (orders.clone(), k), &weight, group);
-            let value = (first.map_or(0.0, |a| self.value(a, k)) + sum) / divisor;
-            self.values[own * self.orders + k] = value;
-            if group < self.groups {
-                let first = first.map_or([0.0; TOGETHER], |a| self.lanes(a, k, group));
-                let by = self.lanes(b, 0, group);
-                for lane in 0..TOGETHER {
-                    lanes[lane] = (first[lane] + lanes[lane] - value * by[lane]) / divisor;
-                }
-                self.lanes[at + group] = lanes;
-            }
-        }
-    }
-
-    /// Puts a function of an operand at an order, by its value and its slope.
-    fn scale(&mut self, place: usize, (a, k): (usize, usize), (value, slope): (f64, f64)) {
-        self.values[place * self.orders + k] = value;
-        let at = self.at(place, k);
-        for group in 0..self.groups {
-            self.lanes[at + group] = self.lanes(a, k, group).map(|by| by * slope);
-        }
-    }
-
     /// The coefficient of order k of a component that is made of others; `sign` is that of an operand of `abs`.
+    #[inline(always)]
     fn step(&mut self, step: &Step, around: Around, k: usize, sign: f64) {
-        let Around { a, b, own, helper } = around;
+        let Around {
+            components,
+            a,
+            b,
+            own,
+            helper,
+        } = around;
         for (operand, place) in step.operands.iter().zip([a, b]) {
-            if operand.component().is_none() && !operand.terms.is_empty() {
+            if place >= components && !operand.terms.is_empty() {
                 self.gather(place, operand, (k, k), 1.0);
             }
         }
@@ -405,11 +213,17 @@ impl Series {
         order: usize,
         derivatives: bool,
     ) -> Series {
+        let beginning = Beginning {
+            recurrences,
+            z,
+            orders: order + 1,
+            derivatives,
+        };
         Series {
             size: recurrences.base + recurrences.steps.len(),
             base: recurrences.base,
             states: recurrences.states,
-            table: Arc::new(recurrences.run(z, order, derivatives)),
+            table: Arc::new(pulp::Arch::new().dispatch(beginning)),
             places: recurrences.places.operands.clone(),
             signs: recurrences.signs.to_vec(),
             parameter: 0,
@@ -424,52 +238,49 @@ fn kept(z: f64) -> f64 {
     if z.abs() < LEAST { 0.0 } else { z }
 }
 
+/// From where recurrences go on, and how far.
+struct Beginning<'a> {
+    recurrences: Recurrences<'a>,
+    z: &'a Vector,
+    orders: usize,
+    derivatives: bool,
+}
+
+impl pulp::WithSimd for Beginning<'_> {
+    type Output = CoefficientTable;
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) -> CoefficientTable {
+        self.recurrences
+            .table(self.z, self.orders, self.derivatives)
+    }
+}
+
 impl Recurrences<'_> {
-    /// The coefficients from z up to an order.
-    fn run(&self, z: &Vector, order: usize, derivatives: bool) -> CoefficientTable {
+    /// The table of so many orders.
+    #[inline(always)]
+    fn table(&self, z: &Vector, orders: usize, derivatives: bool) -> CoefficientTable {
         let Places { operands, count } = self.places;
-        let (orders, base, states) = (order + 1, self.base, self.states);
-        // cosines and sines follow from the phase, and what stays 1 has no derivative
-        let is_forced = base > states + 1;
-        let inner = states + usize::from(is_forced);
-        let groups = match derivatives {
-            true => (inner + self.parameters).div_ceil(TOGETHER),
-            false => 0,
-        };
+        let components = self.base + self.steps.len();
         let helpers = self.steps.iter().filter(|step| has_helper(step.rule));
-        let coefficients = orders * (count + helpers.count());
-        let mut table = CoefficientTable {
-            orders,
-            values: vec![0.0; coefficients],
-            groups,
-            inner,
-            parameters: self.parameters,
-            lanes: vec![[0.0; TOGETHER]; groups * coefficients],
-        };
-        for c in 0..base {
-            table.values[c * orders] = kept(z[c]);
-        }
-        if derivatives {
-            let mut set = |c: usize, lane: usize, value: f64| {
-                let at = table.at(c, 0);
-                table.lanes[at + lane / TOGETHER][lane % TOGETHER] = value;
-            };
-            (0..states).for_each(|state| set(state, state, 1.0));
-            for (h, cosine) in (1..).zip((states + 1..base).step_by(2)) {
-                let h = f64::from(h);
-                set(cosine, states, -h * z[cosine + 1]);
-                set(cosine + 1, states, h * z[cosine]);
-            }
-        }
+        let size = [orders, count + helpers.count()];
+        let lanes = [self.inner(), self.parameters];
+        let mut table = CoefficientTable::new(size, lanes, derivatives);
+        self.begin(z, &mut table);
         for k in 0..orders {
             // what is found with a component comes after all others
             let mut helper = *count;
             for (index, step) in self.steps.iter().enumerate() {
                 if self.needed[index] {
-                    let [a, b] = operands[index];
-                    let own = base + index;
+                    let around = Around {
+                        components,
+                        a: operands[index][0],
+                        b: operands[index][1],
+                        own: self.base + index,
+                        helper,
+                    };
                     let sign = self.signs.get(index).copied().unwrap_or(0.0);
-                    table.step(step, Around { a, b, own, helper }, k, sign);
+                    table.step(step, around, k, sign);
                 }
                 helper += usize::from(has_helper(step.rule));
             }
@@ -480,41 +291,54 @@ impl Recurrences<'_> {
                 }
             }
         }
+        table.check();
         table
+    }
+
+    /// In how much of what z is made of there are derivatives: cosines and sines follow from the phase, and what stays 1 has none.
+    fn inner(&self) -> usize {
+        self.states + usize::from(self.base > self.states + 1)
+    }
+
+    /// Puts what is made of nothing else at the beginning.
+    fn begin(&self, z: &Vector, table: &mut CoefficientTable) {
+        for c in 0..self.base {
+            table.set(c, 0, kept(z[c]));
+        }
+        if table.groups > 0 {
+            let states = self.states;
+            (0..states).for_each(|state| *table.derivative_mut(state, 0, state) = 1.0);
+            for (h, cosine) in (1..).zip((states + 1..self.base).step_by(2)) {
+                let h = f64::from(h);
+                *table.derivative_mut(cosine, 0, states) = -h * z[cosine + 1];
+                *table.derivative_mut(cosine + 1, 0, states) = h * z[cosine];
+            }
+        }
     }
 }
 
 impl Series {
-    /// Derivatives of the coefficient of this order of a component, in the states, in the phase where there is one, and in the
-    /// parameters.
-    fn lanes(&self, k: usize, c: usize) -> &[f64] {
-        let CoefficientTable { groups, lanes, .. } = &*self.table;
-        lanes[self.table.at(c, k)..][..*groups].as_flattened()
-    }
-
-    /// Those in the states and in the phase.
-    pub(super) fn by_inner(&self, k: usize, c: usize) -> &[f64] {
-        &self.lanes(k, c)[..self.table.inner]
+    /// Derivatives of the coefficient of this order of a component in the states, and in the phase where there is one.
+    pub(super) fn by_inner(&self, k: usize, c: usize) -> impl Iterator<Item = f64> {
+        (0..self.table.inner).map(move |lane| self.table.derivative(c, k, lane))
     }
 
     /// Derivatives in the components of z before the terms, from those in states and phase, put by their place: of the first cosine and
     /// sine what makes that in the phase, along which alone they move.
-    fn spread(&self, lanes: &[f64], mut put: impl FnMut(usize, f64)) {
-        for (state, by) in lanes[..self.states].iter().enumerate() {
-            put(state, *by);
-        }
+    fn spread(&self, lane: impl Fn(usize) -> f64, mut put: impl FnMut(usize, f64)) {
+        (0..self.states).for_each(|state| put(state, lane(state)));
         if self.table.inner > self.states {
             let (cosine, sine) = (self.states + 1, self.states + 2);
-            let by_phase = lanes[self.states];
+            let by_phase = lane(self.states);
             put(cosine, -by_phase * self.value(0, sine));
             put(sine, by_phase * self.value(0, cosine));
         }
     }
 
     /// Derivative in a parameter.
-    fn by_parameter(&self, lanes: &[f64], parameter: usize) -> f64 {
+    fn by_parameter(&self, lane: impl Fn(usize) -> f64, parameter: usize) -> f64 {
         match parameter < self.table.parameters {
-            true => lanes[self.table.inner + parameter],
+            true => lane(self.table.inner + parameter),
             false => 0.0,
         }
     }
@@ -526,8 +350,7 @@ impl Series {
 
     /// Coefficients of all orders of a component.
     pub(super) fn values(&self, c: usize) -> &[f64] {
-        let CoefficientTable { orders, values, .. } = &*self.table;
-        &values[c * orders..][..*orders]
+        self.table.values(c)
     }
 
     /// The highest order.
@@ -547,16 +370,7 @@ impl Series {
 
     /// Whether all numbers are.
     pub(super) fn is_finite(&self) -> bool {
-        let CoefficientTable { values, lanes, .. } = &*self.table;
-        // 0x is no number where x is none
-        let values: f64 = values.iter().map(|x| 0.0 * x).sum();
-        let mut sums = [values; TOGETHER];
-        for lanes in lanes {
-            for (sum, x) in sums.iter_mut().zip(lanes) {
-                *sum += 0.0 * x;
-            }
-        }
-        sums == [0.0; TOGETHER]
+        self.table.is_finite
     }
 
     /// Coefficient of this order of the first operand of a step.
@@ -582,13 +396,14 @@ impl Series {
         (self.operand(k, index) * direction.powi(k as i32)).signum()
     }
 
-    /// z at a time after the beginning.
+    /// z at a time after the beginning, without what is made of other components: that follows from these.
     pub fn at(&self, time: f64) -> Vector {
-        let of = |c: usize| {
+        let mut z = Vector::zeros(self.size);
+        for (c, z) in z.as_mut_slice()[..self.base].iter_mut().enumerate() {
             let orders = self.values(c).iter().rev();
-            orders.fold(0.0, |sum, z| sum * time + z)
-        };
-        Vector::from_fn(self.size, |c, _| of(c))
+            *z = orders.fold(0.0, |sum, z| sum * time + z);
+        }
+        z
     }
 
     /// z at the beginning, of this length.
@@ -605,23 +420,12 @@ impl Series {
     pub(super) fn derivatives_of(&self, count: usize, time: f64) -> (Matrix, [Vector; VARYING]) {
         let mut at = Matrix::zeros(count, self.base);
         let mut by: [Vector; VARYING] = std::array::from_fn(|_| Vector::zeros(count));
-        let groups = self.table.groups;
-        let mut sum = vec![[0.0; TOGETHER]; groups];
+        let (groups, sums) = (self.table.groups, self.table.derivatives_at(count, time));
         for c in 0..count {
-            let last = if time == 0.0 { 0 } else { self.order() };
-            let all = &self.table.lanes[self.table.at(c, 0)..self.table.at(c, last + 1)];
-            for (group, sum) in sum.iter_mut().enumerate() {
-                *sum = [0.0; TOGETHER];
-                for lanes in all.chunks_exact(groups).rev() {
-                    for (sum, next) in sum.iter_mut().zip(lanes[group]) {
-                        *sum = *sum * time + next;
-                    }
-                }
-            }
-            let sum = sum.as_flattened();
-            self.spread(sum, |column, x| at[(c, column)] = x);
+            let lane = |lane: usize| sums[c * groups + lane / TOGETHER][lane % TOGETHER];
+            self.spread(lane, |column, x| at[(c, column)] = x);
             for (parameter, by) in by.iter_mut().enumerate() {
-                by[c] = self.by_parameter(sum, parameter);
+                by[c] = self.by_parameter(lane, parameter);
             }
         }
         (at, by)
@@ -648,10 +452,10 @@ impl Series {
         let mut by = row.by.each_ref().map(|by| self.of(by, k));
         let places = in_order(self.parameter);
         for (index, c) in row.at.iter().enumerate().filter(|(_, c)| **c != 0.0) {
-            let lanes = self.lanes(k, index);
-            self.spread(lanes, |place, by| by_z[place] += c * by);
+            let lane = |lane: usize| self.table.derivative(index, k, lane);
+            self.spread(lane, |place, by| by_z[place] += c * by);
             for (by, place) in by.iter_mut().zip(places) {
-                *by += c * self.by_parameter(lanes, place);
+                *by += c * self.by_parameter(lane, place);
             }
         }
         (self.of(&row.at, k), by_z, by)

@@ -7,11 +7,12 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
+use super::coefficients::Sparse;
 use super::dual::{Coefficient, Dual};
 use super::expression::Function;
 use super::form::{Form, Rule, Term};
 use super::hyperdual::HyperDual;
-use super::recurrence::{Places, Recurrences, Series, Sparse, Step};
+use super::recurrence::{Places, Recurrences, Series, Step};
 use super::rows::{MatrixBy, Row};
 use crate::interval::Interval;
 use crate::linalg::Vector;
@@ -534,13 +535,11 @@ impl Field {
             let z = series.values(c);
             for last in [COEFFICIENTS, COEFFICIENTS + 1] {
                 let tail = z[last].abs();
-                // a state whose rate vanishes but for rounding, as that across a surface, has no order of its own
-                if tail <= self.rounding_of_order(series, c, last) {
-                    continue;
-                }
                 // |z_K|hᴷ is at most the allowed part of |z_j|hʲ for one j: most components hold as long as others
                 let holds = |j: usize| tail * powers[last - j] <= self.tolerance * z[j].abs();
-                if tail > 0.0 && !(0..last).any(holds) {
+                // a state whose rate vanishes but for rounding, as that across a surface, has no order of its own
+                let rounding = || self.rounding_of_order(series, c, last);
+                if tail > 0.0 && !(0..last).any(holds) && tail > rounding() {
                     let first = z[0].abs().max(self.size_of_product(series, c, &powers));
                     let own = |j: usize| if j == 0 { first } else { z[j].abs() };
                     let allowed = |j: usize| self.tolerance * own(j) / tail;
@@ -590,25 +589,23 @@ impl Field {
             }
             size
         };
-        let sizes: Vec<f64> = (0..base).map(largest).collect();
         // the phase moves by a radian, as cosines and sines do by their size
-        let moved: Vec<f64> = sizes[..self.program.states]
-            .iter()
-            .copied()
-            .chain([1.0])
-            .collect();
-        let mut length = longest;
-        for (c, own) in sizes.iter().enumerate() {
+        let states = (0..self.program.states).map(largest);
+        let moved: Vec<f64> = states.chain([1.0]).collect();
+        let (mut length, mut powers) = (longest, powers(longest));
+        for c in 0..base {
             let size = |j: usize| {
-                let lanes = series.by_inner(j, c).iter().zip(&moved);
+                let lanes = series.by_inner(j, c).zip(&moved);
                 lanes.fold(0.0_f64, |most, (by, size)| most.max(by.abs() * size))
             };
             for last in [COEFFICIENTS, COEFFICIENTS + 1] {
                 let tail = size(last);
-                let long = tail * length.powi(last as i32) <= left_out * own;
-                if tail > 0.0 && !long {
+                let long = |own: f64| tail * powers[last] <= left_out * own;
+                // the first order is enough for most
+                if tail > 0.0 && !long(series.value(0, c).abs()) && !long(largest(c)) {
                     let allowed = |j: usize| left_out * size(j) / tail;
                     length = length.min(longest_of(allowed, last));
+                    powers = self::powers(length);
                 }
             }
         }
@@ -628,12 +625,14 @@ fn powers(h: f64) -> [f64; ORDER + 1] {
 
 /// The largest length h with h^{last−j} ≤ allowed(j) for one j at least.
 fn longest_of(allowed: impl Fn(usize) -> f64, last: usize) -> f64 {
-    (0..last).fold(0.0, |most: f64, j| {
+    let (mut most, mut powers) = (0.0_f64, powers(0.0));
+    for j in 0..last {
         let (allowed, power) = (allowed(j), last - j);
         // most orders allow less than another, and roots are slow
-        match allowed > most.powi(power as i32) {
-            true => allowed.powf((power as f64).recip()).max(most),
-            false => most,
+        if allowed > powers[power] {
+            most = allowed.powf((power as f64).recip()).max(most);
+            powers = self::powers(most);
         }
-    })
+    }
+    most
 }

@@ -150,7 +150,7 @@ impl Union {
     fn new(of: &[usize], pivot: &[usize]) -> Union {
         let (own, other) = (&of[1..], &pivot[1..]);
         let mut columns = Vec::with_capacity(own.len() + other.len());
-        let mut places = [Vec::new(), Vec::new()];
+        let mut places = [own, other].map(|columns| Vec::with_capacity(columns.len()));
         let (mut here, mut there) = (own.iter().peekable(), other.iter().peekable());
         loop {
             let at = |entry: Option<&&usize>| entry.map_or(usize::MAX, |column| **column);
@@ -180,7 +180,12 @@ impl Union {
 impl Lists {
     fn new(matrix: &Matrix) -> Lists {
         let size = matrix.nrows();
-        let mut rows: Vec<(Vec<usize>, Vec<f64>)> = vec![Default::default(); size];
+        let mut counts = vec![0; size];
+        for (place, entry) in matrix.as_slice().iter().enumerate() {
+            counts[place % size] += usize::from(*entry != 0.0);
+        }
+        let room = |count| (Vec::with_capacity(count), Vec::with_capacity(count));
+        let mut rows: Vec<(Vec<usize>, Vec<f64>)> = counts.into_iter().map(room).collect();
         for (column, entries) in matrix.as_slice().chunks_exact(size).enumerate() {
             for (row, entry) in entries.iter().enumerate().filter(|(_, x)| **x != 0.0) {
                 rows[row].0.push(column);

@@ -521,8 +521,9 @@ impl OrbitAt<'_> {
         if mode.field.is_exact {
             return Jet::at_entry(&derivative(mode, row, order), &entry);
         }
-        // none passes yet
-        let passage = self.integrated(zone, entry, (0.0, false));
+        // the series at the entry is that of the passage through all of the zone
+        let time = self.zones[zone % self.zones.len()].duration.max(0.0);
+        let passage = self.integrated(zone, entry, (time, false));
         let jets = passage.derivatives_at_entry(row, order, 1);
         jets.into_iter()
             .next()

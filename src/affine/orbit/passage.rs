@@ -10,7 +10,7 @@ use crate::affine::mode::{AffineMode, MatrixBy, Row};
 use crate::affine::recurrence::{Series, in_order};
 use crate::affine::series::ORDER;
 use crate::affine::stiff::Splitting;
-use crate::linalg::{Matrix, Vector};
+use crate::linalg::{Matrix, Vector, add_product, product};
 
 /// A number with its derivatives in z at the entry, in time, and in the parameters that vary, at a fixed z.
 #[derive(Clone, Debug, PartialEq)]
@@ -263,12 +263,11 @@ pub(super) fn share(rest: f64, length: f64) -> f64 {
 /// Derivatives at a time after the beginning of a series, where those at its beginning are known.
 fn moved(series: &Series, (flow, by): &Derivatives, time: f64) -> Derivatives {
     let (along, own) = series.derivatives_of(flow.nrows(), time);
-    let mut own = own.into_iter();
-    let by = by.each_ref().map(|by| {
-        let moved = &along * by;
-        own.next().map_or_else(|| moved.clone(), |own| &moved + own)
-    });
-    (along * flow, by)
+    let mut moved = Matrix::zeros(flow.nrows(), flow.ncols());
+    let (left, sum) = (along.as_slice(), moved.as_mut_slice());
+    add_product(1.0, left, flow.nrows(), flow.as_slice(), sum);
+    let by = std::array::from_fn(|p| product(&along, &by[p]) + &own[p]);
+    (moved, by)
 }
 
 impl<'a> Passage<'a> {
