@@ -51,7 +51,7 @@ fn what_is_hidden_in_rounding_has_a_row() {
         modes: {"well": (rates: {"x": "v", "v": "A*cos(phase) - c*v + x - x^3"})},
     )"#;
     let orbit = r#"(start: Simulate(mode: "well", state: {"x": 1.0, "v": 0.0}, settle: 200))"#;
-    let along = r#"(parameter: "A", range: (0.264, 0.2657), toward: Up, ds: 3e-4, ds_max: 3e-4, tolerance: 1e-4)"#;
+    let along = r#"(parameter: "A", range: (0.264, 0.2657), toward: Up, ds: 1.2e-3, ds_max: 1.2e-3, tolerance: 1e-4)"#;
     let items = rows(&problem(system, orbit, along));
     has_no_silent_change(&items, "coarse");
     let undecided = |item: &&Item| item.point.stable == Some(Stability::Undecided);
