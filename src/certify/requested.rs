@@ -29,9 +29,12 @@ impl RequestedValues {
         }
     }
 
-    /// The same where the branch begins with an earlier run.
-    pub(super) fn after_restart(self) -> RequestedValues {
-        RequestedValues { ends: None, ..self }
+    /// The same where the branch may begin with an earlier run.
+    pub(super) fn restarted(self, restarted: bool) -> RequestedValues {
+        RequestedValues {
+            ends: self.ends.filter(|_| !restarted),
+            ..self
+        }
     }
 
     /// Whether the value at a point, where it is one of the parameter, is asked for: at an `EP` as an end.
@@ -79,10 +82,7 @@ impl Requested {
                 unit: high - low,
             },
             restarted,
-            values: match restarted {
-                true => values.after_restart(),
-                false => values,
-            },
+            values: values.restarted(restarted),
         })
     }
 

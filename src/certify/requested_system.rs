@@ -43,10 +43,7 @@ impl RequestedSystem {
             values: (!restarted).then_some(values),
             parameter,
             unit: high - low,
-            asked: match restarted {
-                true => asked.after_restart(),
-                false => asked,
-            },
+            asked: asked.restarted(restarted),
         })
     }
 

@@ -30,7 +30,7 @@ pub use curve::{
     EquilibriumCurve, EquilibriumFailure, EquilibriumScales, EquilibriumSetting, RestMode,
 };
 pub use examine::{EquilibriumExamination, EquilibriumMargin};
-pub use extended::{boundary_near, fold_near};
+pub use extended::{SpecialEquilibrium, boundary_near, fold_near};
 pub use normal_form::Lyapunov;
 
 /// What is positive at an admissible equilibrium.

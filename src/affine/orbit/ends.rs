@@ -76,8 +76,7 @@ impl AffineOrbit {
         }
         let Some(stay) = self.longest_stay(&node.point) else {
             return self
-                .passes_a_saddle_node(node)
-                .or_else(|| self.rests_on_a_boundary(node))
+                .comes_to_an_equilibrium(node)
                 .or_else(|| (along < stationary).then_some(OrbitStop::Unbounded));
         };
         // of a unit of the branch, of which a step is a small part
@@ -256,13 +255,13 @@ impl AffineOrbit {
         const CLOSES: f64 = 1e-8;
         let zone = zone % self.zones();
         let units = &self.setting.scales.states;
-        let own = |z: &Vector| z.as_slice()[..units.len()].to_vec();
         self.at(point).is_ok_and(|at| {
             let Ok(passage) = at.passage(zone, at.zones[zone].duration) else {
                 return false;
             };
-            let [entry, end] = [own(&passage.entry), own(&passage.end)];
-            at.mode(zone).field.is_exact && apart(&entry, &end, units) <= CLOSES
+            let [entry, end] = [&passage.entry, &passage.end].map(|z| z.as_slice());
+            // units of the states alone: what follows them in z is not compared
+            at.mode(zone).field.is_exact && apart(entry, end, units) <= CLOSES
         })
     }
 

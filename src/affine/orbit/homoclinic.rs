@@ -79,16 +79,13 @@ impl AffineOrbit {
                 limit,
                 error,
             } => (mode, next, limit, error),
-            OrbitStop::SaddleNode { mode, limit, error } => {
+            OrbitStop::Equilibrium {
+                special,
+                limit,
+                error,
+            } => {
                 return Some(Limit {
-                    special: Critical::SaddleNode { mode: mode.clone() },
-                    parameter: *limit,
-                    uncertainty: *error,
-                });
-            }
-            OrbitStop::RestsOnBoundary { mode, limit, error } => {
-                return Some(Limit {
-                    special: Critical::RestOnBoundary { mode: mode.clone() },
+                    special: special.clone(),
                     parameter: *limit,
                     uncertainty: *error,
                 });

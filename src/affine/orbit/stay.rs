@@ -4,11 +4,14 @@ use std::f64::consts::PI;
 
 use nalgebra::Complex;
 
+use super::Critical;
 use super::layout::{AffineOrbit, OrbitAt};
 use super::setting::Scales;
 use super::signature::Zone;
 use super::stop::OrbitStop;
-use crate::affine::equilibrium::{EquilibriumScales, EquilibriumSetting, boundary_near, fold_near};
+use crate::affine::equilibrium::{
+    EquilibriumScales, EquilibriumSetting, SpecialEquilibrium, boundary_near, fold_near,
+};
 use crate::continuation::Node;
 use crate::continuation::locate::node_at;
 use crate::linalg::Vector;
@@ -123,36 +126,73 @@ impl AffineOrbit {
         })
     }
 
-    /// The saddle-node of equilibria beside which an orbit is slowest, and to which the parameter comes while the period T grows:
-    /// the passage takes a time C/√|p − p₀|, so that what is left is half of T dp/dT.
-    pub(super) fn passes_a_saddle_node(&self, node: &Node) -> Option<OrbitStop> {
-        /// What is left is told by that to this factor: the time elsewhere does not grow.
+    /// The special equilibrium beside the longest zone of an orbit to which the parameter comes while the period T grows without
+    /// bound: what is left of it is dp/dT times a time of the passage.
+    pub(super) fn comes_to_an_equilibrium(&self, node: &Node) -> Option<OrbitStop> {
+        /// What is left is told by that to this factor: the time elsewhere does not grow, and other rates have decayed more.
         const LIKE: f64 = 1.5;
-        /// It passes as near, in units of the states: about as the root of what is left of its parameter.
-        const NEAR: f64 = 0.1;
         let Node { point, tangent, .. } = node;
-        if !self.has_own_period() || self.setting.prescribed.is_some() {
-            return None;
-        }
         let zone = self.longest(point)?;
         let at = self.at(point).ok()?;
-        let Zone { mode, name, .. } = self.sequence.zone(zone);
-        let Scales {
-            states, parameter, ..
-        } = &self.setting.scales;
-        let way = way(&at, zone)?;
-        let slow = &slowest(&way, states)?.as_slice()[..states.len()];
-        let fold = fold_near(self.equilibria_beside(point, slow), *mode)?;
         let (index, last) = (self.duration_index(zone), point.len() - 1);
-        let left = 0.5 * point[index] * tangent[last] / tangent[index] * parameter;
-        let like = (fold.parameter - self.parameter_at(point)) / left;
-        let passes =
-            (LIKE.recip()..=LIKE).contains(&like) && apart(&fold.state, slow, states) <= NEAR;
-        passes.then(|| OrbitStop::SaddleNode {
-            mode: name.clone(),
-            limit: fold.parameter,
-            error: fold.error,
-        })
+        let Scales {
+            parameter, time, ..
+        } = &self.setting.scales;
+        let slope = tangent[last] / tangent[index] * parameter / time;
+        let mode = || self.sequence.zone(zone).name.clone();
+        let told = |(found, time): (SpecialEquilibrium, f64), special: Critical| {
+            let like = (found.parameter - self.parameter_at(point)) / (slope * time);
+            let comes = (LIKE.recip()..=LIKE).contains(&like);
+            comes.then_some(OrbitStop::Equilibrium {
+                special,
+                limit: found.parameter,
+                error: found.error,
+            })
+        };
+        let saddle_node = self.saddle_node_beside(&at, point, zone);
+        saddle_node
+            .and_then(|found| told(found, Critical::SaddleNode { mode: mode() }))
+            .or_else(|| {
+                let found = self.boundary_beside(&at, point, zone)?;
+                told(found, Critical::RestOnBoundary { mode: mode() })
+            })
+    }
+
+    /// The saddle-node of equilibria beside which a zone is slowest: the passage takes a time T = C/√|p − p₀|, so that half of it
+    /// times dp/dT is left.
+    fn saddle_node_beside(
+        &self,
+        at: &OrbitAt,
+        point: &Vector,
+        zone: usize,
+    ) -> Option<(SpecialEquilibrium, f64)> {
+        /// It passes as near, in units of the states: about as the root of what is left of its parameter.
+        const NEAR: f64 = 0.1;
+        let states = &self.setting.scales.states;
+        let way = way(at, zone)?;
+        let slow = &slowest(&way, states)?.as_slice()[..states.len()];
+        let mode = self.sequence.zone(zone).mode;
+        let fold = fold_near(self.equilibria_beside(point, slow), mode)?;
+        let passes = apart(&fold.state, slow, states) <= NEAR;
+        passes.then(|| (fold, 0.5 * at.zones[zone].duration))
+    }
+
+    /// The equilibrium to which a zone comes on the guard that ends it: what the motion is off falls like e^(−λT) with the slowest
+    /// rate λ of its decay, and so does what is left of the parameter.
+    fn boundary_beside(
+        &self,
+        at: &OrbitAt,
+        point: &Vector,
+        zone: usize,
+    ) -> Option<(SpecialEquilibrium, f64)> {
+        let Zone { mode, way, .. } = self.sequence.zone(zone);
+        let passage = at.passage(zone, at.zones[zone].duration).ok()?;
+        let end = &passage.end.as_slice()[..self.states()];
+        let rest = at.posed.system.equilibrium_near(*mode, end)?;
+        let slowest = rest.eigenvalues.first().filter(|value| value.re < 0.0)?;
+        let setting = self.equilibria_beside(point, &rest.state);
+        let boundary = boundary_near(setting, *mode, way.as_ref()?.guard)?;
+        Some((boundary, -slowest.re.recip()))
     }
 
     /// What the equilibria beside a state have in common, with the units of an orbit.
@@ -174,45 +214,6 @@ impl AffineOrbit {
                 rate: time.recip(),
             },
         }
-    }
-
-    /// The equilibrium to which an orbit comes within its longest zone, on the guard that ends it, while the period T grows: what
-    /// the motion is off falls like e^(−λT) with the slowest rate λ of its decay, and so does what is left of the parameter,
-    /// λ⁻¹dp/dT.
-    pub(super) fn rests_on_a_boundary(&self, node: &Node) -> Option<OrbitStop> {
-        /// What is left is told by that to this factor: other rates have decayed more.
-        const LIKE: f64 = 1.5;
-        let Node { point, tangent, .. } = node;
-        if !self.has_own_period() || self.setting.prescribed.is_some() {
-            return None;
-        }
-        let zone = self.longest(point)?;
-        let at = self.at(point).ok()?;
-        let Zone {
-            mode, name, way, ..
-        } = self.sequence.zone(zone);
-        let guard = way.as_ref()?.guard;
-        let passage = at.passage(zone, at.zones[zone].duration).ok()?;
-        let Scales {
-            states,
-            parameter,
-            time,
-            ..
-        } = &self.setting.scales;
-        let end = &passage.end.as_slice()[..states.len()];
-        let rest = at.posed.system.equilibrium_near(*mode, end)?;
-        let slowest = rest.eigenvalues.first().filter(|value| value.re < 0.0)?;
-        let setting = self.equilibria_beside(point, &rest.state);
-        let boundary = boundary_near(setting, *mode, guard)?;
-        let (index, last) = (self.duration_index(zone), point.len() - 1);
-        let slope = tangent[last] / tangent[index] * parameter / time;
-        let like = (boundary.parameter - self.parameter_at(point)) * -slowest.re / slope;
-        let rests = (LIKE.recip()..=LIKE).contains(&like);
-        rests.then(|| OrbitStop::RestsOnBoundary {
-            mode: name.clone(),
-            limit: boundary.parameter,
-            error: boundary.error,
-        })
     }
 
     /// The saddle that an orbit comes to after a stay, where that is another zone.

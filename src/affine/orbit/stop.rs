@@ -39,20 +39,11 @@ pub enum OrbitStop {
         #[serde(default)]
         error: f64,
     },
-    /// It does, beside a place where a saddle-node of equilibria is beyond the end.
-    SaddleNode {
-        /// Name of its mode.
-        mode: String,
-        /// The parameter of the saddle-node.
-        limit: f64,
-        /// Its error.
-        error: f64,
-    },
-    /// It does, since the orbit comes to an equilibrium on the guard at which it would switch.
-    RestsOnBoundary {
-        /// Name of its mode.
-        mode: String,
-        /// The parameter of that equilibrium.
+    /// It does, since the orbit passes a saddle-node of equilibria ever more slowly, or comes to rest where it would switch.
+    Equilibrium {
+        /// Which of them.
+        special: Critical,
+        /// The parameter of the equilibrium.
         limit: f64,
         /// Its error.
         error: f64,
@@ -158,13 +149,8 @@ impl fmt::Display for OrbitStop {
                 formatter,
                 "beyond it nothing switches: a family of orbits at one value of the parameter"
             ),
-            OrbitStop::SaddleNode { mode, limit, .. } => {
-                Critical::SaddleNode { mode: mode.clone() }.fmt(formatter)?;
-                write!(formatter, ", at {limit}")
-            }
-            OrbitStop::RestsOnBoundary { mode, limit, .. } => {
-                Critical::RestOnBoundary { mode: mode.clone() }.fmt(formatter)?;
-                write!(formatter, ", at {limit}")
+            OrbitStop::Equilibrium { special, limit, .. } => {
+                write!(formatter, "{special}, at {limit}")
             }
             OrbitStop::Unbounded => write!(formatter, "the period grows without bound"),
             OrbitStop::Homoclinic {
