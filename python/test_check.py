@@ -60,6 +60,55 @@ def check(path):
         return check_certificate.main(path), output.getvalue()
 
 
+class Certified(unittest.TestCase):
+    """Certificates of problems, in a folder that is there as long as the tests of a class."""
+
+    PROBLEMS = {}
+    OPTIONS = {}
+    """Of `certify`, by the names of problems."""
+    CODES = {}
+    """Exit codes other than 0."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.work, cls.folders = Path(tempfile.mkdtemp()), {}
+        cls.addClassCleanup(shutil.rmtree, cls.work)
+        for name, problem in cls.PROBLEMS.items():
+            (cls.work / f"{name}.ron").write_text(problem, encoding="utf-8")
+            cls.folders[name] = cls.work / name
+            cls.program("certify", f"{name}.ron", "--out", name, "--quiet", *cls.OPTIONS.get(name, []), code=cls.CODES.get(name, 0))
+
+    @classmethod
+    def program(cls, *arguments, code=0):
+        run = subprocess.run([BINARY, *arguments], cwd=cls.work, capture_output=True, text=True)
+        assert run.returncode == code, f"{arguments}: {run.returncode}, {run.stdout}{run.stderr}"
+        return run.stdout
+
+    def copied(self, name, to="forged", **what):
+        """A copy of a certificate, in place of the one before."""
+        copy = self.work / to
+        shutil.rmtree(copy, ignore_errors=True)
+        return Path(shutil.copytree(self.folders[name], copy, **what))
+
+    def edited(self, name, change, files=("certificate.ron",)):
+        """A copy with what a function makes of the texts of files."""
+        forged = self.copied(name)
+        for file in files:
+            text = (forged / file).read_text(encoding="utf-8")
+            changed = change(text)
+            self.assertTrue(text != changed, f"{file} is as it was")
+            (forged / file).write_text(changed, encoding="utf-8")
+        return forged
+
+    def refused_by_both(self, name, change, statement, files, verify):
+        """That what a function makes of texts is refused: by the checker for a statement, and by the program."""
+        code, told = check(self.edited(name, change, files))
+        self.assertEqual(code, 1, told)
+        self.assertRegex(told, f"{statement}[^\n]*: refused|: refused[^\n]*{statement}")
+        if verify:
+            self.assertIn("refused", self.program("certify", "--verify", "forged", code=1))
+
+
 class Alone(unittest.TestCase):
     def test_the_checker_needs_flint_and_nothing_else(self):
         """Neither numpy nor pandas, by both of its names: without an argument it says what it is for."""
@@ -139,26 +188,15 @@ class Mathematics(unittest.TestCase):
             self.assertEqual(wave.turns(*chains), zeros)
 
 
-class Certificates(unittest.TestCase):
+class Certificates(Certified):
     """Certificates as they are written are proven again, and forged ones are refused."""
 
-    @classmethod
-    def setUpClass(cls):
-        cls.work = Path(tempfile.mkdtemp())
-        cls.addClassCleanup(shutil.rmtree, cls.work)
-        cls.folders = {}
-        problems = ("waves", WAVES, ["--arcs"]), ("counted", COUNTED, ["--spectrum"]), ("layered", LAYERED, [])
-        for name, problem, options in problems:
-            (cls.work / f"{name}.ron").write_text(problem, encoding="utf-8")
-            cls.folders[name] = cls.work / name
-            command = [BINARY, "certify", f"{name}.ron", "--out", name, *options]
-            subprocess.run(command, cwd=cls.work, check=True, stdout=subprocess.DEVNULL)
+    PROBLEMS = {"waves": WAVES, "counted": COUNTED, "layered": LAYERED}
+    OPTIONS = {"waves": ["--arcs"], "counted": ["--spectrum"]}
 
     def forged(self, folder, *changes, file="certificate.ron", after=""):
         """What the checker says of a folder in which (pattern, replacement) changed the text once, after a text."""
-        copy = self.work / "forged"
-        shutil.rmtree(copy, ignore_errors=True)
-        shutil.copytree(self.folders[folder], copy)
+        copy = self.copied(folder)
         text = (copy / file).read_text(encoding="utf-8")
         begin = text.index(after)
         for pattern, replacement in changes:

@@ -5,13 +5,9 @@
 Where the binary or python-flint is not there the tests are skipped, and say so (see test_check.py).
 """
 
-import shutil
-import subprocess
-import tempfile
 import unittest
-from pathlib import Path
 
-from test_check import BINARY, ROOT, WAVES, check
+from test_check import BINARY, ROOT, WAVES, Certified, check
 from test_check_orbits import FRICTION, read_ron, ron
 
 CLOCK = """(
@@ -50,36 +46,19 @@ def replaced(text, old, new):
 
 
 @unittest.skipUnless(BINARY, "no binary of brakewave")
-class Branches(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        cls.work, cls.folders = Path(tempfile.mkdtemp()), {}
-        cls.addClassCleanup(shutil.rmtree, cls.work)
-        cls.problems = {"clock": CLOCK, "rest": REST, "waves": WAVES, "friction": FRICTION, "fold": FOLD, "ball": BALL}
-        for name, problem in cls.problems.items():
-            (cls.work / f"{name}.ron").write_text(problem, encoding="utf-8")
-            cls.folders[name] = cls.work / name
-            cls.program("certify", f"{name}.ron", "--out", name, "--quiet", *["--arcs"] * (name == "fold"))
-
-    @classmethod
-    def program(cls, *arguments, code=0):
-        run = subprocess.run([BINARY, *arguments], cwd=cls.work, capture_output=True, text=True)
-        assert run.returncode == code, f"{arguments}: {run.returncode}, {run.stdout}{run.stderr}"
-        return run.stdout
+class Branches(Certified):
+    PROBLEMS = {"clock": CLOCK, "rest": REST, "waves": WAVES, "friction": FRICTION, "fold": FOLD, "ball": BALL}
+    OPTIONS = {"fold": ["--arcs"]}
 
     def beside(self, name, source):
         """Exit code and words of the checker of a certificate beside another problem."""
-        copy = self.work / "beside"
-        shutil.rmtree(copy, ignore_errors=True)
-        shutil.copytree(self.folders[name], copy)
+        copy = self.copied(name)
         (copy / "source.ron").write_text(source, encoding="utf-8")
         return check(copy)
 
     def changed(self, name, change, table=lambda text: text):
         """Exit code and words of the checker of a certificate that a function changes."""
-        copy = self.work / "changed"
-        shutil.rmtree(copy, ignore_errors=True)
-        shutil.copytree(self.folders[name], copy)
+        copy = self.copied(name, "changed")
         certificate = read_ron((copy / "certificate.ron").read_text(encoding="utf-8"))
         change(certificate)
         (copy / "certificate.ron").write_text(ron(certificate), encoding="utf-8")
@@ -95,7 +74,7 @@ class Branches(unittest.TestCase):
             "waves": [("mode: 4", "mode: 5", "mode"), ("parameter: Mismatch", "parameter: Friction", "parameter"), ("0.08", "0.09", "value"), ("(0.045,", "(0.05,", "unit")],
         }
         for name, start in STARTS.items():
-            restart = replaced(self.problems[name], start, 'Restart(dir: "earlier", label: 1)')
+            restart = replaced(self.PROBLEMS[name], start, 'Restart(dir: "earlier", label: 1)')
             code, told = self.beside(name, restart.replace('"k": 0.05', '"k": 0.07'))
             self.assertEqual(code, 3, told)
             self.assertNotIn("refused", told)
@@ -113,7 +92,7 @@ class Branches(unittest.TestCase):
     def test_a_problem_about_something_else(self):
         kinds = ("clock", "rest", "waves")
         for name, other in ((name, other) for name in kinds for other in kinds if name != other):
-            code, told = self.beside(name, self.problems[other])
+            code, told = self.beside(name, self.PROBLEMS[other])
             self.assertEqual(code, 1, told)
             self.assertIn("refused: the problem is about something else", told)
 

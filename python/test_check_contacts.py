@@ -6,14 +6,11 @@ Where the binary or python-flint is not there the tests are skipped, and say so 
 """
 
 import re
-import shutil
 import subprocess
 import sys
-import tempfile
 import unittest
-from pathlib import Path
 
-from test_check import BINARY, ROOT, check
+from test_check import BINARY, ROOT, Certified, check
 
 try:
     from flint import fmpq_poly
@@ -74,22 +71,10 @@ class Laws(unittest.TestCase):
 
 
 @unittest.skipUnless(BINARY, "no binary of brakewave")
-class Certificates(unittest.TestCase):
+class Certificates(Certified):
     """Certificates as they are written hold; forged ones are refused by the checker and by `certify --verify`."""
 
-    @classmethod
-    def setUpClass(cls):
-        cls.work = Path(tempfile.mkdtemp())
-        cls.addClassCleanup(shutil.rmtree, cls.work)
-        for name, text in PROBLEMS.items():
-            (cls.work / f"{name}.ron").write_text(text, encoding="utf-8")
-            cls.program("certify", f"{name}.ron", "--out", name, "--quiet")
-
-    @classmethod
-    def program(cls, *arguments, code=0):
-        run = subprocess.run([BINARY, *arguments], cwd=cls.work, capture_output=True, text=True)
-        assert run.returncode == code, f"{arguments}: {run.returncode}, {run.stdout}{run.stderr}"
-        return run.stdout
+    PROBLEMS = PROBLEMS
 
     def test_honest(self):
         for name, kinds in [
@@ -105,19 +90,7 @@ class Certificates(unittest.TestCase):
 
     def refused(self, name, change, files=("certificate.ron",), statement="", verify=True):
         """That what a function makes of texts is refused by both programs."""
-        forged = self.work / "forged"
-        shutil.rmtree(forged, ignore_errors=True)
-        shutil.copytree(self.work / name, forged)
-        for file in files:
-            text = (forged / file).read_text(encoding="utf-8")
-            changed = change(text)
-            self.assertTrue(text != changed, f"{file} is as it was")
-            (forged / file).write_text(changed, encoding="utf-8")
-        code, told = check(forged)
-        self.assertEqual(code, 1, told)
-        self.assertRegex(told, f"{statement}[^\n]*: refused|: refused[^\n]*{statement}")
-        if verify:
-            self.assertIn("refused", self.program("certify", "--verify", "forged", code=1))
+        self.refused_by_both(name, change, statement, files, verify)
 
     def test_forged_laws(self):
         both = ("certificate.ron", "source.ron")

@@ -6,14 +6,11 @@ Where the binary or python-flint is not there the tests are skipped, and say so 
 """
 
 import re
-import shutil
 import subprocess
 import sys
-import tempfile
 import unittest
-from pathlib import Path
 
-from test_check import BINARY, ROOT, check
+from test_check import BINARY, ROOT, Certified, check
 
 try:
     from flint import acb, acb_mat, arb
@@ -109,25 +106,12 @@ class Mathematics(unittest.TestCase):
 
 
 @unittest.skipUnless(BINARY, "no binary of brakewave")
-class Certificates(unittest.TestCase):
+class Certificates(Certified):
     """Certificates as they are written hold; forged ones are refused by the checker and by `certify --verify`."""
 
-    @classmethod
-    def setUpClass(cls):
-        cls.work, cls.folders = Path(tempfile.mkdtemp()), {}
-        cls.addClassCleanup(shutil.rmtree, cls.work)
-        problems = {"harvest": HARVEST, "brusselator": BRUSSELATOR, "foci": FOCI, "reaction": REACTION, "relay": RELAY, "pieces": PIECES}
-        for name, problem in problems.items():
-            (cls.work / f"{name}.ron").write_text(problem, encoding="utf-8")
-            cls.folders[name] = cls.work / name
-            # a value of a monitor is not covered
-            cls.program("certify", f"{name}.ron", "--out", name, "--quiet", code=int(name == "foci"))
-
-    @classmethod
-    def program(cls, *arguments, code=0):
-        run = subprocess.run([BINARY, *arguments], cwd=cls.work, capture_output=True, text=True)
-        assert run.returncode == code, f"{arguments}: {run.returncode}, {run.stdout}{run.stderr}"
-        return run.stdout
+    PROBLEMS = {"harvest": HARVEST, "brusselator": BRUSSELATOR, "foci": FOCI, "reaction": REACTION, "relay": RELAY, "pieces": PIECES}
+    # a value of a monitor is not covered
+    CODES = {"foci": 1}
 
     def test_honest(self):
         for name, points, coefficients, beyond in [
@@ -143,15 +127,7 @@ class Certificates(unittest.TestCase):
 
     def refused(self, name, change, why, files=("certificate.ron",)):
         """That what a function makes of texts is refused, by the checker for a reason, and by the program."""
-        forged = self.work / "forged"
-        shutil.rmtree(forged, ignore_errors=True)
-        shutil.copytree(self.folders[name], forged)
-        for file in files:
-            text = (forged / file).read_text(encoding="utf-8")
-            changed = change(text)
-            self.assertNotEqual(text, changed, why)
-            (forged / file).write_text(changed, encoding="utf-8")
-        code, told = check(forged)
+        code, told = check(self.edited(name, change, files))
         self.assertEqual(code, 1, told)
         self.assertRegex(told, why)
         run = subprocess.run([BINARY, "certify", "--verify", "forged"], cwd=self.work, capture_output=True, text=True)

@@ -9,11 +9,10 @@ import re
 import shutil
 import subprocess
 import sys
-import tempfile
 import unittest
 from pathlib import Path
 
-from test_check import BINARY, check
+from test_check import BINARY, Certified, check
 
 try:
     from flint import acb, acb_mat, acb_poly, arb, fmpq_poly
@@ -226,23 +225,14 @@ class Expressions(unittest.TestCase):
 
 
 @unittest.skipUnless(BINARY, "no binary of brakewave")
-class Certificates(unittest.TestCase):
+class Certificates(Certified):
     """Certificates as they are written hold; forged ones are refused by the checker and by `certify --verify`."""
 
-    @classmethod
-    def setUpClass(cls):
-        cls.work, cls.folders = Path(tempfile.mkdtemp()), {}
-        cls.addClassCleanup(shutil.rmtree, cls.work)
-        for name, problem in [("impact", SYSTEM), ("named", NAMED), ("pair", PAIR), ("friction", FRICTION), ("threshold", THRESHOLD), ("loss", LOSS), ("graze", SYSTEM), ("beside", BESIDE), ("pole", POLE), ("dip", DIP), ("doubled", DOUBLED), ("mark", MARK)]:
-            (cls.work / f"{name}.ron").write_text(problem, encoding="utf-8")
-            cls.folders[name] = cls.work / name
-            cls.program("certify", f"{name}.ron", "--out", name, "--quiet", *["--arcs"] * (name in ("graze", "dip")))
-
-    @classmethod
-    def program(cls, *arguments, code=0):
-        run = subprocess.run([BINARY, *arguments], cwd=cls.work, capture_output=True, text=True)
-        assert run.returncode == code, f"{arguments}: {run.returncode}, {run.stdout}{run.stderr}"
-        return run.stdout
+    PROBLEMS = {
+        "impact": SYSTEM, "named": NAMED, "pair": PAIR, "friction": FRICTION, "threshold": THRESHOLD, "loss": LOSS, "graze": SYSTEM,
+        "beside": BESIDE, "pole": POLE, "dip": DIP, "doubled": DOUBLED, "mark": MARK,
+    }  # fmt: skip
+    OPTIONS = {"graze": ["--arcs"], "dip": ["--arcs"]}
 
     def test_honest(self):
         for name, points, counts in [("impact", 4, 2), ("named", 4, 2), ("pair", 3, 2), ("friction", 4, 3), ("loss", 2, 1)]:
@@ -257,26 +247,12 @@ class Certificates(unittest.TestCase):
 
     def refused(self, name, statement, change, files=("certificate.ron",), verify=True):
         """That what a function makes of texts is refused: by the checker for a statement, and by the program."""
-        forged = self.work / "forged"
-        shutil.rmtree(forged, ignore_errors=True)
-        shutil.copytree(self.folders[name], forged)
-        for file in files:
-            text = (forged / file).read_text(encoding="utf-8")
-            changed = change(text)
-            self.assertNotEqual(text, changed)
-            (forged / file).write_text(changed, encoding="utf-8")
-        code, told = check(forged)
-        self.assertEqual(code, 1, told)
-        self.assertRegex(told, f"{statement}[^\n]*: refused|: refused[^\n]*{statement}")
-        if verify:
-            self.assertIn("refused", self.program("certify", "--verify", "forged", code=1))
+        self.refused_by_both(name, change, statement, files, verify)
 
     def meant(self, name, statement, change, why, source=lambda text: text, table=lambda text: text):
         """That a certificate that a function changes is refused by both for the reason meant: names and values of fields."""
-        forged = self.work / "meant"
-        shutil.rmtree(forged, ignore_errors=True)
         # its words are those of another certificate
-        shutil.copytree(self.folders[name], forged, ignore=shutil.ignore_patterns("theorem.md"))
+        forged = self.copied(name, "meant", ignore=shutil.ignore_patterns("theorem.md"))
         read = lambda file: (forged / file).read_text(encoding="utf-8")
         certificate = read_ron(read("certificate.ron"))
         change(certificate, [it["outcome"].value for it in certificate["points"]])
@@ -443,9 +419,7 @@ class Certificates(unittest.TestCase):
             "far": lambda proof: proof["statement"].update(unique=1e300),
             "count": lambda proof: proof["statement"].update(inequalities=99),
         }.items():
-            forged = self.work / "fields"
-            shutil.rmtree(forged, ignore_errors=True)
-            shutil.copytree(self.folders["beside"], forged)
+            forged = self.copied("beside")
             path = forged / "certificate.ron"
             certificate = read_ron(path.read_text(encoding="utf-8"))
             change(certificate["points"][0]["outcome"].value)
@@ -467,16 +441,14 @@ class Certificates(unittest.TestCase):
             ("mode", "source.ron", "-e*v", "-e*v/2"),
             ("range", "source.ron", "(0.11, 0.12)", "(0.1, 0.12)"),
         ]:
-            forged = self.work / "beside_it"
-            shutil.rmtree(forged, ignore_errors=True)
-            shutil.copytree(self.folders["beside"], forged)
+            forged = self.copied("beside")
             text = (forged / file).read_text(encoding="utf-8")
             self.assertIn(old, text, what)
             (forged / file).write_text(text.replace(old, new, 1), encoding="utf-8")
             with self.subTest(what=what):
                 code, told = check(forged)
                 self.assertEqual(code, 1, told)
-                self.assertIn("refused", self.program("certify", "--verify", "beside_it", code=1))
+                self.assertIn("refused", self.program("certify", "--verify", "forged", code=1))
 
     def test_forged(self):
         for name, statement, old, new in [
