@@ -11,7 +11,7 @@ use super::mode::{AffineSystem, Modes};
 use super::monitor::Monitor;
 use super::monitored::{MonitoredSystem, of_monitors};
 use super::products::ContactModes;
-use super::series::Terms;
+use super::program::Terms;
 use super::shape::{Shape, field};
 use super::sliding::{SlidingField, SlidingForms};
 use super::system::{Mistake, System, SystemError};

@@ -10,8 +10,9 @@ use std::sync::{Arc, OnceLock};
 
 use super::contact::mistake::ContactMistake;
 use super::dual::Dual;
+use super::program::Program;
 pub use super::rows::{MatrixBy, Row};
-use super::series::{Field, Program};
+use super::series::Field;
 use super::slots::Slots;
 use crate::linalg::Vector;
 

@@ -11,7 +11,7 @@ use super::form::Form;
 use super::mode::{AffineMode, AffineSystem, Modes};
 use super::monitor::Monitor;
 use super::monitored::{MonitoredSystem, of_monitors};
-use super::series::{Program, Terms};
+use super::program::{Program, Terms};
 use super::shape::{Shape, field, still};
 use super::system::{Mistake, System, SystemError};
 

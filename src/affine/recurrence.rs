@@ -132,22 +132,7 @@ impl CoefficientTable {
                 let sign = if sign == 0.0 { x.signum() } else { sign };
                 self.scale(own, (a, k), (sign * self.value(a, k), sign));
             }
-            Rule::Function(function) if k == 0 => {
-                self.scale(own, (a, 0), function.at(x));
-                let u = self.value(own, 0);
-                match function {
-                    Function::Sin => self.scale(helper, (a, 0), (x.cos(), -u)),
-                    Function::Cos => self.scale(helper, (a, 0), (x.sin(), u)),
-                    Function::Tan => self.scale(helper, (own, 0), (1.0 + u * u, 2.0 * u)),
-                    Function::Tanh => self.scale(helper, (own, 0), (1.0 - u * u, -2.0 * u)),
-                    Function::Sinh => self.scale(helper, (a, 0), (x.cosh(), u)),
-                    Function::Cosh => self.scale(helper, (a, 0), (x.sinh(), u)),
-                    Function::Atan => self.scale(helper, (a, 0), (1.0 + x * x, 2.0 * x)),
-                    Function::Asin => self.scale(helper, (a, 0), (root(x), -x / root(x))),
-                    Function::Acos => self.scale(helper, (a, 0), (-root(x), x / root(x))),
-                    _ => {}
-                }
-            }
+            Rule::Function(function) if k == 0 => self.begin(function, a, own, helper),
             Rule::Function(Function::Atan) => {
                 // u̇w = ȧ with w = 1 + a²
                 self.convolve(helper, [a, a], (0..k + 1, k), |_| 1.0);
@@ -166,28 +151,62 @@ impl CoefficientTable {
                 self.divide((own, a), Some(a), [own, a], (1..k, k), |i| -over_k(i));
             }
             Rule::Function(function) => {
-                // u̇ = ±ȧw with ẇ = ∓ȧu of a sine or a cosine, ẇ = ȧu of a hyperbolic one, w = 1 ± u² of a tangent, w = u of
-                // the exponential
-                let sign = match function {
-                    Function::Cos | Function::Tanh => -1.0,
-                    _ => 1.0,
-                };
-                match function {
-                    Function::Sin | Function::Cos => {
-                        self.convolve(own, [a, helper], later.clone(), |i| sign * over_k(i));
-                        self.convolve(helper, [a, own], later, |i| -sign * over_k(i));
-                    }
-                    Function::Sinh | Function::Cosh => {
-                        self.convolve(own, [a, helper], later.clone(), over_k);
-                        self.convolve(helper, [a, own], later, over_k);
-                    }
-                    Function::Tan | Function::Tanh => {
-                        self.convolve(own, [a, helper], later, over_k);
-                        self.convolve(helper, [own, own], (0..k + 1, k), |_| sign);
-                    }
-                    _ => self.convolve(own, [a, own], later, over_k),
-                }
+                self.step_by_helper(function, a, own, helper, k);
             }
+        }
+    }
+
+    /// The value of a function of a, and that of its helper.
+    #[inline(always)]
+    fn begin(&mut self, function: Function, a: usize, own: usize, helper: usize) {
+        let x = self.value(a, 0);
+        self.scale(own, (a, 0), function.at(x));
+        let u = self.value(own, 0);
+        match function {
+            Function::Sin => self.scale(helper, (a, 0), (x.cos(), -u)),
+            Function::Cos => self.scale(helper, (a, 0), (x.sin(), u)),
+            Function::Tan => self.scale(helper, (own, 0), (1.0 + u * u, 2.0 * u)),
+            Function::Tanh => self.scale(helper, (own, 0), (1.0 - u * u, -2.0 * u)),
+            Function::Sinh => self.scale(helper, (a, 0), (x.cosh(), u)),
+            Function::Cosh => self.scale(helper, (a, 0), (x.sinh(), u)),
+            Function::Atan => self.scale(helper, (a, 0), (1.0 + x * x, 2.0 * x)),
+            Function::Asin => self.scale(helper, (a, 0), (root(x), -x / root(x))),
+            Function::Acos => self.scale(helper, (a, 0), (-root(x), x / root(x))),
+            _ => {}
+        }
+    }
+
+    /// An order k > 0 of a function whose rate is that of a times its helper w: u̇ = ±ȧw with ẇ = ∓ȧu of a sine or a cosine,
+    /// ẇ = ȧu of a hyperbolic one, w = 1 ± u² of a tangent, w = u of the exponential.
+    #[inline(always)]
+    fn step_by_helper(
+        &mut self,
+        function: Function,
+        a: usize,
+        own: usize,
+        helper: usize,
+        k: usize,
+    ) {
+        let over_k = |i: usize| i as f64 / k as f64;
+        let later = (1..k + 1, k);
+        let sign = match function {
+            Function::Cos | Function::Tanh => -1.0,
+            _ => 1.0,
+        };
+        match function {
+            Function::Sin | Function::Cos => {
+                self.convolve(own, [a, helper], later.clone(), |i| sign * over_k(i));
+                self.convolve(helper, [a, own], later, |i| -sign * over_k(i));
+            }
+            Function::Sinh | Function::Cosh => {
+                self.convolve(own, [a, helper], later.clone(), over_k);
+                self.convolve(helper, [a, own], later, over_k);
+            }
+            Function::Tan | Function::Tanh => {
+                self.convolve(own, [a, helper], later, over_k);
+                self.convolve(helper, [own, own], (0..k + 1, k), |_| sign);
+            }
+            _ => self.convolve(own, [a, own], later, over_k),
         }
     }
 }

@@ -6,8 +6,9 @@ use super::dual::{Degree, Dual};
 use super::evaluation::{FormMode, FormSwitch};
 use super::form::Form;
 use super::mode::{AffineMode, Exit, Guard};
+use super::program::{Program, Terms};
 use super::rows::{MatrixBy, Row};
-use super::series::{Field, Program, Terms};
+use super::series::Field;
 
 /// A mode in which nothing moves.
 pub(super) fn still(states: usize) -> FormMode {

@@ -23,6 +23,87 @@ const SETTLED: f64 = 1e-12;
 /// A fast part of so many units of rounding of the slow one, and of what it is the difference of, has vanished.
 const VANISHED: f64 = 16.0 * f64::EPSILON;
 
+/// Components of z in two groups: those that describe what is slow, and the rest.
+struct Components {
+    first: Vec<usize>,
+    second: Vec<usize>,
+    /// Columns of the flow that the first were found by.
+    columns: Vec<usize>,
+}
+
+impl Components {
+    /// So many that describe what is slow best by a flow after which the fast part has vanished: those that move slowly
+    /// themselves are preferred.
+    fn of(scaled: &Matrix, flow: &Matrix, norm: f64, slow: usize) -> Option<Components> {
+        let size = scaled.nrows();
+        let mut rest = flow.clone();
+        for (mut row, own) in rest.row_iter_mut().zip(scaled.row_iter()) {
+            row /= own.lp_norm(1) / norm + 1e-3;
+        }
+        let (mut first, mut columns) = (Vec::new(), Vec::new());
+        for _ in 0..slow {
+            let (row, column) = rest.iamax_full();
+            let pivot = rest.row(row) / rest[(row, column)];
+            for mut other in rest.row_iter_mut() {
+                let factor = other[column];
+                other -= &pivot * factor;
+            }
+            rest.row_mut(row).fill(0.0);
+            first.push(row);
+            columns.push(column);
+        }
+        let second: Vec<usize> = (0..size).filter(|row| !first.contains(row)).collect();
+        (second.len() == size - slow).then_some(Components {
+            first,
+            second,
+            columns,
+        })
+    }
+
+    /// X to half of the digits: how the second follow from the first after the flow.
+    fn slope(&self, flow: &Matrix) -> Option<Matrix> {
+        let inverse = Factors::new(&part(flow, &self.first, &self.columns)).inverse()?;
+        Some(part(flow, &self.second, &self.columns) * inverse)
+    }
+}
+
+/// Some rows and columns of a matrix.
+fn part(matrix: &Matrix, rows: &[usize], columns: &[usize]) -> Matrix {
+    Matrix::from_fn(rows.len(), columns.len(), |row, column| {
+        matrix[(rows[row], columns[column])]
+    })
+}
+
+fn is_settled(change: f64, of: &Matrix) -> bool {
+    change <= SETTLED * (1.0 + of.amax())
+}
+
+/// X, by iterations of M₂₁ + M₂₂X = X(M₁₁ + M₁₂X) from a start.
+fn slow_manifold([m11, m12, m21, m22]: [&Matrix; 4], start: Matrix) -> Option<Matrix> {
+    let mut x = start;
+    let mut change = f64::INFINITY;
+    for _ in 0..ITERATIONS {
+        let residual = m22 * &x + m21 - &x * (m11 + m12 * &x);
+        let step = Factors::new(&(m22 - &x * m12)).inverse()? * residual;
+        change = step.amax();
+        x -= step;
+    }
+    is_settled(change, &x).then_some(x)
+}
+
+/// Y, by iterations of YF = M₁₂ + BY.
+fn fast_fibres(m12: &Matrix, slow: &Matrix, fast: &Matrix) -> Option<Matrix> {
+    let back = Factors::new(fast).inverse()?;
+    let mut y = m12 * &back;
+    let mut change = f64::INFINITY;
+    for _ in 0..ITERATIONS {
+        let next = (m12 + slow * &y) * &back;
+        change = (&next - &y).amax();
+        y = next;
+    }
+    is_settled(change, &y).then_some(y)
+}
+
 /// A mode in a slow part and a fast one, all of which decays.
 #[derive(Clone, Debug)]
 pub(super) struct Splitting {
@@ -92,73 +173,25 @@ impl Splitting {
         let size = scaled.nrows();
         // by then what is fast has vanished: e⁻³⁶ is rounding, and what is slow has not grown much
         let flow = plain_propagator(scaled, size, norm, 36.0 / decay);
-        // components that move slowly themselves describe it best
-        let mut rest = flow.clone();
-        for (mut row, own) in rest.row_iter_mut().zip(scaled.row_iter()) {
-            row /= own.lp_norm(1) / norm + 1e-3;
-        }
-        let (mut first, mut columns) = (Vec::new(), Vec::new());
-        for _ in count..size {
-            let (row, column) = rest.iamax_full();
-            let pivot = rest.row(row) / rest[(row, column)];
-            for mut other in rest.row_iter_mut() {
-                let factor = other[column];
-                other -= &pivot * factor;
-            }
-            rest.row_mut(row).fill(0.0);
-            first.push(row);
-            columns.push(column);
-        }
-        let second: Vec<usize> = (0..size).filter(|row| !first.contains(row)).collect();
-        if second.len() != count {
-            return None;
-        }
-        let part = |matrix: &Matrix, rows: &[usize], columns: &[usize]| {
-            Matrix::from_fn(rows.len(), columns.len(), |row, column| {
-                matrix[(rows[row], columns[column])]
-            })
-        };
-        let [m11, m12] = [&first, &second].map(|columns| part(scaled, &first, columns));
-        let [m21, m22] = [&first, &second].map(|columns| part(scaled, &second, columns));
-        let start = Factors::new(&part(&flow, &first, &columns)).inverse()?;
-        let mut x = part(&flow, &second, &columns) * start;
-        let mut change = f64::INFINITY;
-        for _ in 0..ITERATIONS {
-            let residual = &m22 * &x + &m21 - &x * (&m11 + &m12 * &x);
-            let step = Factors::new(&(&m22 - &x * &m12)).inverse()? * residual;
-            change = step.amax();
-            x -= step;
-        }
-        let is_settled = |change: f64, of: &Matrix| change <= SETTLED * (1.0 + of.amax());
-        if !is_settled(change, &x) {
-            return None;
-        }
+        let slowest = Components::of(scaled, &flow, norm, size - count)?;
+        let Components { first, second, .. } = &slowest;
+        let [m11, m12] = [first, second].map(|columns| part(scaled, first, columns));
+        let [m21, m22] = [first, second].map(|columns| part(scaled, second, columns));
+        let x = slow_manifold([&m11, &m12, &m21, &m22], slowest.slope(&flow)?)?;
         let (slow, fast) = (&m11 + &m12 * &x, &m22 - &x * &m12);
         // the length of f never grows where F + Fᵀ has no positive eigenvalue
         let growth = (&fast + fast.transpose()).symmetric_eigenvalues().max();
         if growth > SETTLED * norm {
             return None;
         }
-        let back = Factors::new(&fast).inverse()?;
-        let mut y = &m12 * &back;
-        for _ in 0..ITERATIONS {
-            let next = (&m12 + &slow * &y) * &back;
-            change = (&next - &y).amax();
-            y = next;
-        }
-        if !is_settled(change, &y) {
-            return None;
-        }
-        let mut along = Matrix::zeros(size, size - count);
-        let mut across = Matrix::zeros(size, count);
+        let y = fast_fibres(&m12, &slow, &fast)?;
+        let (one, other) = (size - count, count);
+        let [mut along, mut across] = [one, other].map(|columns| Matrix::zeros(size, columns));
         let (mut slow_of, mut fast_of) = (along.transpose(), across.transpose());
+        let identity = |size: usize| Matrix::identity(size, size);
         let blocks = [
-            (&first, Matrix::identity(size - count, size - count), &y),
-            (
-                &second,
-                x.clone(),
-                &(Matrix::identity(count, count) + &x * &y),
-            ),
+            (first, identity(one), &y),
+            (second, x.clone(), &(identity(other) + &x * &y)),
         ];
         for (rows, of_slow, of_fast) in blocks {
             for (index, row) in rows.iter().enumerate() {
@@ -166,25 +199,18 @@ impl Splitting {
                 across.set_row(*row, &(of_fast.row(index) * scales[*row]));
             }
         }
-        let whole = Matrix::identity(size - count, size - count) + &y * &x;
-        let blocks = [
-            (&first, whole, -x),
-            (&second, -y, Matrix::identity(count, count)),
-        ];
+        let whole = identity(one) + &y * &x;
+        let blocks = [(first, whole, -x), (second, -y, identity(other))];
         for (columns, to_slow, to_fast) in blocks {
             for (index, column) in columns.iter().enumerate() {
                 slow_of.set_column(*column, &(to_slow.column(index) / scales[*column]));
                 fast_of.set_column(*column, &(to_fast.column(index) / scales[*column]));
             }
         }
+        let columns = fast.column_iter().map(|column| column.lp_norm(1));
         Some(Splitting {
             balance: balance(&slow, longest.recip()),
-            rates: (
-                fast.column_iter()
-                    .map(|column| column.lp_norm(1))
-                    .fold(0.0, f64::max),
-                decay,
-            ),
+            rates: (columns.fold(0.0, f64::max), decay),
             slow,
             along,
             fast,

@@ -94,56 +94,14 @@ fn refused_value(outline: &Outline, offset: usize, code: &Error) -> Flaw {
         .or(around)
         .map_or(String::new(), |node| outline.path(node));
 
-    let wanted = match code {
-        Error::ExpectedFloat => "a number",
-        Error::ExpectedInteger | Error::InvalidIntegerDigit { .. }
-            if written_with_point(subject, &path) =>
-        {
-            "a number"
-        }
-        Error::ExpectedInteger | Error::InvalidIntegerDigit { .. } => "a whole number from 0 up",
-        Error::IntegerOutOfBounds => "a whole number from 0 up, but not too large",
-        // What is read of a value may end within it, where a comma would have to follow.
-        Error::ExpectedComma if node.is_some_and(|node| outline.splits(node, offset)) => {
-            let digits = node.is_some_and(|node| {
-                outline
-                    .source(node)
-                    .starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c))
-            });
-            match (digits, written_with_point(subject, &path)) {
-                (false, _) if found == "(" => "a name without parentheses",
-                (_, true) => "a number",
-                (_, false) => "a whole number from 0 up",
-            }
-        }
-        Error::UnexpectedChar(found) => {
-            return unexpected(outline, offset, *found, before.or(around));
-        }
-        Error::ExpectedString => "a text in double quotes",
-        Error::ExpectedArray => "a list in square brackets",
-        Error::ExpectedMap => "a map in braces",
-        Error::ExpectedIdentifier | Error::SuggestRawIdentifier(_) => "a name",
-        Error::ExpectedStructLike => "values in parentheses",
-        Error::ExpectedNamedStructLike(_) | Error::ExpectedDifferentStructName { .. } => {
-            "a section of fields in parentheses"
-        }
-        Error::InvalidValueForType { expected, .. }
-        | Error::ExpectedDifferentLength { expected, .. } => match expected.as_str() {
-            "a tuple of size 2" if path.contains("sliding") => "two names in parentheses",
-            "a tuple of size 2" => "two numbers in parentheses",
-            expected => expected,
-        },
-        Error::ExpectedComma => return missing_mark(outline, before, token, ","),
-        Error::ExpectedMapColon => return missing_mark(outline, None, token, ":"),
-        Error::ExpectedStructLikeEnd => return missing_mark(outline, None, token, ")"),
-        code => {
-            let mut message = code.to_string();
-            // The messages of `ron` begin with a capital letter, ours do not.
-            if let Some(first) = message.get_mut(..1) {
-                first.make_ascii_lowercase();
-            }
-            return Flaw::new(token, message, write_as(subject, &path));
-        }
+    let nodes = Nodes {
+        node,
+        before,
+        around,
+    };
+    let wanted = match expected(outline, offset, code, nodes) {
+        Ok(wanted) => wanted,
+        Err(flaw) => return flaw,
     };
     let length = matches!(code, Error::ExpectedDifferentLength { .. });
     let Some(node) = (if length { around } else { node }) else {
@@ -191,6 +149,92 @@ fn refused_value(outline: &Outline, offset: usize, code: &Error) -> Flaw {
         quoted(&path)
     );
     Flaw::new(span, message, help)
+}
+
+/// Nodes of the outline that a refusal may be about.
+#[derive(Clone, Copy)]
+struct Nodes {
+    /// The value that is refused.
+    node: Option<usize>,
+    /// The one that ends before the place of the refusal.
+    before: Option<usize>,
+    /// The innermost one around it.
+    around: Option<usize>,
+}
+
+/// What should stand in the place of a value that is refused.
+///
+/// # Errors
+/// The flaw, where no value is missing.
+fn expected<'a>(
+    outline: &Outline,
+    offset: usize,
+    code: &'a Error,
+    nodes: Nodes,
+) -> Result<&'a str, Flaw> {
+    let subject = outline.subject();
+    let token = || outline.token(offset);
+    let Nodes {
+        node,
+        before,
+        around,
+    } = nodes;
+    let path = node
+        .or(around)
+        .map_or(String::new(), |node| outline.path(node));
+    Ok(match code {
+        Error::ExpectedFloat => "a number",
+        Error::ExpectedInteger | Error::InvalidIntegerDigit { .. }
+            if written_with_point(subject, &path) =>
+        {
+            "a number"
+        }
+        Error::ExpectedInteger | Error::InvalidIntegerDigit { .. } => "a whole number from 0 up",
+        Error::IntegerOutOfBounds => "a whole number from 0 up, but not too large",
+        // What is read of a value may end within it, where a comma would have to follow.
+        Error::ExpectedComma if node.is_some_and(|node| outline.splits(node, offset)) => {
+            let digits = node.is_some_and(|node| {
+                outline
+                    .source(node)
+                    .starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c))
+            });
+            match (digits, written_with_point(subject, &path)) {
+                (false, _) if excerpt(&outline.text[token()]) == "(" => {
+                    "a name without parentheses"
+                }
+                (_, true) => "a number",
+                (_, false) => "a whole number from 0 up",
+            }
+        }
+        Error::UnexpectedChar(found) => {
+            return Err(unexpected(outline, offset, *found, before.or(around)));
+        }
+        Error::ExpectedString => "a text in double quotes",
+        Error::ExpectedArray => "a list in square brackets",
+        Error::ExpectedMap => "a map in braces",
+        Error::ExpectedIdentifier | Error::SuggestRawIdentifier(_) => "a name",
+        Error::ExpectedStructLike => "values in parentheses",
+        Error::ExpectedNamedStructLike(_) | Error::ExpectedDifferentStructName { .. } => {
+            "a section of fields in parentheses"
+        }
+        Error::InvalidValueForType { expected, .. }
+        | Error::ExpectedDifferentLength { expected, .. } => match expected.as_str() {
+            "a tuple of size 2" if path.contains("sliding") => "two names in parentheses",
+            "a tuple of size 2" => "two numbers in parentheses",
+            expected => expected,
+        },
+        Error::ExpectedComma => return Err(missing_mark(outline, before, token(), ",")),
+        Error::ExpectedMapColon => return Err(missing_mark(outline, None, token(), ":")),
+        Error::ExpectedStructLikeEnd => return Err(missing_mark(outline, None, token(), ")")),
+        code => {
+            let mut message = code.to_string();
+            // The messages of `ron` begin with a capital letter, ours do not.
+            if let Some(first) = message.get_mut(..1) {
+                first.make_ascii_lowercase();
+            }
+            return Err(Flaw::new(token(), message, write_as(subject, &path)));
+        }
+    })
 }
 
 /// The words for a character that nothing begins with; a slash is read as that of a comment.

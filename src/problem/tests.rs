@@ -3,6 +3,7 @@
 use std::time::{Duration, Instant};
 
 use super::continuation::{DEFAULT_MAX_POINTS, DEFAULT_MAX_POINTS_INTEGRATED};
+use super::template::{OPTIONAL, TEMPLATE};
 use super::*;
 use crate::continuation::{DEFAULT_DS, DEFAULT_DS_MAX, DEFAULT_DS_MIN, DEFAULT_TOLERANCE};
 use crate::orbit::EventType;

@@ -150,27 +150,8 @@ pub fn cycle(system: &AffineSystem, place: &Place, longest: f64) -> Option<(Plac
             .collect::<Vec<f64>>()
     };
     let mut sizes = vec![0.0; place.state.len()];
-    let mut speeds = sizes.clone();
     let mut motion = Motion::new(system, place.clone(), longest);
-    for part in 1..=512 {
-        run(
-            &mut motion,
-            place.time + longest * f64::from(part) / 512.0,
-            &mut sizes,
-        )
-        .then_some(())?;
-        let now = rates(motion.place());
-        now.iter()
-            .zip(&mut speeds)
-            .for_each(|(rate, speed)| *speed = speed.max(rate.abs()));
-    }
-    let moving = sizes
-        .iter()
-        .zip(&speeds)
-        .filter(|(size, speed)| **size > 0.0 && **speed > 0.0);
-    let time = moving
-        .map(|(size, speed)| size / speed)
-        .fold(f64::INFINITY, f64::min);
+    let time = time_of_change(&mut motion, longest, rates, &mut sizes)?;
     let step = time / STEPS;
     if !step.is_normal() {
         return None;
@@ -193,26 +174,59 @@ pub fn cycle(system: &AffineSystem, place: &Place, longest: f64) -> Option<(Plac
         run(&mut motion, now, &mut sizes).then_some(())?;
         let here = side(&motion.place().state);
         if before.1 < 0.0 && here >= 0.0 {
-            // the instant of the crossing by halving
-            let (mut low, mut high) = (before.0, now);
-            let mut at = motion.place().state.clone();
-            for _ in 0..40 {
-                let middle = 0.5 * (low + high);
-                let mut trial = start.clone();
-                run(&mut trial, middle, &mut sizes).then_some(())?;
-                at.clone_from(&trial.place().state);
-                if side(&at) < 0.0 {
-                    low = middle
-                } else {
-                    high = middle
-                }
-            }
+            let (time, at) = crossing(&start, [before.0, now], side, &mut sizes)?;
             if apart(&at, &begin.state, &sizes) <= BACK {
-                let time = high - begin.time;
-                return Some((begin, time));
+                let period = time - begin.time;
+                return Some((begin, period));
             }
         }
         before = (now, here);
     }
     None
+}
+
+/// Follows a motion for a time and returns the least one in which a state would move by its size, as fast as it gets.
+fn time_of_change(
+    motion: &mut Motion,
+    longest: f64,
+    rates: impl Fn(&Place) -> Vec<f64>,
+    sizes: &mut [f64],
+) -> Option<f64> {
+    const PARTS: u32 = 512;
+    let begin = motion.place().time;
+    let mut speeds = vec![0.0_f64; sizes.len()];
+    for part in 1..=PARTS {
+        let until = begin + longest * f64::from(part) / f64::from(PARTS);
+        run(motion, until, sizes).then_some(())?;
+        let now = rates(motion.place());
+        let pairs = now.iter().zip(&mut speeds);
+        pairs.for_each(|(rate, speed)| *speed = speed.max(rate.abs()));
+    }
+    let pairs = sizes.iter().zip(&speeds);
+    let moving = pairs.filter(|(size, speed)| **size > 0.0 && **speed > 0.0);
+    let times = moving.map(|(size, speed)| size / speed);
+    Some(times.fold(f64::INFINITY, f64::min))
+}
+
+/// The instant between two others at which a motion comes to the other side, by halving, and its state nearby.
+fn crossing(
+    start: &Motion,
+    [mut low, mut high]: [f64; 2],
+    side: impl Fn(&[f64]) -> f64,
+    sizes: &mut [f64],
+) -> Option<(f64, Vec<f64>)> {
+    const HALVINGS: usize = 40;
+    let mut at = Vec::new();
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (low + high);
+        let mut trial = start.clone();
+        run(&mut trial, middle, sizes).then_some(())?;
+        at.clone_from(&trial.place().state);
+        if side(&at) < 0.0 {
+            low = middle
+        } else {
+            high = middle
+        }
+    }
+    Some((high, at))
 }

@@ -32,6 +32,13 @@ pub struct Examination {
     pub multipliers: Vec<Multiplier>,
 }
 
+impl Examination {
+    /// Takes the sign of one more inequality into account.
+    fn judge(&mut self, one: Verdict) {
+        self.verdict = self.verdict.and(one);
+    }
+}
+
 impl Examined for Examination {
     type Margin = Margin;
 
@@ -319,33 +326,36 @@ impl OrbitAt<'_> {
         parts: &[Part],
         examination: &mut Examination,
     ) -> Result<(), OrbitFailure> {
-        let Examination {
-            margins,
-            verdict,
-            extremes,
-            ..
-        } = examination;
-        let mut judge = |one: Verdict| *verdict = verdict.and(one);
-        let first = margins.len();
-        for watch in self.edges(zone) {
-            let Some(margin) = self.edge(watch, zone, passage) else {
-                judge(Verdict::Negative);
-                continue;
-            };
-            let positive = margin.value > 0.0;
-            judge(if positive {
-                Verdict::Positive
-            } else {
-                Verdict::Negative
-            });
-            margins.push(margin);
+        let first = examination.margins.len();
+        self.examine_edges(zone, passage, examination);
+        let mut watched = self.watched(zone, passage);
+        self.examine_parts(zone, parts, &mut watched, examination);
+        let edges = &examination.margins[first..];
+        let inside = watched.into_iter();
+        let inside = inside.filter_map(|one| self.least(one, zone, parts, edges));
+        let inside: Vec<(usize, f64)> = inside.collect();
+        for (guard, time) in inside {
+            let time = self.stationary(guard, zone, parts, time);
+            examination.margins.push(self.inside(guard, zone, time)?);
         }
-        let negative = |watch: Watch| {
-            let margin = margins[first..].iter().find(|margin| margin.watch == watch);
-            margin
-                .map(|margin| margin.value)
-                .filter(|value| *value <= 0.0)
-        };
+        Ok(())
+    }
+
+    /// The inequalities at the ends of a zone.
+    fn examine_edges(&self, zone: usize, passage: &Passage, examination: &mut Examination) {
+        for watch in self.edges(zone) {
+            let margin = self.edge(watch, zone, passage);
+            let is_positive = margin.as_ref().is_some_and(|margin| margin.value > 0.0);
+            examination.judge(match is_positive {
+                true => Verdict::Positive,
+                false => Verdict::Negative,
+            });
+            examination.margins.extend(margin);
+        }
+    }
+
+    /// The guards that are looked at within a zone.
+    fn watched(&self, zone: usize, passage: &Passage) -> Vec<Watched<'_>> {
         let way = self.orbit.sequence.zone(zone).way;
         let facts = &self.posed.facts[zone];
         let flow = self.posed.flow(self.orbit.sequence.zone(zone).mode);
@@ -362,12 +372,26 @@ impl OrbitAt<'_> {
                 places: Vec::new(),
             })
         });
-        let mut watched: Vec<Watched> = watched.collect();
+        watched.collect()
+    }
+
+    /// Goes through the parts of a zone: signs and minima of its guards, and bounds of the states.
+    fn examine_parts(
+        &self,
+        zone: usize,
+        parts: &[Part],
+        watched: &mut [Watched],
+        examination: &mut Examination,
+    ) {
+        let way = self.orbit.sequence.zone(zone).way;
+        let facts = &self.posed.facts[zone];
+        let flow = self.posed.flow(self.orbit.sequence.zone(zone).mode);
         let mut expansion = Expansion::default();
         for part in parts {
             let Part { piece, begun, .. } = part;
-            flow.expand(piece, part.part, extremes.len(), &mut expansion);
-            for one in &mut watched {
+            let states = examination.extremes.len();
+            flow.expand(piece, part.part, states, &mut expansion);
+            for one in &mut *watched {
                 let (mut taylor, remainder) =
                     flow.guard_of(one.guard, (piece, part.part), &expansion);
                 let at_start = if part.is_first { one.order } else { 0 };
@@ -378,48 +402,56 @@ impl OrbitAt<'_> {
                     at_end.unwrap_or(0),
                     &mut one.falling,
                 );
-                judge(holds);
+                examination.judge(holds);
                 let time = |place: f64| begun + place * part.part * piece.length;
                 one.places.extend(minima.into_iter().map(time));
             }
-            expansion.widen(extremes);
+            expansion.widen(&mut examination.extremes);
         }
-        let mut inside = Vec::new();
-        for Watched {
+    }
+
+    /// The guard with the time of its least minimum within a zone whose margins at its ends are known.
+    ///
+    /// What follows from a margin at an end that is negative is no minimum of its own; one that is zero takes no more than
+    /// rounding away.
+    fn least(
+        &self,
+        watched: Watched,
+        zone: usize,
+        parts: &[Part],
+        edges: &[Margin],
+    ) -> Option<(usize, f64)> {
+        let Watched {
             guard,
             row,
             order,
             mut places,
             ..
-        } in watched
-        {
-            let value = |time: &f64| {
-                let z = after(flow, parts, *time);
-                z.map_or(f64::INFINITY, |z| row.at.dot(&z))
-            };
-            // what follows from a margin at an end that is negative is no minimum of its own; one that is zero takes
-            // no more than rounding away
-            let follows = |watch: Watch, time: Option<&f64>| {
-                let deep = |time: &f64| value(time) < -AT_ZERO * self.orbit.size(row);
-                negative(watch).is_some_and(|at_end| at_end < -AT_ZERO || !time.is_some_and(deep))
-            };
-            if order > 0 && follows(Watch::Onset(guard), places.first()) && !places.is_empty() {
-                places.remove(0);
-            }
-            let ends = way.is_some_and(|way| way.guard == guard);
-            if ends && follows(Watch::Speed, places.last()) {
-                places.pop();
-            }
-            let least = places
-                .into_iter()
-                .min_by(|one, other| value(one).total_cmp(&value(other)));
-            inside.extend(least.map(|time| (guard, time)));
+        } = watched;
+        let way = self.orbit.sequence.zone(zone).way;
+        let flow = self.posed.flow(self.orbit.sequence.zone(zone).mode);
+        let value = |time: &f64| {
+            let z = after(flow, parts, *time);
+            z.map_or(f64::INFINITY, |z| row.at.dot(&z))
+        };
+        let follows = |watch: Watch, time: Option<&f64>| {
+            let at_end = edges.iter().find(|margin| margin.watch == watch);
+            let at_end = at_end.map(|margin| margin.value);
+            let deep = |time: &f64| value(time) < -AT_ZERO * self.orbit.size(row);
+            at_end
+                .filter(|value| *value <= 0.0)
+                .is_some_and(|at_end| at_end < -AT_ZERO || !time.is_some_and(deep))
+        };
+        if order > 0 && follows(Watch::Onset(guard), places.first()) && !places.is_empty() {
+            places.remove(0);
         }
-        for (guard, time) in inside {
-            let time = self.stationary(guard, zone, parts, time);
-            margins.push(self.inside(guard, zone, time)?);
+        let ends = way.is_some_and(|way| way.guard == guard);
+        if ends && follows(Watch::Speed, places.last()) {
+            places.pop();
         }
-        Ok(())
+        let places = places.into_iter();
+        let least = places.min_by(|one, other| value(one).total_cmp(&value(other)))?;
+        Some((guard, least))
     }
 }
 

@@ -6,7 +6,7 @@
 use crate::affine::dual::{Dual, VARYING};
 use crate::affine::exponential::entries;
 use crate::affine::mode::{AffineMode, Exit, MatrixBy, Row};
-use crate::affine::series::Program;
+use crate::affine::program::Program;
 use crate::linalg::{Matrix, Vector};
 
 /// A form whose coefficients are smaller than this part of what they are made of is zero but for rounding.

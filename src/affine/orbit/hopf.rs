@@ -184,8 +184,6 @@ impl AffineOrbit {
         /// How near the point an orbit is found that tells what it is: its multipliers are off by that, squared, and by
         /// rounding divided by it.
         const BESIDE: f64 = 1e-5;
-        /// How large the orbit that stands for the point is.
-        const TINY: f64 = 1e-8;
         if !self.has_own_period() || self.sequence.switches() == 0 {
             return None;
         }
@@ -222,30 +220,42 @@ impl AffineOrbit {
             .then(|| node_at(self, from, s * (1.0 - BESIDE / size), step.steps.tolerance))
             .flatten();
         let node = nearer.unwrap_or_else(|| from.clone());
-        let at = self.at(&node.point).ok()?;
         let rest = rest(&node.point)?;
         let size = off(&node.point, &rest)?;
-        let period: f64 = at.zones.iter().map(|zone| zone.duration).sum();
-        let zones = at.zones.iter().map(|zone| {
-            let places = zone.state.iter().zip(&rest).zip(&hopf.state);
-            ZonePoint {
-                state: places
-                    .map(|((x, rest), here)| here + (x - rest) * TINY / size)
-                    .collect(),
-                duration: zone.duration / period * (TAU / hopf.frequency),
-                phase: 0.0,
-            }
-        });
-        let zones: Vec<ZonePoint> = zones.collect();
         Some(Shrinking::At {
             s,
             node: Box::new(Node {
-                point: self.pack(&zones, &self.setting.values_at(hopf.parameter)),
+                point: self.shrunk_to(&hopf, &node.point, &rest, size)?,
                 ..node
             }),
             special: Critical::Shrinking,
             stop: OrbitStop::Shrinks,
             uncertainty: hopf.error,
         })
+    }
+
+    /// The orbit that stands for a Hopf point: as one of this size about its equilibrium is, but tiny.
+    fn shrunk_to(
+        &self,
+        hopf: &HopfPoint,
+        point: &Vector,
+        rest: &[f64],
+        size: f64,
+    ) -> Option<Vector> {
+        /// How large it is.
+        const TINY: f64 = 1e-8;
+        let at = self.at(point).ok()?;
+        let period: f64 = at.zones.iter().map(|zone| zone.duration).sum();
+        let zones = at.zones.iter().map(|zone| {
+            let places = zone.state.iter().zip(rest).zip(&hopf.state);
+            let places = places.map(|((x, rest), here)| here + (x - rest) * TINY / size);
+            ZonePoint {
+                state: places.collect(),
+                duration: zone.duration / period * (TAU / hopf.frequency),
+                phase: 0.0,
+            }
+        });
+        let zones: Vec<ZonePoint> = zones.collect();
+        Some(self.pack(&zones, &self.setting.values_at(hopf.parameter)))
     }
 }

@@ -17,12 +17,14 @@ mod bifurcation;
 mod branch_point;
 pub mod candidates;
 mod conserved;
+mod critical;
 mod discontinuity;
 mod ends;
 pub mod examine;
 mod family;
 mod forms;
 mod generic;
+mod held;
 mod homoclinic;
 mod hopf;
 mod integral;
@@ -48,11 +50,9 @@ pub mod switch;
 pub mod symmetry;
 mod turning;
 
-use std::fmt;
 use std::sync::Arc;
 
 use nalgebra::Complex;
-use serde::{Deserialize, Serialize};
 
 use crate::affine::system::DEFAULT_FLOW_TOLERANCE;
 use crate::continuation::Node;
@@ -64,221 +64,15 @@ use crate::orbit::monitor::Measured;
 use crate::orbit::{Candidate, EventType, Examined, Limit, Orbit, Shrinking};
 
 pub use bifurcation::SlidingBifurcation;
+pub use critical::Critical;
 pub use examine::Examination;
+pub use held::{Held, Inadmissible};
 pub use layout::{AffineOrbit, ZonePoint};
 pub use margin::{Margin, Watch};
 pub use multipliers::Multiplier;
 pub use setting::{OrbitFailure, Scales, Setting};
 pub use signature::{Sequence, Way, Zone};
 pub use stop::OrbitStop;
-
-/// What a margin measures, and where.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Held {
-    /// Name of the mode.
-    pub mode: String,
-    /// The guard that it is about, or that ends the mode, as the file has it.
-    pub guard: String,
-    /// What it measures.
-    pub watch: Watch,
-}
-
-impl Held {
-    /// That it fails in a zone, from 0, so long after its entry, in words.
-    fn failure(&self, zone: usize, time: f64, value: f64) -> String {
-        let Held { mode, guard, watch } = self;
-        let zone = format!("zone {} of the orbit, `{mode}`", zone + 1);
-        let sign = if value < 0.0 { "negative" } else { "zero" };
-        match watch {
-            Watch::Duration => format!("{zone}, has a {sign} duration"),
-            Watch::Onset(_) => {
-                format!("{guard} of `{mode}` is {sign} just after the entry of {zone}")
-            }
-            Watch::Inside(_) => {
-                format!("{guard} of `{mode}` is {sign} at t = {time:.6} after the entry of {zone}")
-            }
-            Watch::End(_) => format!("{guard} of `{mode}` is {sign} at the end of {zone}"),
-            Watch::Speed => format!("{guard} of `{mode}` does not fall at the end of {zone}"),
-            Watch::Condition(_) | Watch::Before(_) => {
-                format!(
-                    "a condition of the switch at {guard} of `{mode}` fails at the end of {zone}"
-                )
-            }
-        }
-    }
-}
-
-impl fmt::Display for Held {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Held { mode, guard, watch } = self;
-        match watch {
-            Watch::Duration => write!(formatter, "the duration of a zone of `{mode}`"),
-            Watch::Onset(_) => write!(formatter, "{guard} just after the entry of `{mode}`"),
-            Watch::Inside(_) => write!(formatter, "the least value of {guard} within `{mode}`"),
-            Watch::End(_) => write!(formatter, "{guard} at the end of `{mode}`"),
-            Watch::Speed => write!(
-                formatter,
-                "the speed at which {guard} of `{mode}` falls to zero"
-            ),
-            Watch::Condition(_) | Watch::Before(_) => {
-                write!(formatter, "a condition where {guard} of `{mode}` is zero")
-            }
-        }
-    }
-}
-
-/// Why a point is not admissible.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, thiserror::Error)]
-pub enum Inadmissible {
-    /// A margin is not positive.
-    #[error("{}", .held.failure(*zone, *time, *value))]
-    Margin {
-        /// What it measures.
-        held: Held,
-        /// Its value.
-        value: f64,
-        /// Zone of the orbit, from 0.
-        #[serde(default)]
-        zone: usize,
-        /// Time after the entry of the zone, of a minimum within it.
-        #[serde(default)]
-        time: f64,
-    },
-    /// An inequality holds or fails by no more than rounding.
-    #[error("rounding decides whether an inequality holds")]
-    Undecided,
-}
-
-/// A change of stability.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Critical {
-    /// A multiplier passes −1.
-    PeriodDoubling,
-    /// A multiplier passes 1 other than by a fold.
-    Branching,
-    /// The orbit has no size: an equilibrium with a pair of imaginary eigenvalues.
-    Shrinking,
-    /// The orbit has no size: a point on the boundaries of its modes.
-    Vanishing,
-    /// So many multipliers pass −1 together.
-    Doublings {
-        /// Two or more.
-        count: usize,
-    },
-    /// So many pass 1 together.
-    Branchings {
-        /// Two or more.
-        count: usize,
-    },
-    /// So many pass the unit circle together, not all of them at −1 or all at 1, nor as one pair.
-    Several {
-        /// Two or more.
-        count: usize,
-    },
-    /// The number of those outside the unit circle changes, and where is not known.
-    Unlocated {
-        /// Number before and beyond.
-        outside: [usize; 2],
-        /// Between these values of the parameter.
-        between: [f64; 2],
-    },
-    /// The orbit comes to one that leaves a saddle and returns to it, or to a cycle of connections between saddles.
-    Homoclinic {
-        /// Name of the mode of the saddle.
-        mode: String,
-        /// Name of the mode of the next saddle, where it leads to another one.
-        next: Option<String>,
-    },
-    /// The orbit comes to one that leaves a saddle-node and returns to it: beyond it equilibria take its place.
-    SaddleNode {
-        /// Name of the mode of the saddle-node.
-        mode: String,
-    },
-    /// The orbit comes to one that rests on the boundary of a mode: beyond it an equilibrium takes its place.
-    RestOnBoundary {
-        /// Name of the mode.
-        mode: String,
-    },
-    /// A pair passes the unit circle at this angle.
-    Torus {
-        /// In radians, between 0 and π.
-        angle: f64,
-    },
-}
-
-impl fmt::Display for Critical {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Critical::PeriodDoubling => write!(formatter, "a multiplier passes -1"),
-            Critical::Branching => write!(formatter, "a multiplier passes 1"),
-            Critical::Doublings { count } => {
-                write!(formatter, "{} multipliers pass -1", in_words(*count))
-            }
-            Critical::Branchings { count } => {
-                write!(formatter, "{} multipliers pass 1", in_words(*count))
-            }
-            Critical::Several { count } => write!(
-                formatter,
-                "{} multipliers pass the unit circle together",
-                in_words(*count)
-            ),
-            Critical::Homoclinic { mode, next: None } => write!(
-                formatter,
-                "the period grows without bound: the orbit comes to one that leaves the saddle of `{mode}` and returns to it, \
-                 a homoclinic orbit"
-            ),
-            Critical::Homoclinic {
-                mode,
-                next: Some(next),
-            } => write!(
-                formatter,
-                "the period grows without bound: the orbit comes to a cycle of connections between saddles, from that of \
-                 `{mode}` to that of `{next}` first, a heteroclinic cycle"
-            ),
-            Critical::SaddleNode { mode } => write!(
-                formatter,
-                "the period grows without bound: the orbit comes to one that leaves the saddle-node of `{mode}` and returns to it, \
-                 beyond which equilibria take its place"
-            ),
-            Critical::RestOnBoundary { mode } => write!(
-                formatter,
-                "the period grows without bound: the orbit comes to one that rests on the boundary of `{mode}`, in an \
-                 equilibrium beyond which it does not switch any more"
-            ),
-            Critical::Unlocated {
-                outside: [before, after],
-                between: [from, to],
-            } => write!(
-                formatter,
-                "the number of multipliers outside the unit circle changes from {before} to {after} between {from} and {to}: \
-                 where is not known"
-            ),
-            Critical::Shrinking => {
-                write!(
-                    formatter,
-                    "the orbit shrinks to an equilibrium: its Hopf point"
-                )
-            }
-            Critical::Vanishing => write!(
-                formatter,
-                "the orbit shrinks in proportion to the parameter, while its period does not, to a point where its modes \
-                 meet: a boundary equilibrium bifurcation"
-            ),
-            Critical::Torus { angle } => {
-                write!(
-                    formatter,
-                    "a pair of multipliers passes the unit circle at {angle} rad"
-                )
-            }
-        }
-    }
-}
-
-fn in_words(count: usize) -> String {
-    const WORDS: [&str; 6] = ["one", "two", "three", "four", "five", "six"];
-    let word = count.checked_sub(1).and_then(|index| WORDS.get(index));
-    word.map_or_else(|| count.to_string(), |word| (*word).to_owned())
-}
 
 /// A zone shorter than this, in units of the period, is about to close.
 const CLOSING: f64 = 1e-6;

@@ -120,27 +120,9 @@ fn rate_at_end(passage: &Passage, matrix: &Matrix) -> Vector {
 impl OrbitAt<'_> {
     fn link(&self, zone: usize, passage: &Passage) -> Link {
         let n = self.orbit.states();
-        let rates = |after: &Vector| {
-            let before = product(&self.mode(zone).matrix.at, &passage.entry);
-            [
-                before.rows(0, n).into_owned(),
-                after.rows(0, n).into_owned(),
-            ]
-        };
         let exit = exit_of(&self.posed.system, &self.orbit.sequence, zone);
         let (Some(exit), Some(way)) = (exit, self.orbit.sequence.zone(zone).way) else {
-            let surface = self.onto_surface(zone + 1);
-            return Link {
-                flow: passage.forward(),
-                rates: rates(&passage.rate),
-                closes: self.closes(zone, &passage.end),
-                jump: surface.map(|matrix| Jump {
-                    matrix,
-                    lost: 1,
-                    after: passage.rate.rows(0, n).into_owned(),
-                }),
-                fall: 1.0,
-            };
+            return self.link_without_switch(zone, passage);
         };
         let row = &self.mode(zone).guards[way.guard].row;
         let rate = &match self.mode(zone).field.is_exact {
@@ -166,15 +148,14 @@ impl OrbitAt<'_> {
             ..
         } = saltation;
         let speed = -fall * self.orbit.setting.scales.time / self.orbit.size(row);
-        let surface = self.onto_surface(zone + 1);
-        let (jump, lost, fall) = match surface {
+        let (jump, lost, fall) = match self.onto_surface(zone + 1) {
             // however slowly the motion comes to where sliding begins
             Some(surface) if self.comes_straight(zone) => (surface, 1, 1.0),
             // nothing jumps: what a graze would magnify is zero
             None if shift.amax() == 0.0 => (reset.clone(), n - rank(reset, bounds), speed),
-            _ => {
-                let jump =
-                    Matrix::from_fn(n, n, |i, j| reset[(i, j)] + shift[i] * normal[j] / fall);
+            surface => {
+                let entry = |i: usize, j: usize| reset[(i, j)] + shift[i] * normal[j] / fall;
+                let jump = Matrix::from_fn(n, n, entry);
                 let (jump, bounds) = match surface {
                     Some(surface) => (
                         &surface * &jump,
@@ -187,7 +168,7 @@ impl OrbitAt<'_> {
         };
         Link {
             flow: passage.forward(),
-            rates: rates(rate),
+            rates: self.rates_of(zone, passage, rate),
             closes: self.closes(zone, &entry),
             jump: Some(Jump {
                 matrix: jump,
@@ -196,6 +177,28 @@ impl OrbitAt<'_> {
             }),
             fall,
         }
+    }
+
+    /// What leads from a zone that no switch ends to itself a period later.
+    fn link_without_switch(&self, zone: usize, passage: &Passage) -> Link {
+        Link {
+            flow: passage.forward(),
+            rates: self.rates_of(zone, passage, &passage.rate),
+            closes: self.closes(zone, &passage.end),
+            jump: self.onto_surface(zone + 1).map(|matrix| Jump {
+                matrix,
+                lost: 1,
+                after: passage.rate.rows(0, self.orbit.states()).into_owned(),
+            }),
+            fall: 1.0,
+        }
+    }
+
+    /// Rates of the states at the entry of a zone and, as they are given, at its end.
+    fn rates_of(&self, zone: usize, passage: &Passage, after: &Vector) -> [Vector; 2] {
+        let before = product(&self.mode(zone).matrix.at, &passage.entry);
+        let states = |rates: &Vector| rates.rows(0, self.orbit.states()).into_owned();
+        [states(&before), states(after)]
     }
 
     /// How far the entry of the next zone is from what a zone leads to, in units of the states.

@@ -4,9 +4,10 @@ use std::f64::consts::TAU;
 
 use super::layout::{AffineOrbit, OrbitAt};
 use super::passage::Jet;
+use super::passage::Passage;
 use super::setting::{OrbitFailure, Scales};
-
 use super::signature::exit_of;
+use crate::affine::closure::Prescribed;
 use crate::affine::mode::Row;
 use crate::continuation::newton::{self, System};
 use crate::linalg::{self, Matrix, Vector};
@@ -38,6 +39,96 @@ impl Equations<'_> {
             let mut add = |column: usize, by: f64| closing[(row, column)] += by;
             self.at.spread(zone, jet, factor, &mut add);
         }
+    }
+
+    /// The states at the entry of the next zone against those to which a zone leads: what is zero there by the structure takes the
+    /// place of what the reset would give.
+    fn add_entry(&mut self, zone: usize, passage: &Passage) {
+        let at = self.at;
+        let orbit = at.orbit;
+        let Scales { states, time, .. } = &orbit.setting.scales;
+        let next = (zone + 1) % orbit.zones();
+        let facts = &at.posed.facts[next];
+        let entry = at.entry(next);
+        let exit = exit_of(&at.posed.system, &orbit.sequence, zone);
+        for (state, unit) in states.iter().enumerate() {
+            let row = orbit.width() * zone + state;
+            let pivot = facts.zero.pivots.iter().position(|pivot| *pivot == state);
+            if let Some(generic) = &facts.generic {
+                let own = generic.surface.filter(|own| *own == state);
+                if let Some(surface) = own.and(at.mode(next).surface.as_ref()) {
+                    let factor = orbit.size(surface).recip();
+                    self.add(row, next, &at.at_entry(next, surface, 0), factor);
+                    continue;
+                }
+                // the derivatives of the guard that are divided out are zero at the entry
+                let order = generic.pivots.iter().position(|pivot| *pivot == state);
+                let way = orbit.sequence.zone(next).way;
+                if let Some((order, way)) = order.zip(way) {
+                    let guard = &at.mode(next).guards[way.guard].row;
+                    let factor = time.powi(order as i32) / orbit.size(guard);
+                    self.add_next(row, next, &at.at_entry(next, guard, order), factor);
+                    continue;
+                }
+            } else if let Some(form) = pivot.and_then(|index| facts.zero.row(index)) {
+                self.add_next(row, next, &at.at_entry(next, &form, 0), unit.recip());
+                continue;
+            }
+            let own = || Row::unit(entry.len(), state);
+            let arrives = exit.map_or_else(own, |exit| exit.reset.row(state));
+            self.add(row, zone, &passage.at_end(&arrives), unit.recip());
+            let begins = Jet::of_component(state, &entry);
+            self.add_next(row, next, &begins, -unit.recip());
+        }
+    }
+
+    /// The sum of the durations against the periods of the forcing; `index` is that of the phase.
+    fn add_forced_period(&mut self, index: usize) {
+        let orbit = self.at.orbit;
+        let Scales {
+            time, parameter, ..
+        } = &orbit.setting.scales;
+        let (width, n) = (orbit.width(), orbit.states());
+        let row = width * orbit.zones();
+        // the phase is the same after the period, and perturbed as everything is
+        if let Some(closing) = &mut self.closing {
+            closing[(row, index)] = -TAU.recip();
+        }
+        let omega = self.at.posed.system.omega;
+        let turns = f64::from(orbit.setting.periods);
+        let total: f64 = self.at.zones.iter().map(|zone| zone.duration).sum();
+        self.residual[row] = total * omega.value / TAU - turns;
+        for zone in 0..orbit.zones() {
+            self.jacobian[(row, width * zone + n)] = time * omega.value / TAU;
+        }
+        self.jacobian[(row, orbit.count() - 1)] = total * omega.by[0] / TAU * parameter;
+    }
+
+    /// The sum of the durations against a prescribed period; `index` is that of the free parameter.
+    fn add_prescribed_period(
+        &mut self,
+        index: usize,
+        prescribed: &Prescribed,
+    ) -> Result<(), OrbitFailure> {
+        let orbit = self.at.orbit;
+        let Scales {
+            time,
+            parameter,
+            free,
+            ..
+        } = &orbit.setting.scales;
+        let (width, n) = (orbit.width(), orbit.states());
+        let row = width * orbit.zones();
+        let period = prescribed.period(&self.at.values, &orbit.setting.varying());
+        let period = period.map_err(OrbitFailure::System)?;
+        let total: f64 = self.at.zones.iter().map(|zone| zone.duration).sum();
+        self.residual[row] = (total - period.value) / time;
+        for zone in 0..orbit.zones() {
+            self.jacobian[(row, width * zone + n)] = 1.0;
+        }
+        self.jacobian[(row, index)] = -period.by[1] * free.unwrap_or(1.0) / time;
+        self.jacobian[(row, orbit.count() - 1)] = -period.by[0] * parameter / time;
+        Ok(())
     }
 }
 
@@ -115,41 +206,8 @@ impl AffineOrbit {
         };
         for zone in 0..count {
             let passage = at.passage(zone, at.zones[zone].duration)?;
-            let next = (zone + 1) % count;
-            let facts = &at.posed.facts[next];
-            let entry = at.entry(next);
-            let first = width * zone;
-            let exit = exit_of(&at.posed.system, &self.sequence, zone);
-            for (state, unit) in states.iter().enumerate() {
-                let row = first + state;
-                let pivot = facts.zero.pivots.iter().position(|pivot| *pivot == state);
-                if let Some(generic) = &facts.generic {
-                    let own = generic.surface.filter(|own| *own == state);
-                    if let Some(surface) = own.and(at.mode(next).surface.as_ref()) {
-                        let factor = self.size(surface).recip();
-                        equations.add(row, next, &at.at_entry(next, surface, 0), factor);
-                        continue;
-                    }
-                    // the derivatives of the guard that are divided out are zero at the entry
-                    let order = generic.pivots.iter().position(|pivot| *pivot == state);
-                    let way = self.sequence.zone(next).way;
-                    if let Some((order, way)) = order.zip(way) {
-                        let guard = &at.mode(next).guards[way.guard].row;
-                        let factor = time.powi(order as i32) / self.size(guard);
-                        equations.add_next(row, next, &at.at_entry(next, guard, order), factor);
-                        continue;
-                    }
-                } else if let Some(form) = pivot.and_then(|index| facts.zero.row(index)) {
-                    equations.add_next(row, next, &at.at_entry(next, &form, 0), unit.recip());
-                    continue;
-                }
-                let own = || Row::unit(entry.len(), state);
-                let arrives = exit.map_or_else(own, |exit| exit.reset.row(state));
-                equations.add(row, zone, &passage.at_end(&arrives), unit.recip());
-                let begins = Jet::of_component(state, &entry);
-                equations.add_next(row, next, &begins, -unit.recip());
-            }
-            let row = first + n;
+            equations.add_entry(zone, &passage);
+            let row = width * zone + n;
             let mode = &at.posed.system.modes[self.sequence.zone(zone).mode];
             if let Some(way) = self.sequence.zone(zone).way {
                 let guard = &mode.guards[way.guard].row;
@@ -167,35 +225,10 @@ impl AffineOrbit {
             }
         }
         if let Some(index) = self.phase_index() {
-            let row = width * count;
-            // the phase is the same after the period, and perturbed as everything is
-            if let Some(closing) = equations.closing {
-                closing[(row, index)] = -TAU.recip();
-            }
-            let omega = at.posed.system.omega;
-            let turns = f64::from(self.setting.periods);
-            let total: f64 = at.zones.iter().map(|zone| zone.duration).sum();
-            residual[row] = total * omega.value / TAU - turns;
-            for zone in 0..count {
-                jacobian[(row, width * zone + n)] = time * omega.value / TAU;
-            }
-            jacobian[(row, self.count() - 1)] =
-                total * omega.by[0] / TAU * self.setting.scales.parameter;
+            equations.add_forced_period(index);
         }
         if let (Some(index), Some(prescribed)) = (self.free_index(), &self.setting.prescribed) {
-            let row = width * count;
-            let period = prescribed.period(&at.values, &self.setting.varying());
-            let period = period.map_err(OrbitFailure::System)?;
-            let total: f64 = at.zones.iter().map(|zone| zone.duration).sum();
-            residual[row] = (total - period.value) / time;
-            for zone in 0..count {
-                jacobian[(row, width * zone + n)] = 1.0;
-            }
-            let Scales {
-                parameter, free, ..
-            } = &self.setting.scales;
-            jacobian[(row, index)] = -period.by[1] * free.unwrap_or(1.0) / time;
-            jacobian[(row, self.count() - 1)] = -period.by[0] * parameter / time;
+            equations.add_prescribed_period(index, prescribed)?;
         }
         Ok(())
     }

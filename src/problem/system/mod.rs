@@ -1,6 +1,7 @@
 //! Problems with a system of one's own: the sections `system` and `orbit` stand in the place of `model` and
 //! `wave`.
 
+mod beginning;
 mod check;
 mod equilibrium;
 mod mistake;

@@ -1,12 +1,14 @@
 //! The motion of a hybrid system from a state: the first zero of every guard, found by bounds and not by samples,
 //! and what begins there.
 
-use std::fmt;
+mod halt;
+
+pub use halt::Halt;
+
 use std::sync::Arc;
 
-use super::contact::mistake::ContactMistake;
-use super::flow::{ModeFlow, Onset};
-use super::mode::{AffineSystem, Row};
+use super::flow::{ModeFlow, Onset, Piece};
+use super::mode::{AffineSystem, Exit, Row};
 use super::slots::Slots;
 use crate::linalg::Vector;
 
@@ -54,204 +56,6 @@ pub enum Step {
     /// The section that is watched, before it.
     Section,
 }
-
-/// Why a motion does not go on.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Halt {
-    /// A guard is zero and no exit has its conditions fulfilled.
-    NoExit {
-        /// Its time.
-        time: f64,
-        /// The mode.
-        mode: usize,
-        /// The guard.
-        guard: usize,
-    },
-    /// A guard is zero all along, so that nothing tells whether the mode lasts.
-    Undecided {
-        /// Its time.
-        time: f64,
-        /// The mode.
-        mode: usize,
-        /// The guard.
-        guard: usize,
-    },
-    /// Infinitely many switches end in finite time.
-    Chattering {
-        /// Where they end.
-        time: f64,
-        /// Ratio of the lengths of successive zones.
-        ratio: f64,
-    },
-    /// Modes hand over to one another without a rest.
-    Livelock {
-        /// Its time.
-        time: f64,
-        /// A mode among them.
-        mode: usize,
-        /// The guard that ends it.
-        guard: usize,
-    },
-    /// Two modes follow one another ever faster while a guard and its rate, which is the same in both, tend to zero:
-    /// sliding of second order.
-    SecondOrder {
-        /// Its time.
-        time: f64,
-        /// The mode.
-        mode: usize,
-        /// The guard that leads to the other.
-        guard: usize,
-        /// Duration of the last zone.
-        duration: f64,
-    },
-    /// Sliding comes to a second surface, at which the motion beyond points back: it would slide in both.
-    TwoSurfaces {
-        /// Its time.
-        time: f64,
-        /// The sliding mode.
-        mode: usize,
-        /// The guard that is zero.
-        guard: usize,
-    },
-    /// Sliding comes to a guard at which its two modes lead to different places.
-    Parted {
-        /// Its time.
-        time: f64,
-        /// The sliding mode.
-        mode: usize,
-        /// The guard that is zero.
-        guard: usize,
-    },
-    /// A guard is negative where the motion begins, and no mode is found that the state lies in.
-    Outside {
-        /// The mode.
-        mode: usize,
-        /// The guard.
-        guard: usize,
-        /// Its value.
-        value: f64,
-    },
-    /// A reset leads out through the guard of its own switch again.
-    Outward {
-        /// Its time.
-        time: f64,
-        /// The mode.
-        mode: usize,
-        /// The guard.
-        guard: usize,
-    },
-    /// A guard is zero at every state.
-    Void {
-        /// The mode.
-        mode: usize,
-        /// The guard.
-        guard: usize,
-    },
-    /// The flow is so fast that the time asked for would take too many pieces of it.
-    Fast {
-        /// Its time.
-        time: f64,
-        /// Length of a piece.
-        piece: f64,
-    },
-    /// The forces of contacts make no motion.
-    Obstructed {
-        /// Its time.
-        time: f64,
-        /// The mode.
-        mode: usize,
-        /// Why not.
-        mistake: ContactMistake,
-    },
-    /// The state grows beyond all numbers, or comes to where an expression has no value.
-    Unbounded {
-        /// Time of the last state that was finite.
-        time: f64,
-    },
-}
-
-impl Halt {
-    /// The mode and the guard that it is about.
-    pub fn place(&self) -> Option<(usize, usize)> {
-        match *self {
-            Halt::NoExit { mode, guard, .. }
-            | Halt::Undecided { mode, guard, .. }
-            | Halt::SecondOrder { mode, guard, .. }
-            | Halt::TwoSurfaces { mode, guard, .. }
-            | Halt::Parted { mode, guard, .. }
-            | Halt::Livelock { mode, guard, .. }
-            | Halt::Outside { mode, guard, .. }
-            | Halt::Outward { mode, guard, .. }
-            | Halt::Void { mode, guard } => Some((mode, guard)),
-            Halt::Obstructed { .. }
-            | Halt::Chattering { .. }
-            | Halt::Fast { .. }
-            | Halt::Unbounded { .. } => None,
-        }
-    }
-
-    /// In words, with the names of what it is about.
-    pub fn named(&self, mode: &str, guard: &str) -> String {
-        match self {
-            Halt::NoExit { time, .. } => {
-                format!(
-                    "at t = {time:?} {guard} of {mode} is zero, and no `if` of its switches holds"
-                )
-            }
-            Halt::Undecided { time, .. } => format!(
-                "at t = {time:?} {guard} of {mode} is zero and stays so: nothing tells whether the mode lasts"
-            ),
-            Halt::Chattering { time, ratio } => format!(
-                "switches accumulate at t = {time:?}: chattering, each zone {ratio:.4} times as long as the one before"
-            ),
-            Halt::Livelock { time, .. } => format!(
-                "at t = {time:?} modes follow one another without any time passing: {guard} of {mode} is negative, or \
-                 falls from zero, as it begins, and so on: the state lies in none of them, or slides between two that \
-                 no mode of `sliding` names"
-            ),
-            Halt::SecondOrder { time, duration, .. } => format!(
-                "by t = {time:?} {mode} and the mode beyond its {guard} follow one another ever faster, the last for \
-                 {duration:.1e}: {guard} and its rate, which is the same in both modes, tend to zero together. This is \
-                 sliding of second order, which no mode of `sliding` has"
-            ),
-            Halt::TwoSurfaces { time, .. } => format!(
-                "at t = {time:?} {guard} of {mode} is zero, and what lies beyond points back at it: the motion slides \
-                 in two surfaces at once, which no mode of `sliding` has"
-            ),
-            Halt::Parted { time, .. } => format!(
-                "at t = {time:?} {guard} of {mode} is zero, where the two modes between which it slides lead to \
-                 different places: nothing tells to which of them sliding leads"
-            ),
-            Halt::Outside { value, .. } => format!(
-                "the motion begins outside {mode}: {guard} is {value:.6} there, and positive in the mode; switches lead \
-                 to no mode that the state lies in"
-            ),
-            Halt::Outward { time, .. } => format!(
-                "at t = {time:?} the reset of {mode} leads out through {guard} again: it is zero, and still falls"
-            ),
-            Halt::Void { .. } => {
-                format!("{guard} of {mode} is zero at every state: it can end no mode")
-            }
-            Halt::Fast { time, piece } => format!(
-                "at t = {time:?} the motion changes within {piece:.1e}: so fast that the time asked for would take \
-                 millions of steps"
-            ),
-            Halt::Obstructed { time, mistake, .. } => format!("at t = {time:?} {mistake}"),
-            Halt::Unbounded { time } => format!(
-                "by t = {time:?} the motion grows without bound, or comes to where its rates have no value"
-            ),
-        }
-    }
-}
-
-impl fmt::Display for Halt {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (mode, guard) = self.place().unwrap_or_default();
-        formatter.write_str(&self.named(&format!("mode {mode}"), &format!("guard {guard}")))
-    }
-}
-
-impl std::error::Error for Halt {}
 
 /// Pieces after which a motion asks how many are left.
 const PATIENCE: u32 = 100_000;
@@ -437,48 +241,12 @@ impl<'a> Motion<'a> {
             return Err(Halt::Unbounded { time: start });
         }
         self.unit = piece.length;
-        let guards = 0..self.system.modes[mode].guards.len();
-        let mut orders = vec![0; guards.len()];
-        if self.fresh {
-            for guard in guards.clone() {
-                let tangent = self.tangent.filter(|(known, _)| *known == guard);
-                let zeros = tangent.map_or(0, |(_, zeros)| zeros);
-                match flow.onset_from(guard, &piece, zeros) {
-                    Onset::Positive(order) => orders[guard] = order,
-                    Onset::Negative => return self.switch(guard, 0.0, &piece.z).map(Some),
-                    Onset::Zero if self.is_void(mode, guard) => {
-                        return Err(Halt::Void { mode, guard });
-                    }
-                    Onset::Zero => {
-                        return Err(Halt::Undecided {
-                            time: start,
-                            mode,
-                            guard,
-                        });
-                    }
-                }
-            }
+        let count = self.system.modes[mode].guards.len();
+        let mut orders = vec![0; count];
+        if let Some(guard) = self.begin_zone(flow, &piece, &mut orders)? {
+            return self.switch(guard, 0.0, &piece.z).map(Some);
         }
-        // below the section its negative is positive, above it the section itself
-        let count = guards.len();
-        let mut watched = None;
-        if let Some(section) = &mut self.section {
-            let mut order = 0;
-            if self.fresh || section.there {
-                section.below = match flow.onset(count, &piece) {
-                    Onset::Positive(_) => Some(true),
-                    Onset::Negative => Some(false),
-                    Onset::Zero => None,
-                };
-                let side = section.below.map(|below| count + usize::from(!below));
-                if let Some(Onset::Positive(zero)) = side.map(|side| flow.onset(side, &piece)) {
-                    order = zero;
-                }
-                section.there = false;
-            }
-            watched = section.below.map(|below| count + usize::from(!below));
-            orders.resize(count + 2, order);
-        }
+        let watched = self.watch_section(flow, &piece, &mut orders);
         let (mut time, mut begun) = (start, 0.0);
         let is_integrated = !self.system.modes[mode].field.is_exact;
         let (mut pieces, hopeless) = (0, HOPELESS[usize::from(is_integrated)]);
@@ -496,33 +264,17 @@ impl<'a> Motion<'a> {
                 return Err(Halt::Fast { time, piece });
             }
             let part = (rest / piece.length).min(1.0);
-            let mut first: Option<(f64, usize)> = None;
-            for guard in watched.into_iter().chain(guards.clone()) {
-                let crossing = flow.crossing(guard, &piece, orders[guard], part);
-                // at one instant the file's order decides
-                if let Some(after) = crossing
-                    && first.is_none_or(|(known, _)| after < known)
-                {
-                    first = Some((after, guard));
-                }
-                orders[guard] = 0;
-            }
-            if let Some((after, guard)) = first {
-                let z = flow.within(&piece, after);
-                let now = start + begun + after;
-                let Some(section) = self.section.as_mut().filter(|section| {
-                    // a switch in the section itself: which of the two comes first is rounding
-                    let size: f64 = section.row.iter().zip(&z).map(|(c, z)| (c * z).abs()).sum();
-                    let zero = section.row.dot(&z).abs() <= ROUNDING * size;
-                    guard >= count || section.below == Some(true) && zero
-                }) else {
-                    return self.switch(guard, begun + after, &z).map(Some);
+            let guards = watched.into_iter().chain(0..count);
+            if let Some((after, guard)) = first_crossing(flow, &piece, guards, &mut orders, part) {
+                let (z, elapsed) = (flow.within(&piece, after), begun + after);
+                return match self.rises_at(guard, &z) {
+                    None => self.switch(guard, elapsed, &z).map(Some),
+                    Some(risen) => {
+                        let phase = phase + self.system.omega.value * elapsed;
+                        self.come(start + begun + after, phase, &z);
+                        Ok(risen.then_some(Step::Section))
+                    }
                 };
-                let risen = section.below == Some(true);
-                section.there = true;
-                self.fresh = false;
-                self.come(now, phase + self.system.omega.value * (begun + after), &z);
-                return Ok(risen.then_some(Step::Section));
             }
             if part < 1.0 {
                 piece.z = flow.within(&piece, rest);
@@ -536,11 +288,78 @@ impl<'a> Motion<'a> {
         if !piece.z.iter().all(|x| x.is_finite()) {
             return Err(Halt::Unbounded { time: start });
         }
-        let z = piece.z;
-        self.fresh = false;
         let phase = phase + self.system.omega.value * (until - start);
-        self.come(until, phase, &z);
+        self.come(until, phase, &piece.z);
         Ok(Some(Step::Reached))
+    }
+
+    /// The guard that is negative at once where the zone begins; `orders` are those of the zeros of the others.
+    fn begin_zone(
+        &self,
+        flow: &ModeFlow,
+        piece: &Piece,
+        orders: &mut [usize],
+    ) -> Result<Option<usize>, Halt> {
+        if !self.fresh {
+            return Ok(None);
+        }
+        let Place { time, mode, .. } = self.place;
+        for (guard, known) in orders.iter_mut().enumerate() {
+            let tangent = self.tangent.filter(|(known, _)| *known == guard);
+            let zeros = tangent.map_or(0, |(_, zeros)| zeros);
+            match flow.onset_from(guard, piece, zeros) {
+                Onset::Positive(order) => *known = order,
+                Onset::Negative => return Ok(Some(guard)),
+                Onset::Zero if self.is_void(mode, guard) => {
+                    return Err(Halt::Void { mode, guard });
+                }
+                Onset::Zero => return Err(Halt::Undecided { time, mode, guard }),
+            }
+        }
+        Ok(None)
+    }
+
+    /// The form that is positive on the side of the section where the motion is, behind the guards: below the section its
+    /// negative, above it the section itself. `orders` get those of both.
+    fn watch_section(
+        &mut self,
+        flow: &ModeFlow,
+        piece: &Piece,
+        orders: &mut Vec<usize>,
+    ) -> Option<usize> {
+        let count = orders.len();
+        let section = self.section.as_mut()?;
+        let mut order = 0;
+        if self.fresh || section.there {
+            section.below = match flow.onset(count, piece) {
+                Onset::Positive(_) => Some(true),
+                Onset::Negative => Some(false),
+                Onset::Zero => None,
+            };
+            let side = section.below.map(|below| count + usize::from(!below));
+            if let Some(Onset::Positive(zero)) = side.map(|side| flow.onset(side, piece)) {
+                order = zero;
+            }
+            section.there = false;
+        }
+        orders.resize(count + 2, order);
+        section.below.map(|below| count + usize::from(!below))
+    }
+
+    /// Whether the motion rises through its section where a guard, or the form of the section behind them, is zero; none where
+    /// it switches there.
+    fn rises_at(&mut self, guard: usize, z: &Vector) -> Option<bool> {
+        let count = self.system.modes[self.place.mode].guards.len();
+        let section = self.section.as_mut()?;
+        // a switch in the section itself: which of the two comes first is rounding
+        let size: f64 = section.row.iter().zip(z).map(|(c, z)| (c * z).abs()).sum();
+        let zero = section.row.dot(z).abs() <= ROUNDING * size;
+        let risen = section.below == Some(true);
+        if guard < count && !(risen && zero) {
+            return None;
+        }
+        section.there = true;
+        Some(risen)
     }
 
     /// Whether a guard is zero whatever the state.
@@ -556,6 +375,7 @@ impl<'a> Motion<'a> {
         self.place.state.extend(state.iter());
         self.place.phase = phase;
         self.place.time = time;
+        self.fresh = false;
     }
 
     /// Goes over to the mode that a guard leads to, so long after the last place.
@@ -585,7 +405,43 @@ impl<'a> Motion<'a> {
                 Halt::NoExit { time, mode, guard }
             }
         })?;
-        let mut to = exit.to;
+        let lasted = time - self.entered;
+        self.count_zone(guard, exit.to, time)?;
+        let to = match self.short > IN_A_ROW {
+            true => self.rest_of_chattering((guard, exit), time, &z)?,
+            false => exit.to,
+        };
+        let states = 0..self.system.states;
+        let after: Vec<f64> = states.map(|state| exit.reset.value(state, &z)).collect();
+        let before = z.rows(0, self.system.states).iter().copied().collect();
+        let phase = phase + self.system.omega.value * elapsed;
+        self.tangent = exit.tangent.filter(|_| lasted > 0.0);
+        self.place = Place {
+            time,
+            phase: phase.rem_euclid(std::f64::consts::TAU),
+            mode: to,
+            state: after.clone(),
+        };
+        (self.fresh, self.entered) = (true, time);
+        Ok(Step::Switched(Switching {
+            time,
+            phase,
+            from: mode,
+            to,
+            guard,
+            exit: number,
+            before,
+            after,
+        }))
+    }
+
+    /// Takes note of how long the zone has lasted that a guard ends, towards another mode.
+    ///
+    /// # Errors
+    /// Zones that become shorter and shorter, or that lead back and forth.
+    fn count_zone(&mut self, guard: usize, to: usize, time: f64) -> Result<(), Halt> {
+        let mode = self.place.mode;
+        let known = &self.system.modes[mode];
         let lasted = time - self.entered;
         let is_short = lasted <= CHATTER * self.unit;
         self.short = if is_short { self.short + 1 } else { 0 };
@@ -616,43 +472,55 @@ impl<'a> Motion<'a> {
                 duration: lasted,
             });
         }
-        if self.short > IN_A_ROW {
-            match (exit.rest, ratio(&self.falling)) {
-                (Some(rest), _) => to = rest,
-                (None, Some(ratio)) => return Err(Halt::Chattering { time, ratio }),
-                (None, None) => {
-                    let lasted = self.falling.iter().any(|lasted| *lasted > 0.0);
-                    let value = self.system.modes[mode].guards[guard].row.at.dot(&z);
-                    return Err(match exit.to == mode {
-                        _ if !lasted && value < 0.0 => Halt::Outside { mode, guard, value },
-                        true if lasted => Halt::Outward { time, mode, guard },
-                        _ => Halt::Livelock { time, mode, guard },
-                    });
-                }
-            }
-            (self.short, self.falling) = (0, Vec::new());
-        }
-        let states = 0..self.system.states;
-        let after: Vec<f64> = states.map(|state| exit.reset.value(state, &z)).collect();
-        let before = z.rows(0, self.system.states).iter().copied().collect();
-        let phase = phase + self.system.omega.value * elapsed;
-        self.tangent = exit.tangent.filter(|_| lasted > 0.0);
-        self.place = Place {
-            time,
-            phase: phase.rem_euclid(std::f64::consts::TAU),
-            mode: to,
-            state: after.clone(),
-        };
-        (self.fresh, self.entered) = (true, time);
-        Ok(Step::Switched(Switching {
-            time,
-            phase,
-            from: mode,
-            to,
-            guard,
-            exit: number,
-            before,
-            after,
-        }))
+        Ok(())
     }
+
+    /// The mode that begins where infinitely many switches at a guard end.
+    ///
+    /// # Errors
+    /// There is none.
+    fn rest_of_chattering(
+        &mut self,
+        (guard, exit): (usize, &Exit),
+        time: f64,
+        z: &Vector,
+    ) -> Result<usize, Halt> {
+        let mode = self.place.mode;
+        let rest = exit.rest.ok_or_else(|| {
+            if let Some(ratio) = ratio(&self.falling) {
+                return Halt::Chattering { time, ratio };
+            }
+            let lasted = self.falling.iter().any(|lasted| *lasted > 0.0);
+            let value = self.system.modes[mode].guards[guard].row.at.dot(z);
+            match exit.to == mode {
+                _ if !lasted && value < 0.0 => Halt::Outside { mode, guard, value },
+                true if lasted => Halt::Outward { time, mode, guard },
+                _ => Halt::Livelock { time, mode, guard },
+            }
+        })?;
+        (self.short, self.falling) = (0, Vec::new());
+        Ok(rest)
+    }
+}
+
+/// When the first of these guards becomes negative within a part of a piece, and which; zeros of these orders at its beginning
+/// are none. At one instant their order decides.
+fn first_crossing(
+    flow: &ModeFlow,
+    piece: &Piece,
+    guards: impl Iterator<Item = usize>,
+    orders: &mut [usize],
+    part: f64,
+) -> Option<(f64, usize)> {
+    let mut first: Option<(f64, usize)> = None;
+    for guard in guards {
+        let crossing = flow.crossing(guard, piece, orders[guard], part);
+        if let Some(after) = crossing
+            && first.is_none_or(|(known, _)| after < known)
+        {
+            first = Some((after, guard));
+        }
+        orders[guard] = 0;
+    }
+    first
 }

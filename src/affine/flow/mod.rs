@@ -1,15 +1,15 @@
 //! The flow of a mode at fixed parameters, piece by piece: exact states where it is linear, those of a series where it
 //! is not, and every guard as a polynomial whose sign is proven over the whole piece.
 
-use std::sync::OnceLock;
+mod exact;
 
-use super::exponential::{TERMS, entries, plain_propagator};
 use super::mode::{AffineMode, Row};
 use super::recurrence::Series;
 use super::series::{Field, ORDER};
-use super::stiff::{GAP, Splitting, Vanished};
-use crate::linalg::{Matrix, Vector, add_product, balance, product};
-use crate::orbit::sign::{Bernstein, COEFFICIENTS, REMAINDER};
+use super::stiff::{Splitting, Vanished};
+use crate::linalg::{Vector, add_product, balance, product};
+use crate::orbit::sign::{Bernstein, COEFFICIENTS};
+use exact::{Exact, GuardSeries};
 
 /// A guard is zero at the beginning of a zone within this many units of the noise of its polynomial: the
 /// state at a switch is known to a few of them.
@@ -18,9 +18,6 @@ const ON_GUARD: f64 = 8.0;
 /// Longest step of the Newton step that polishes a crossing, in units of a piece: longer, and the crossing is so
 /// flat that the guard itself is rounding there.
 const POLISHED: f64 = 1e-10;
-
-/// Most components of z whose series are made in arrays: those of a forced oscillator of two degrees of freedom.
-const FEW: usize = 8;
 
 /// More pieces than this are not gone through: no zone of interest has them, and their examination would take longer
 /// than a second. Of two in a row the longer counts, since a kink may cut one short.
@@ -36,34 +33,6 @@ pub struct ModeFlow {
     longest: f64,
     /// Where the mode is linear.
     exact: Option<Exact>,
-}
-
-/// exp(Mt) over pieces of one length.
-#[derive(Clone, Debug)]
-struct Exact {
-    matrix: Matrix,
-    /// Its entries that are not zero: row, column, value.
-    entries: Vec<(usize, usize, f64)>,
-    /// Length of a piece.
-    length: f64,
-    /// exp(M·length).
-    step: Matrix,
-    /// Scales d of z in which M is balanced: the norm of z is Σ|zᵢ|/dᵢ.
-    scales: Vector,
-    guards: Vec<GuardSeries>,
-    /// What is slow of it, and its flow, with much longer pieces; the longest first.
-    stiff: Vec<(Splitting, Exact)>,
-}
-
-/// A guard over a piece.
-#[derive(Clone, Debug)]
-struct GuardSeries {
-    form: Vector,
-    /// Its Taylor coefficients in time/`length` as linear forms of z at the beginning, for every component of z those of
-    /// all orders: of many flows only the values of guards are wanted.
-    coefficients: OnceLock<Vec<[f64; COEFFICIENTS]>>,
-    /// max |cᵢ|dᵢ.
-    size: f64,
 }
 
 /// z over the beginning of a piece: coefficients of powers of time/`length`/`part`.
@@ -137,176 +106,6 @@ impl Piece {
     /// Whether it begins in numbers and has a length.
     pub(super) fn is_defined(&self) -> bool {
         self.length > 0.0 && self.z.iter().all(|x| x.is_finite())
-    }
-}
-
-impl Exact {
-    fn new(matrix: Matrix, states: usize, longest: f64, (scales, norm): (Vector, f64)) -> Exact {
-        let length = if norm * longest > 1.0 {
-            norm.recip()
-        } else {
-            longest
-        };
-        let step = plain_propagator(&matrix, states, norm, length);
-        Exact {
-            guards: Vec::new(),
-            stiff: Vec::new(),
-            step,
-            length,
-            scales,
-            entries: entries(&matrix),
-            matrix,
-        }
-    }
-
-    /// The flow of a mode.
-    fn of(mode: &AffineMode, longest: f64, (scales, norm): (Vector, f64)) -> Exact {
-        let matrix = &mode.matrix.at;
-        let ways = Splitting::all(matrix, &scales, norm, longest);
-        let mut flow = Exact::new(matrix.clone(), mode.states, longest, (scales, norm));
-        let stiff = ways.into_iter().map(|way| {
-            let size = way.slow.nrows();
-            let slow = Exact::new(way.slow.clone(), size, longest, way.balance.clone());
-            (way, slow)
-        });
-        flow.stiff = stiff
-            .filter(|(_, slow)| slow.length >= GAP * flow.length)
-            .collect();
-        for guard in &mode.guards {
-            flow.watch(guard.row.at.clone());
-        }
-        flow
-    }
-
-    fn watch(&mut self, form: Vector) {
-        for (way, slow) in &mut self.stiff {
-            slow.watch(way.along.tr_mul(&form));
-        }
-        self.guards.push(GuardSeries {
-            size: form.component_mul(&self.scales).amax(),
-            coefficients: OnceLock::new(),
-            form,
-        });
-    }
-
-    fn coefficients(&self, guard: usize) -> &[[f64; COEFFICIENTS]] {
-        let GuardSeries {
-            form, coefficients, ..
-        } = &self.guards[guard];
-        coefficients.get_or_init(|| {
-            let mut coefficients = vec![[0.0; COEFFICIENTS]; form.len()];
-            let (mut last, mut next) = (form.clone(), form.clone());
-            for k in 0..COEFFICIENTS {
-                if k > 0 {
-                    next.fill(0.0);
-                    let (part, matrix) = (self.length / k as f64, self.matrix.as_slice());
-                    add_product(part, last.as_slice(), 1, matrix, next.as_mut_slice());
-                    std::mem::swap(&mut last, &mut next);
-                }
-                let components = coefficients.iter_mut().zip(&last);
-                components.for_each(|(orders, coefficient)| orders[k] = *coefficient);
-            }
-            coefficients
-        })
-    }
-
-    fn within(&self, z: &Vector, time: f64) -> Vector {
-        let mut sum = z.clone();
-        let add = |sum: &mut [f64], term: &[f64]| {
-            let pairs = sum.iter_mut().zip(term);
-            pairs.for_each(|(sum, term)| *sum += term);
-        };
-        if let Some(mut term) = self.few(z.as_slice()) {
-            for k in 1..=TERMS {
-                term = self.rate_of_few(time / f64::from(k), &term);
-                add(sum.as_mut_slice(), &term);
-            }
-            return sum;
-        }
-        let (mut term, mut next) = (z.clone(), z.clone());
-        for k in 1..=TERMS {
-            next.fill(0.0);
-            self.rate(time / f64::from(k), term.as_slice(), next.as_mut_slice());
-            std::mem::swap(&mut term, &mut next);
-            add(sum.as_mut_slice(), term.as_slice());
-        }
-        sum
-    }
-
-    /// Adds Mz times a factor.
-    fn rate(&self, factor: f64, z: &[f64], rate: &mut [f64]) {
-        for (row, column, value) in &self.entries {
-            rate[*row] += value * (factor * z[*column]);
-        }
-    }
-
-    /// z with zeros behind it, where it has so few components.
-    fn few(&self, z: &[f64]) -> Option<[f64; FEW]> {
-        let mut few = [0.0; FEW];
-        few.get_mut(..z.len())?.copy_from_slice(z);
-        Some(few)
-    }
-
-    /// Mz times a factor, of a z of few components: indices of entries are below [`FEW`], which the compiler is told.
-    fn rate_of_few(&self, factor: f64, z: &[f64; FEW]) -> [f64; FEW] {
-        let mut rate = [0.0; FEW];
-        for (row, column, value) in &self.entries {
-            rate[row % FEW] += value * (factor * z[column % FEW]);
-        }
-        rate
-    }
-
-    /// Expands z in place of another expansion.
-    fn expand(&self, z: &Vector, part: f64, expansion: &mut Expansion) {
-        let z_at = z.as_slice();
-        expansion.terms.clear();
-        expansion.terms.resize(z_at.len(), [0.0; COEFFICIENTS]);
-        expansion.set(0, z_at);
-        let factor = |k: usize| part * self.length / k as f64;
-        if let Some(mut term) = self.few(z_at) {
-            for k in 1..COEFFICIENTS {
-                term = self.rate_of_few(factor(k), &term);
-                expansion.set(k, &term);
-            }
-        } else {
-            let (mut term, mut next) = (z_at.to_vec(), z_at.to_vec());
-            for k in 1..COEFFICIENTS {
-                next.fill(0.0);
-                self.rate(factor(k), &term, &mut next);
-                std::mem::swap(&mut term, &mut next);
-                expansion.set(k, &term);
-            }
-        }
-        let (error, rounding) = self.errors(z, part);
-        let scales = self.scales.as_slice().iter();
-        expansion.left_out.clear();
-        expansion.left_out.extend(scales.map(|d| d * error));
-        expansion.of_form = Some(error + rounding);
-    }
-
-    /// What the coefficients of a form leave out over the beginning of a piece, and the rounding of the products that
-    /// they are made of, where its greatest |cᵢ|dᵢ is 1.
-    fn errors(&self, z: &Vector, part: f64) -> (f64, f64) {
-        let pairs = z.as_slice().iter().zip(self.scales.as_slice());
-        let amplitude: f64 = pairs.map(|(z, d)| z.abs() / d).sum();
-        // Σ_{k>16} 1/k! < 1.06/17!
-        let left_out = 1.06 * REMAINDER * part.powi(COEFFICIENTS as i32);
-        (left_out * amplitude, 2.0 * f64::EPSILON * amplitude)
-    }
-
-    fn taylor(&self, guard: usize, z: &Vector, part: f64) -> ([f64; COEFFICIENTS], f64) {
-        let mut taylor = [0.0; COEFFICIENTS];
-        for (orders, z) in self.coefficients(guard).iter().zip(z.as_slice()) {
-            let pairs = taylor.iter_mut().zip(orders);
-            pairs.for_each(|(sum, coefficient)| *sum += coefficient * z);
-        }
-        let mut power = 1.0;
-        for coefficient in &mut taylor {
-            *coefficient *= power;
-            power *= part;
-        }
-        let (left_out, rounding) = self.errors(z, part);
-        (taylor, (left_out + rounding) * self.guards[guard].size)
     }
 }
 

@@ -1,0 +1,136 @@
+//! Changes of stability of an orbit, and the ends at which it has no size or no period.
+
+use std::fmt;
+
+use serde::{Deserialize, Serialize};
+
+/// A change of stability.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Critical {
+    /// A multiplier passes −1.
+    PeriodDoubling,
+    /// A multiplier passes 1 other than by a fold.
+    Branching,
+    /// The orbit has no size: an equilibrium with a pair of imaginary eigenvalues.
+    Shrinking,
+    /// The orbit has no size: a point on the boundaries of its modes.
+    Vanishing,
+    /// So many multipliers pass −1 together.
+    Doublings {
+        /// Two or more.
+        count: usize,
+    },
+    /// So many pass 1 together.
+    Branchings {
+        /// Two or more.
+        count: usize,
+    },
+    /// So many pass the unit circle together, not all of them at −1 or all at 1, nor as one pair.
+    Several {
+        /// Two or more.
+        count: usize,
+    },
+    /// The number of those outside the unit circle changes, and where is not known.
+    Unlocated {
+        /// Number before and beyond.
+        outside: [usize; 2],
+        /// Between these values of the parameter.
+        between: [f64; 2],
+    },
+    /// The orbit comes to one that leaves a saddle and returns to it, or to a cycle of connections between saddles.
+    Homoclinic {
+        /// Name of the mode of the saddle.
+        mode: String,
+        /// Name of the mode of the next saddle, where it leads to another one.
+        next: Option<String>,
+    },
+    /// The orbit comes to one that leaves a saddle-node and returns to it: beyond it equilibria take its place.
+    SaddleNode {
+        /// Name of the mode of the saddle-node.
+        mode: String,
+    },
+    /// The orbit comes to one that rests on the boundary of a mode: beyond it an equilibrium takes its place.
+    RestOnBoundary {
+        /// Name of the mode.
+        mode: String,
+    },
+    /// A pair passes the unit circle at this angle.
+    Torus {
+        /// In radians, between 0 and π.
+        angle: f64,
+    },
+}
+
+impl fmt::Display for Critical {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Critical::PeriodDoubling => write!(formatter, "a multiplier passes -1"),
+            Critical::Branching => write!(formatter, "a multiplier passes 1"),
+            Critical::Doublings { count } => {
+                write!(formatter, "{} multipliers pass -1", in_words(*count))
+            }
+            Critical::Branchings { count } => {
+                write!(formatter, "{} multipliers pass 1", in_words(*count))
+            }
+            Critical::Several { count } => write!(
+                formatter,
+                "{} multipliers pass the unit circle together",
+                in_words(*count)
+            ),
+            Critical::Homoclinic { mode, next: None } => write!(
+                formatter,
+                "the period grows without bound: the orbit comes to one that leaves the saddle of `{mode}` and returns to it, \
+                 a homoclinic orbit"
+            ),
+            Critical::Homoclinic {
+                mode,
+                next: Some(next),
+            } => write!(
+                formatter,
+                "the period grows without bound: the orbit comes to a cycle of connections between saddles, from that of \
+                 `{mode}` to that of `{next}` first, a heteroclinic cycle"
+            ),
+            Critical::SaddleNode { mode } => write!(
+                formatter,
+                "the period grows without bound: the orbit comes to one that leaves the saddle-node of `{mode}` and returns to it, \
+                 beyond which equilibria take its place"
+            ),
+            Critical::RestOnBoundary { mode } => write!(
+                formatter,
+                "the period grows without bound: the orbit comes to one that rests on the boundary of `{mode}`, in an \
+                 equilibrium beyond which it does not switch any more"
+            ),
+            Critical::Unlocated {
+                outside: [before, after],
+                between: [from, to],
+            } => write!(
+                formatter,
+                "the number of multipliers outside the unit circle changes from {before} to {after} between {from} and {to}: \
+                 where is not known"
+            ),
+            Critical::Shrinking => {
+                write!(
+                    formatter,
+                    "the orbit shrinks to an equilibrium: its Hopf point"
+                )
+            }
+            Critical::Vanishing => write!(
+                formatter,
+                "the orbit shrinks in proportion to the parameter, while its period does not, to a point where its modes \
+                 meet: a boundary equilibrium bifurcation"
+            ),
+            Critical::Torus { angle } => {
+                write!(
+                    formatter,
+                    "a pair of multipliers passes the unit circle at {angle} rad"
+                )
+            }
+        }
+    }
+}
+
+fn in_words(count: usize) -> String {
+    const WORDS: [&str; 6] = ["one", "two", "three", "four", "five", "six"];
+    let word = count.checked_sub(1).and_then(|index| WORDS.get(index));
+    word.map_or_else(|| count.to_string(), |word| (*word).to_owned())
+}

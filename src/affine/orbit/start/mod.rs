@@ -1,0 +1,205 @@
+//! The first orbit of a branch: by a motion that settles on it, or from a guess.
+
+mod approach;
+mod failure;
+mod guess;
+mod rest;
+mod returns;
+mod switches;
+mod unknowns;
+
+pub use failure::NoStart;
+pub(super) use unknowns::scaled;
+
+use serde::{Deserialize, Serialize};
+
+use super::layout::AffineOrbit;
+use super::row::SavedOrbit;
+use crate::affine::closure::Prescribed;
+use crate::affine::motion::Place;
+use crate::affine::system::System;
+use crate::linalg::Vector;
+use approach::Approach;
+use guess::FROM_A_GUESS;
+use unknowns::pose;
+
+/// Where a motion begins.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Beginning {
+    /// Number of the mode.
+    pub mode: usize,
+    /// States.
+    pub state: Vec<f64>,
+    /// Phase of the forcing.
+    pub phase: f64,
+}
+
+impl From<Place> for Beginning {
+    fn from(place: Place) -> Beginning {
+        Beginning {
+            mode: place.mode,
+            state: place.state,
+            phase: place.phase,
+        }
+    }
+}
+
+/// How the first orbit is found.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Search {
+    /// What a motion settles on after so many forcing periods, or so long a time without forcing.
+    Settles(f64),
+    /// What Newton's method finds from the motion over one period, this one without forcing.
+    Guess(f64),
+}
+
+/// The first orbit that is asked for.
+#[derive(Clone, Debug)]
+pub struct Wanted {
+    /// The system.
+    pub system: System,
+    /// Values of its parameters.
+    pub values: Vec<f64>,
+    /// Index of the continuation parameter.
+    pub parameter: usize,
+    /// Width of its range.
+    pub width: f64,
+    /// Forcing periods of the orbit, or switches back to the first one without forcing: where it settles at most,
+    /// the least number is found.
+    pub periods: u32,
+    /// Whether changes of stability are looked for.
+    pub stability: bool,
+    /// The period, where it is prescribed.
+    pub prescribed: Option<Prescribed>,
+}
+
+impl Wanted {
+    /// An orbit of one period of a system at its own values, to be followed in a parameter through a range with its
+    /// stability; `None` where the system has no such parameter.
+    pub fn new(system: System, parameter: &str, (low, high): (f64, f64)) -> Option<Wanted> {
+        Some(Wanted {
+            values: system.values(),
+            parameter: system.source.parameters.index(parameter)?,
+            width: high - low,
+            periods: 1,
+            stability: true,
+            prescribed: None,
+            system,
+        })
+    }
+}
+
+/// The first orbit and its point.
+///
+/// # Errors
+/// Why there is none.
+pub fn first(
+    wanted: &Wanted,
+    beginning: &Beginning,
+    search: Search,
+) -> Result<(AffineOrbit, Vector), NoStart> {
+    found(wanted, beginning, search).map_err(|reason| {
+        let NoStart::Halted(halt) = reason else {
+            return reason;
+        };
+        match halt.place() {
+            Some((mode, guard)) => NoStart::Stuck {
+                mode: wanted.system.mode_name(mode).into_owned(),
+                guard: wanted.system.guard_name(mode, guard),
+                halt,
+            },
+            None => NoStart::Halted(halt),
+        }
+    })
+}
+
+/// The same, with numbers of modes and guards in its failures.
+fn found(
+    wanted: &Wanted,
+    beginning: &Beginning,
+    search: Search,
+) -> Result<(AffineOrbit, Vector), NoStart> {
+    let system = wanted.system.at(&wanted.values, &[wanted.parameter]);
+    let system = system.map_err(NoStart::System)?;
+    let mut approach = Approach::settled(wanted, &system, beginning, search)?;
+    let guess = match (search, approach.forcing) {
+        (Search::Guess(time), _) if approach.is_on_guard() => approach.from_switch(time)?,
+        (_, Some(period)) => approach.over_periods(period, search)?,
+        (Search::Guess(time), None) => {
+            let begin = approach.motion.place().clone();
+            match approach.over_time(time)? {
+                Some(guess) => guess,
+                None => return approach.unswitched(begin, time),
+            }
+        }
+        (Search::Settles(_), None) => approach.over_returns()?,
+    };
+    approach.admit(&guess)?;
+    guess.attracting(wanted)
+}
+
+/// The orbit that was saved, at the values wanted.
+///
+/// # Errors
+/// Why it is not found again.
+pub fn restart(wanted: &Wanted, saved: &SavedOrbit) -> Result<(AffineOrbit, Vector), NoStart> {
+    pose(
+        wanted,
+        saved.parts().ok_or(NoStart::NoZones)?,
+        saved.periods,
+        &FROM_A_GUESS,
+    )
+}
+
+/// The orbit that was saved as it is: at an event its equations may be singular.
+///
+/// # Errors
+/// The system does not have its zones.
+pub fn saved(
+    system: &System,
+    saved: &SavedOrbit,
+    parameter: usize,
+    width: f64,
+    prescribed: Option<Prescribed>,
+) -> Result<(AffineOrbit, Vector), NoStart> {
+    let wanted = Wanted {
+        prescribed,
+        system: system.clone(),
+        values: saved.values.clone(),
+        parameter,
+        width,
+        periods: saved.periods,
+        stability: false,
+    };
+    let parts = saved.parts().ok_or(NoStart::NoZones)?;
+    scaled(&wanted, parts, saved.periods)
+}
+
+/// A reason with what the motion looks like, where it is not periodic within the periods asked for or does not switch;
+/// other reasons stay.
+pub fn explained(
+    wanted: &Wanted,
+    beginning: &Beginning,
+    search: Search,
+    reason: NoStart,
+) -> NoStart {
+    let NoStart::NotPeriodic {
+        periods,
+        off,
+        looks: None,
+    } = reason
+    else {
+        return reason;
+    };
+    let (Search::Settles(_), Ok(system)) = (search, wanted.system.at(&wanted.values, &[])) else {
+        return reason;
+    };
+    let Ok(mut approach) = Approach::settled(wanted, &system, beginning, search) else {
+        return reason;
+    };
+    NoStart::NotPeriodic {
+        periods,
+        off,
+        looks: approach.behaviour(),
+    }
+}

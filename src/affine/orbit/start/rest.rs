@@ -1,0 +1,75 @@
+//! Motions that come to rest, wholly or in some of their states, where an orbit is looked for.
+
+use super::Wanted;
+use super::failure::NoStart;
+use crate::affine::mode::AffineSystem;
+use crate::affine::motion::Place;
+use crate::affine::orbit::behaviour::RETURNED;
+
+/// A zone longer than this, and than the motion that settled, does not end.
+pub(super) const ENDLESS: f64 = 1000.0;
+
+/// Whether a motion would not move from a place by a part of its size that counts, in as long a time as was waited for
+/// a switch. Its size is that of the states where it began and where it is: an equilibrium may have none.
+pub(super) fn rests(system: &AffineSystem, place: &Place, begun: &[f64]) -> bool {
+    let states = begun.iter().chain(&place.state);
+    let size = states.fold(0.0_f64, |size, x| size.max(x.abs()));
+    let z = system.lift(place.mode, &place.state, place.phase);
+    let rates = &system.modes[place.mode].matrix.at * z;
+    rates.rows(0, system.states).amax() * ENDLESS <= RETURNED * size
+}
+
+/// The states that stand still for ever in the mode of a place, whatever the others and the phase do, if one of them could
+/// stand elsewhere as well: none where they do not, or where a law holds them where they are. Sizes are those of the states
+/// over the whole motion.
+fn standing(system: &AffineSystem, place: &Place, sizes: &[f64]) -> Vec<usize> {
+    let n = system.states;
+    let matrix = &system.modes[place.mode].matrix.at;
+    let rates = matrix * system.lift(place.mode, &place.state, place.phase);
+    let stands = |state: &usize| rates[*state].abs() * ENDLESS <= RETURNED * sizes[*state];
+    let mut all: Vec<usize> = (0..n).filter(stands).collect();
+    loop {
+        // states come first in z, and the constant after them
+        let acts = |column: &usize| *column != n && !all.contains(column);
+        let others: Vec<usize> = (0..matrix.ncols()).filter(acts).collect();
+        let before = all.len();
+        all.retain(|state| others.iter().all(|column| matrix[(*state, *column)] == 0.0));
+        if all.len() == before {
+            break;
+        }
+    }
+    let is_free = |column: &usize| all.iter().all(|state| matrix[(*state, *column)] == 0.0);
+    if all.iter().any(is_free) {
+        all
+    } else {
+        Vec::new()
+    }
+}
+
+/// Whether a motion that does not switch moves all states that could stand elsewhere, from this time on.
+///
+/// # Errors
+/// It rests, or some of its states stand still for ever.
+pub(super) fn moves(
+    wanted: &Wanted,
+    system: &AffineSystem,
+    (place, time): (&Place, f64),
+    sizes: &[f64],
+) -> Result<(), NoStart> {
+    let states = standing(system, place, sizes);
+    if states.len() == system.states {
+        let place = place.clone();
+        return Err(NoStart::Rests { time, place });
+    }
+    // where they stand is kept along a branch, but where a motion slides
+    let mode = &system.modes[place.mode];
+    if states.is_empty() || mode.surface.is_none() && mode.field.is_exact {
+        return Ok(());
+    }
+    let names = &wanted.system.source.states;
+    Err(NoStart::Stands {
+        time,
+        mode: wanted.system.mode_name(place.mode).into_owned(),
+        states: states.iter().map(|state| names[*state].clone()).collect(),
+    })
+}

@@ -1,0 +1,135 @@
+//! Zones and places of a guess as the unknowns of an orbit, in units of their own, and the orbit that Newton's method finds there.
+
+use std::sync::Arc;
+
+use super::Wanted;
+use super::failure::NoStart;
+use crate::affine::orbit::layout::{AffineOrbit, ZonePoint};
+use crate::affine::orbit::section::of_orbit;
+use crate::affine::orbit::setting::{OrbitFailure, Scales, Setting};
+use crate::affine::orbit::signature::{Sequence, Zone};
+use crate::continuation::newton::{self, Fixed, Settings};
+use crate::linalg::Vector;
+use crate::orbit::special::NoFollower;
+use crate::orbit::switch::{admitted, is_in_family};
+
+/// The orbit with these zones next to these places.
+pub(super) fn pose(
+    wanted: &Wanted,
+    parts: Vec<(Zone, ZonePoint)>,
+    periods: u32,
+    settings: &Settings,
+) -> Result<(AffineOrbit, Vector), NoStart> {
+    /// Parts of an orbit that differ by less, in its own units, are the same.
+    const SAME: f64 = 1e-9;
+    let (orbit, guess) = scaled(wanted, parts, periods)?;
+    let index = guess.len() - 1;
+    let mut fixed = Fixed {
+        index,
+        value: guess[index],
+    };
+    let solution = newton::solve(&orbit, &mut fixed, &guess, settings).map_err(|failure| {
+        let singular = matches!(failure, newton::Failure::Singular);
+        if singular && is_in_family(&orbit, &guess) {
+            NoStart::Family(NoFollower::Family)
+        } else {
+            NoStart::Newton(failure)
+        }
+    })?;
+    let point = solution.point;
+    let rests = !orbit.is_forced() && orbit.sequence.switches() == 0;
+    if rests && orbit.varies_within(&point, SAME) {
+        return Err(NoStart::Equilibrium);
+    }
+    let turns = orbit.turns_within(&point, SAME);
+    let times = turns * orbit.traversals_within(&point, SAME);
+    // a prescribed period is meant, however often the orbit is traversed in it
+    if times > 1 && wanted.prescribed.is_none() {
+        // the least period is meant: this one several times over would retrace its branch
+        let mut zones = orbit.at(&point).map_err(failed)?.zones;
+        zones[0].duration /= turns as f64;
+        let parts = orbit.sequence.0.iter().cloned().zip(zones);
+        let parts = parts.take((orbit.zones() / times).max(1));
+        let periods = periods / if orbit.is_forced() { times as u32 } else { 1 };
+        return pose(wanted, parts.collect(), periods, settings);
+    }
+    admitted(&orbit, &point)?;
+    Ok((orbit, point))
+}
+
+fn failed(failure: OrbitFailure) -> NoStart {
+    NoStart::Newton(newton::Failure::System(failure))
+}
+
+/// The orbits with these zones, in units of these places, and the places in those.
+pub(in crate::affine::orbit) fn scaled(
+    wanted: &Wanted,
+    parts: Vec<(Zone, ZonePoint)>,
+    periods: u32,
+) -> Result<(AffineOrbit, Vector), NoStart> {
+    /// A state that never exceeds this is zero but for rounding.
+    const NOTHING: f64 = 1e-15;
+    let (zones, points): (Vec<Zone>, Vec<ZonePoint>) = parts.into_iter().unzip();
+    if wanted.values.len() != wanted.system.source.parameters.0.len() {
+        return Err(NoStart::NoZones);
+    }
+    let states = wanted.system.source.states.len();
+    if points.is_empty() || points.iter().any(|point| point.state.len() != states) {
+        return Err(NoStart::NoZones);
+    }
+    let unit = |size: f64| {
+        if size > NOTHING && size.is_finite() {
+            size
+        } else {
+            1.0
+        }
+    };
+    let scales = Scales {
+        states: vec![1.0; states],
+        time: unit(points.iter().map(|point| point.duration).sum()),
+        parameter: wanted.width,
+        free: wanted
+            .prescribed
+            .as_ref()
+            .map(|prescribed| unit(wanted.values[prescribed.free()].abs())),
+        section: None,
+    };
+    let setting = |scales: Scales| Setting {
+        system: wanted.system.clone(),
+        values: wanted.values.clone(),
+        parameter: wanted.parameter,
+        second: None,
+        periods,
+        prescribed: wanted.prescribed.clone(),
+        stability: wanted.stability,
+        scales,
+    };
+    let sequence = Sequence(zones);
+    let posed = |scales: Scales| {
+        let orbit = AffineOrbit::new(Arc::new(setting(scales)), sequence.clone());
+        orbit.ok_or(NoStart::NoZones)
+    };
+    // a state may be zero at all of the switches: its size is that between them
+    let bare = posed(scales.clone())?;
+    let extremes = bare
+        .extremes(&bare.pack(&points, &wanted.values))
+        .map_err(failed)?;
+    let units: Vec<f64> = extremes
+        .iter()
+        .map(|(low, high)| unit(low.abs().max(high.abs())))
+        .collect();
+    let free = wanted.system.source.forcing.is_none();
+    let orbit = posed(Scales {
+        section: free.then(|| of_orbit(&extremes, &units)).flatten(),
+        states: units,
+        ..scales
+    })?;
+    let orbit = orbit.keeping(&points[0].state);
+    let point = orbit.pack(&points, &wanted.values);
+    let begun = free && orbit.sequence.switches() == 0;
+    let point = match begun {
+        true => orbit.begun_at_section(&point).map_err(failed)?,
+        false => point,
+    };
+    Ok((orbit, point))
+}

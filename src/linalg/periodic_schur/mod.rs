@@ -1,0 +1,195 @@
+//! Eigenvalues of a product of matrices from its factors, without the product.
+//!
+//! Unitary Q₀ … Q_K = Q₀ make every Q*ₖ₊₁AₖQₖ upper triangular, the periodic Schur form of Bojanczyk, Golub and Van
+//! Dooren (1992): eigenvalues of A_K⋯A₁ are products of its diagonals. It is reached from the periodic
+//! Hessenberg-triangular form by sweeps with and without a shift (Kressner 2001), every one of which is backward stable in
+//! every factor: a product whose factors grow and shrink keeps its small eigenvalues as its large ones.
+//!
+//! Factors are real; the form is complex, and what is real or conjugate in it is told at the end. An eigenvalue has a bound of its own:
+//! with periodic vectors Aₖxₖ = αₖxₖ₊₁ and y*ₖ₊₁Aₖ = αₖy*ₖ, y*ₖxₖ = 1, errors Eₖ of the factors move it by ∑ₖ y*ₖ₊₁Eₖxₖ ∏αₗ/αₖ.
+
+mod chain;
+mod pairs;
+mod product;
+mod scaling;
+mod singular;
+#[cfg(test)]
+mod tests;
+mod vectors;
+
+pub use scaling::{balance, units_along};
+pub use singular::{Factor, regular_part};
+
+use chain::Chain;
+use pairs::{ordered, resolved};
+use product::{Number, Product, times_power};
+use vectors::Diagonals;
+
+/// An eigenvalue z·2ᵉ: products of many factors leave the range of numbers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Eigenvalue {
+    /// z, of modulus 1 to 2, or 0.
+    pub mantissa: Number,
+    /// e.
+    pub exponent: i64,
+    /// Natural logarithm of the radius of a disc about it that holds the eigenvalue of the product of the exact factors.
+    pub log_error: f64,
+}
+
+impl Eigenvalue {
+    /// Its value, 0 or infinite where that is no number.
+    pub fn value(&self) -> Number {
+        times_power(self.mantissa, self.exponent)
+    }
+
+    /// Natural logarithm of its modulus.
+    pub fn log_modulus(&self) -> f64 {
+        self.mantissa.norm().ln() + self.exponent as f64 * std::f64::consts::LN_2
+    }
+
+    /// Radius of its disc.
+    pub fn error(&self) -> f64 {
+        self.log_error.exp()
+    }
+
+    fn new(number: Number, exponent: i64) -> Eigenvalue {
+        let mut product = Product { number, exponent };
+        product.normalise();
+        Eigenvalue {
+            mantissa: product.number,
+            exponent: product.exponent,
+            log_error: f64::NEG_INFINITY,
+        }
+    }
+}
+
+/// The factors in their order round, the last of which is the one that is least triangular: it need not become so at first.
+fn begun_after_the_fullest(factors: &[Factor], n: usize) -> Vec<&Factor> {
+    let below = |one: &Factor| {
+        let column = |j: usize| {
+            let column = one.matrix.column(j);
+            let below = column.iter().skip(j + 1);
+            below.filter(|x| **x != 0.0).count()
+        };
+        (0..n).map(column).sum::<usize>()
+    };
+    let full = (0..factors.len()).max_by_key(|index| below(&factors[*index]));
+    let first = full.map_or(0, |full| full + 1);
+    let round = factors.iter().cycle().skip(first);
+    round.take(factors.len()).collect()
+}
+
+/// Eigenvalues of the product of square factors, the first of which acts first; the largest first, of a conjugate pair
+/// that above the real axis. Those of no factor or of no dimension are none.
+pub fn eigenvalues(factors: &[Factor]) -> Vec<Eigenvalue> {
+    /// What a turn leaves in a factor relative to its norm.
+    const TURN: f64 = 2.0 * f64::EPSILON;
+    let Some(n) = factors
+        .first()
+        .map(|one| one.matrix.nrows())
+        .filter(|n| *n > 0)
+    else {
+        return Vec::new();
+    };
+    let factors = begun_after_the_fullest(factors, n);
+    let mut real = Chain {
+        n,
+        count: factors.len(),
+        entries: factors
+            .iter()
+            .flat_map(|one| one.matrix.iter())
+            .copied()
+            .collect(),
+        turns: 0,
+    };
+    if n > 1 {
+        real.reduce();
+    }
+    let mut chain = real.complex();
+    let left_out = chain.triangularise();
+    let errors: Vec<f64> = factors
+        .iter()
+        .enumerate()
+        .map(|(index, factor)| {
+            let last = if index + 1 == chain.count {
+                left_out
+            } else {
+                0.0
+            };
+            factor.size * (factor.error + last + TURN * chain.turns as f64)
+        })
+        .collect();
+    let diagonals = Diagonals::of(&chain);
+    let own = &diagonals.forward;
+    let products: Vec<Product> = own
+        .iter()
+        .map(|diagonal| {
+            let mut product = Product::ONE;
+            diagonal.iter().for_each(|entry| product.times(*entry));
+            product
+        })
+        .collect();
+    let logs: Vec<f64> = products.iter().map(Product::log_modulus).collect();
+    let all: Vec<Eigenvalue> = (0..n)
+        .map(|j| {
+            let [right, left] = chain.vectors(j, &logs, &diagonals);
+            let moved = |k: usize| errors[k] * right[k] * left[(k + 1) % chain.count];
+            let log_error = radius(&own[j], moved);
+            let Product { number, exponent } = products[j];
+            Eigenvalue {
+                log_error,
+                ..Eigenvalue::new(number, exponent)
+            }
+        })
+        .collect();
+    let all = bounded(&chain, &errors, all);
+    ordered(resolved(all))
+}
+
+/// The logarithm of ∏(|αₖ| + δₖ) − ∏|αₖ|.
+fn radius(diagonal: &[Number], moved: impl Fn(usize) -> f64) -> f64 {
+    let (mut log, mut growth) = (0.0, 0.0);
+    for (k, entry) in diagonal.iter().enumerate() {
+        let (size, by) = (entry.norm(), moved(k));
+        let sum = size + by;
+        if sum.is_nan() {
+            return f64::INFINITY;
+        }
+        log += sum.ln();
+        growth += (by / size).ln_1p();
+    }
+    // ∏(|α| + δ)·(1 − 1/∏(1 + δ/|α|))
+    if growth.is_nan() {
+        return log;
+    }
+    log + (-(-growth).exp_m1()).ln()
+}
+
+/// Where eigenvalues are so near to one another that those of their vectors tell nothing, the norms of the factors in graded
+/// units bound them all: where they are very small, by what is very small, too.
+fn bounded(chain: &Chain<Number>, errors: &[f64], mut all: Vec<Eigenvalue>) -> Vec<Eigenvalue> {
+    /// Units of one component in those of the one before.
+    const GRADES: [f64; 9] = [1.0, 1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8];
+    let told = |one: &Eigenvalue| one.log_error < one.log_modulus();
+    if all.iter().all(told) {
+        return all;
+    }
+    let n = chain.n;
+    let norm = |factor: usize, grade: f64| {
+        let sum = |row: usize| -> f64 {
+            let entry = |column: usize| {
+                let own = chain.at(factor, row, column).norm() + errors[factor];
+                own * grade.powi(column as i32 - row as i32)
+            };
+            (0..n).map(entry).sum()
+        };
+        (0..n).map(sum).fold(0.0, f64::max)
+    };
+    let log = |grade: f64| -> f64 { (0..chain.count).map(|k| norm(k, grade).ln()).sum() };
+    let least = GRADES.into_iter().map(log).fold(f64::INFINITY, f64::min);
+    for one in all.iter_mut().filter(|one| !told(one)) {
+        // a disc about the eigenvalue that holds the one about 0
+        one.log_error = one.log_error.min(least + std::f64::consts::LN_2);
+    }
+    all
+}

@@ -1,0 +1,274 @@
+//! What happens along a branch of waves.
+
+use std::fmt::{self, Display, Formatter};
+
+use super::branch::Told;
+use super::{list, near_zero};
+use crate::branch::Reason;
+use crate::branch::special::{Change, Inadmissible, Note, OfWaves, WaveMargin, WaveStop};
+use crate::orbit::EventType;
+use crate::tube::model::signature::Regime;
+use crate::tube::model::{Impact, Landing};
+use crate::tube::stability::track::Remark;
+use crate::tube::wave::Wave;
+use crate::tube::wave::admissibility::Watch;
+
+/// What is left of a wave where D = 0.
+const D_ZERO: &str = "D = 0: nothing drives a wave here; what is left is steady sliding with a linear wave \
+                      of arbitrary amplitude, which neither grows nor decays";
+
+#[cfg_attr(not(feature = "cli"), allow(dead_code))]
+impl Landing {
+    /// Its name, for captions too.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Landing::Impact(Impact::Frictionless) => "frictionless impact",
+            Landing::Impact(Impact::Coulomb) => "Coulomb impact",
+            Landing::Damped => "damped landing",
+        }
+    }
+
+    pub(crate) fn remark(self) -> &'static str {
+        match self {
+            Landing::Impact(Impact::Frictionless) => {
+                "the law of the 2008 paper, which is not the limit of any damped model; \
+                 `impact: Coulomb` is (docs/waves.md)"
+            }
+            Landing::Impact(Impact::Coulomb) => {
+                "the limit of small material damping (docs/waves.md)"
+            }
+            Landing::Damped => "with material damping there is no impact (docs/waves.md)",
+        }
+    }
+}
+
+impl Display for OfWaves {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match self {
+            OfWaves::HopfPoint => f.write_str("the Hopf point of steady sliding"),
+            OfWaves::StickOpens => f.write_str("V̇ reaches 1: a stick zone opens"),
+            OfWaves::CoulombLimit => f.write_str(
+                "edge of the range, stiffness_damping = 0: the limit of little damping is this wave \
+                 with Coulomb impacts, whatever `impact` says",
+            ),
+            OfWaves::Crossing {
+                sector,
+                omega,
+                grows,
+            } => {
+                let what = if omega.is_some() {
+                    "complex pair"
+                } else {
+                    "real eigenvalue"
+                };
+                let becomes = if *grows { "unstable" } else { "stable" };
+                write!(f, "a {what} of sector {sector} becomes {becomes}")
+            }
+            OfWaves::Repeats => f.write_str("the wave is one of half its wavelength"),
+        }
+    }
+}
+
+impl Told for Wave {
+    const NAME: &'static str = "wave";
+
+    fn event(change: &Change) -> String {
+        let regime = change.before.zone(change.margin.zone).regime;
+        let name = regime.name();
+        let closes = change.margin.watch == Watch::Duration;
+        match change.kind {
+            EventType::GR if closes => "the separation zone closes".into(),
+            EventType::GR => {
+                format!("the pressure touches zero in a {name} zone: separation opens")
+            }
+            EventType::RV if closes => "the reverse-slip zone closes before stick".into(),
+            EventType::RV => "reverse slip opens before stick".into(),
+            EventType::ST if closes && regime == Regime::Stick => "the stick zone vanishes".into(),
+            EventType::ST => "a stick zone opens".into(),
+            _ if closes => {
+                let after = change.after.as_ref();
+                if after.is_some_and(|after| after.len() == change.before.len()) {
+                    format!("V̇ = 1 at both ends of a {name} zone: it gives way to another")
+                } else {
+                    format!("the {name} zone between its neighbours shrinks to nothing")
+                }
+            }
+            _ => match change.margin.watch {
+                Watch::Gap => "the separated surface touches the shaft".into(),
+                Watch::Rate => format!("V̇ = 1 is touched inside a {name} zone"),
+                Watch::LandingRate => "landing passes through V̇ = 1".into(),
+                Watch::LandingPressure => "the pressure after landing reaches zero".into(),
+                Watch::Tension => "the tension after a touch reaches zero: contact begins".into(),
+                Watch::Impulse => "the impulse of landing no longer arrests the surface".into(),
+                _ => "two switching points coalesce".into(),
+            },
+        }
+    }
+}
+
+impl Display for Remark {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match self {
+            Remark::Unpaid => f.write_str(
+                "more eigenvalues cross the imaginary axis here than could be located: take a smaller \
+                 `max_frequency` or `ds_max`",
+            ),
+            Remark::Lost => f.write_str(
+                "the unstable count changes here and the crossing could not be located",
+            ),
+            Remark::Jump { before, after } => {
+                let counts = |counts: &[(usize, usize)]| {
+                    let words = counts.iter();
+                    let words = words.map(|(sector, count)| format!("{count} in sector {sector}"));
+                    list(&words.collect::<Vec<_>>(), ", ")
+                };
+                write!(
+                    f,
+                    "the spectrum is discontinuous here and the unstable count jumps without a crossing: \
+                     {} before, {} after",
+                    counts(before),
+                    counts(after)
+                )
+            }
+        }
+    }
+}
+
+impl Display for Inadmissible {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let Inadmissible::Margin {
+            regime,
+            watch,
+            value,
+        } = self
+        else {
+            return f.write_str(match self {
+                Inadmissible::Undecided => "an inequality is closer to zero than rounding can tell",
+                _ => "a switching condition is crossed the wrong way",
+            });
+        };
+        let what = match watch {
+            Watch::Duration => "would have a negative length",
+            Watch::Pressure | Watch::LandingPressure => "would have a negative pressure",
+            Watch::Rate | Watch::LandingRate => "would pass through V̇ = 1",
+            Watch::Gap => "would penetrate the shaft",
+            Watch::LandingSpeed => "would land from below",
+            Watch::Tension => "would stay in contact",
+            Watch::LowerForce | Watch::UpperForce => "would violate the friction law",
+            Watch::Impulse => "would land with too small an impulse",
+            Watch::Release => "would be released into reverse slip",
+            Watch::Coupling => {
+                return f.write_str("D = 0 is passed: waves run in the direction of D");
+            }
+        };
+        write!(f, "the {} zone {what} ({value:.1e})", regime.name())
+    }
+}
+
+impl Display for WaveStop {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match self {
+            WaveStop::Undriven => f.write_str(D_ZERO),
+            WaveStop::Against => f.write_str(
+                "D = 0: waves run in the direction of D, and beyond it this one would run against it; \
+                 such waves are not followed",
+            ),
+            WaveStop::Sonic {
+                excess,
+                parameter,
+                value,
+            } => write!(
+                f,
+                "the speed tends to √a: |c|/√a − 1 = {excess:.1e} falls without end while everything \
+                 else tends to a limit, {} to {value:.6}; waves must be faster than √a",
+                parameter.column()
+            ),
+            WaveStop::SlipAlone => f.write_str(
+                "what is left is one zone of slip around the whole circumference: linear waves on \
+                 steady sliding at its Hopf point, of every amplitude down to none at this one value; \
+                 `start: Hopf` lists them",
+            ),
+            WaveStop::Repeats { mode } => write!(
+                f,
+                "the wave is one of mode {mode}, traversed twice: beyond it the branch retraces itself with its halves \
+                 exchanged"
+            ),
+        }
+    }
+}
+
+impl Display for WaveMargin {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let WaveMargin { regime, watch } = self;
+        let regime = regime.name();
+        match watch {
+            Watch::Duration => write!(f, "the length of a {regime} zone"),
+            Watch::Pressure => write!(f, "the least pressure in a {regime} zone"),
+            Watch::LandingPressure | Watch::Tension => f.write_str("the pressure after a landing"),
+            Watch::Rate => write!(f, "|1 − V̇| inside a {regime} zone"),
+            Watch::LandingRate => f.write_str("|1 − V̇| after a landing"),
+            Watch::Gap => f.write_str("the gap inside a separation zone"),
+            Watch::LandingSpeed => f.write_str("the speed of a landing"),
+            Watch::Impulse => f.write_str("what the impulse of a landing can arrest"),
+            Watch::LowerForce | Watch::UpperForce | Watch::Release => {
+                f.write_str("the distance of the friction force from its limit")
+            }
+            Watch::Coupling => f.write_str("D"),
+        }
+    }
+}
+
+impl Display for Note {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match self {
+            Note::CrossingLeftOut { parameter, value } => write!(
+                f,
+                "{} = {value:.12}: the wave at a crossing of the imaginary axis before this point could \
+                 not be examined, and the crossing is left out",
+                parameter.column()
+            ),
+            Note::Spectrum {
+                parameter,
+                value,
+                remark,
+            } => write!(f, "{} = {value:.12}: {remark}", parameter.column()),
+            Note::Spent { points, allowance } => write!(
+                f,
+                "after point {points}: {} at {:.0e} a run; take a smaller `max_frequency`, fewer \
+                 sectors or fewer points",
+                Reason::Spent,
+                *allowance as f64
+            ),
+            Note::Incomplete { point, reason } => write!(
+                f,
+                "point {point}: the spectrum is {reason}; see the column `why` for others"
+            ),
+            Note::Close {
+                parameter,
+                value,
+                what,
+            } => near_zero(f, parameter.column(), *value, what),
+            Note::NotConverged {
+                point,
+                parameter,
+                value,
+                tolerance,
+                known,
+            } => {
+                write!(
+                    f,
+                    "point {point}, {} = {value:.12}: not converged to the tolerance {tolerance:.0e}; ",
+                    parameter.column()
+                )?;
+                if known.expected_error.is_nan() {
+                    return f.write_str("its equations are singular to rounding");
+                }
+                write!(
+                    f,
+                    "the expected error is {:.1e}, the condition number {:.1e}",
+                    known.expected_error, known.condition
+                )
+            }
+        }
+    }
+}
