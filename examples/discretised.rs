@@ -9,7 +9,7 @@ use std::ops::Range;
 use std::path::Path;
 use std::time::Instant;
 
-use brakewave::discretised::{SemiDiscreteWave, Settings, solve};
+use brakewave::discretised::{RingSettings, SemiDiscreteWave, solve};
 use brakewave::tube::model::Model;
 use brakewave::tube::model::coefficients::Geometry;
 use faer::c64;
@@ -73,11 +73,11 @@ fn main() -> Result<(), Failure> {
     Ok(())
 }
 
-fn settings(points: usize, epsilon: f64) -> Settings {
-    Settings {
+fn settings(points: usize, epsilon: f64) -> RingSettings {
+    RingSettings {
         points,
         epsilon,
-        ..Settings::default()
+        ..RingSettings::default()
     }
 }
 

@@ -11,11 +11,11 @@
 use std::path::Path;
 
 use brakewave::branch::run::Runner;
-use brakewave::discretised::{Settings, solve};
+use brakewave::discretised::{RingSettings, solve};
 use brakewave::output::run::Restart;
 use brakewave::simulation::growth::{self, Listing, Request};
 use brakewave::simulation::profile::Profile;
-use brakewave::simulation::ring::{Law, Order, Setup};
+use brakewave::simulation::ring::{Order, RingLaw, RingSetup};
 use brakewave::tube::model::coefficients::Geometry;
 use brakewave::tube::model::{Damping, Impact, Model};
 use faer::c64;
@@ -79,10 +79,10 @@ fn discretised() -> Result<(), Box<dyn std::error::Error>> {
     println!("|---|---|---|---|---|---|---|---|---|");
     let mut before: Option<(f64, Vec<c64>)> = None;
     for (points, epsilon) in GRIDS {
-        let settings = Settings {
+        let settings = RingSettings {
             points,
             epsilon,
-            ..Settings::default()
+            ..RingSettings::default()
         };
         let wave = solve(&MODEL, MODE, &settings)?;
         let mut found = Vec::new();
@@ -140,12 +140,12 @@ fn simulated(folder: &Path) -> Result<(), Box<dyn std::error::Error>> {
         }
         let profile = Profile::read(&path, saved.model.speed(saved.excess))?;
         let mode = (std::f64::consts::TAU / profile.wavelength()).round() as usize;
-        let setup = Setup {
+        let setup = RingSetup {
             points: POINTS[0],
             angle: profile.wavelength(),
             order: Order::Fourth,
             time_step: 1.0,
-            law: Law::Coulomb,
+            law: RingLaw::Coulomb,
             impact: Impact::Frictionless,
             watched: false,
         };

@@ -12,7 +12,7 @@ use brakewave::curve::{Point, PointType, Run};
 use brakewave::hybrid::Runner;
 use brakewave::orbit::legs::Run as _;
 use brakewave::problem::{
-    Any, Continuation, Curve as Section, SystemCurveEvent, SystemProblem, parse_any,
+    Any, Continuation, CurveSection as Section, SystemCurveEvent, SystemProblem, parse_any,
 };
 
 /// Most runs of a branch, and seconds after which no further one begins.

@@ -14,7 +14,7 @@ use brakewave::branch::run::Runner;
 use brakewave::output::run::Restart;
 use brakewave::simulation::growth::{self, INSTANTS, Listing, Request};
 use brakewave::simulation::profile::Profile;
-use brakewave::simulation::ring::{Law, Order, Setup};
+use brakewave::simulation::ring::{Order, RingLaw, RingSetup};
 use brakewave::tube::model::Impact;
 
 /// Mismatch, sectors, amplitude of the perturbation, and up to which frequency eigenvalues are listed.
@@ -50,12 +50,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         };
         let path = folder.join("profiles").join(format!("{}.csv", saved.label));
         let profile = Profile::read(&path, saved.model.speed(saved.excess))?;
-        let setup = Setup {
+        let setup = RingSetup {
             points: POINTS[0],
             angle: profile.wavelength(),
             order: Order::Fourth,
             time_step: 1.0,
-            law: Law::Coulomb,
+            law: RingLaw::Coulomb,
             impact: Impact::Frictionless,
             watched: false,
         };

@@ -11,7 +11,7 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use brakewave::simulation::annulus::{self, Annulus};
-use brakewave::simulation::ring::{self, Law, Order, Ring};
+use brakewave::simulation::ring::{self, Order, Ring, RingLaw};
 use brakewave::tube::model::coefficients::Geometry;
 use brakewave::tube::model::{Constants, Impact};
 use rayon::prelude::*;
@@ -45,12 +45,12 @@ fn ring(order: Order, watched: bool) -> f64 {
         smoothing: 0.0,
     };
     let angle = std::f64::consts::TAU;
-    let setup = ring::Setup {
+    let setup = ring::RingSetup {
         points: POINTS,
         angle,
         order,
         time_step: ring::courant_step(&parameters, POINTS, angle, 0.3),
-        law: Law::Coulomb,
+        law: RingLaw::Coulomb,
         impact: Impact::Frictionless,
         watched,
     };
@@ -72,7 +72,7 @@ fn tube() -> (f64, f64) {
     let angle = std::f64::consts::TAU;
     let step = annulus::courant_step(&GEOMETRY, 132, 8, angle, 0.3, 0.0);
     let steps = (1.0 / step).ceil();
-    let mut annulus = Annulus::new(annulus::Setup {
+    let mut annulus = Annulus::new(annulus::TubeSetup {
         geometry: GEOMETRY,
         friction: 0.5,
         mismatch: 0.2,

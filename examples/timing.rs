@@ -179,9 +179,9 @@ fn spectra() {
             format!("exact, |Im λ| ≤ 60, δ = {mismatch}, {}", wave.signature)
         );
     }
-    let settings = discretised::Settings {
+    let settings = discretised::RingSettings {
         points: POINTS,
-        ..discretised::Settings::default()
+        ..discretised::RingSettings::default()
     };
     let ring = discretised::solve(&model(), MODE, &settings).expect("the ring has this wave");
     let mut error = 0.0_f64;

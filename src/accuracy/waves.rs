@@ -234,11 +234,11 @@ fn ring_row(
             Some("every wave has separation".into()),
         ));
     }
-    let settings = discretised::Settings {
+    let settings = discretised::RingSettings {
         points,
         epsilon,
         which: start::Which::Fast,
-        ..discretised::Settings::default()
+        ..discretised::RingSettings::default()
     };
     let solve = || -> Result<Vec<_>, Missed> {
         let solved = waves.iter().map(|compared| {

@@ -14,16 +14,16 @@ use super::system::{Mistake, Ordered, Source, SystemError};
 
 /// A prescribed period.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "Written", into = "Written")]
+#[serde(try_from = "WrittenPeriod", into = "WrittenPeriod")]
 pub struct Prescribed {
-    written: Written,
+    written: WrittenPeriod,
     period: Expression,
 }
 
 /// The same in words.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Written {
+#[serde(rename = "Written", deny_unknown_fields)]
+struct WrittenPeriod {
     /// The period.
     period: String,
     /// Names of all parameters, in their order.
@@ -32,10 +32,10 @@ struct Written {
     free: usize,
 }
 
-impl TryFrom<Written> for Prescribed {
+impl TryFrom<WrittenPeriod> for Prescribed {
     type Error = SystemError;
 
-    fn try_from(written: Written) -> Result<Prescribed, SystemError> {
+    fn try_from(written: WrittenPeriod) -> Result<Prescribed, SystemError> {
         let values = written.parameters.into_iter().map(|name| (name, 0.0));
         let source = Source {
             parameters: Ordered(values.collect()),
@@ -45,8 +45,8 @@ impl TryFrom<Written> for Prescribed {
     }
 }
 
-impl From<Prescribed> for Written {
-    fn from(prescribed: Prescribed) -> Written {
+impl From<Prescribed> for WrittenPeriod {
+    fn from(prescribed: Prescribed) -> WrittenPeriod {
         prescribed.written
     }
 }
@@ -60,7 +60,7 @@ impl Prescribed {
     /// # Errors
     /// What is wrong with the text.
     pub fn new(source: &Source, text: &str, free: usize) -> Result<Prescribed, SystemError> {
-        let written = Written {
+        let written = WrittenPeriod {
             period: text.to_owned(),
             parameters: source.parameters.names().map(str::to_owned).collect(),
             free,

@@ -64,7 +64,8 @@ const SIGN_STEPS: usize = 100;
 
 /// A state at which a mode rests.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Rest {
+#[serde(rename = "Rest")]
+pub struct SaddleRest {
     /// The mode.
     pub mode: usize,
     /// The state.
@@ -97,7 +98,7 @@ pub struct ConnectionScales {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Connection {
     /// The saddles: that which is left, and that which is come to.
-    ends: [Rest; 2],
+    ends: [SaddleRest; 2],
     /// Directions from which those that grow at either are projected, in units of the states: the first one leaves.
     growing: [Vec<Vec<f64>>; 2],
     /// How far from the first saddle the motion begins, in units of the states.
@@ -109,7 +110,7 @@ pub struct Connection {
 
 /// What comes to the second saddle.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Arrival {
+pub struct SaddleArrival {
     /// Coordinates along its growing directions, as of where it comes near.
     pub misses: Vector,
     /// What is left out of each.
@@ -131,7 +132,7 @@ struct Saddle {
 
 impl Saddle {
     /// The one near a state; `None` where nothing grows, or nothing decays in a mode that does not slide.
-    fn new(system: &AffineSystem, rest: &Rest, units: &[f64]) -> Option<Saddle> {
+    fn new(system: &AffineSystem, rest: &SaddleRest, units: &[f64]) -> Option<Saddle> {
         let equilibrium = system.equilibrium_near(rest.mode, &rest.state)?;
         let values = &equilibrium.eigenvalues;
         let growing = values.iter().take_while(|value| value.re > 0.0).count();
@@ -207,12 +208,12 @@ impl Connection {
     /// saddle that suits: what it leaves out there falls by the square of that.
     pub fn new(
         system: &AffineSystem,
-        ends: [Rest; 2],
+        ends: [SaddleRest; 2],
         (out, part): (&[f64], f64),
         way: Vec<Passed>,
         scales: ConnectionScales,
     ) -> Option<Connection> {
-        let saddle = |rest: &Rest| Saddle::new(system, rest, &scales.states);
+        let saddle = |rest: &SaddleRest| Saddle::new(system, rest, &scales.states);
         let (from, to) = (saddle(&ends[0])?, saddle(&ends[1])?);
         let off = &from.projection * from.off(out, &scales.states);
         if from.growing != to.growing || off.amax() <= 0.0 {
@@ -252,7 +253,7 @@ impl Connection {
     }
 
     /// The saddles.
-    pub fn ends(&self) -> &[Rest; 2] {
+    pub fn ends(&self) -> &[SaddleRest; 2] {
         &self.ends
     }
 
@@ -276,9 +277,9 @@ impl Connection {
     }
 
     /// The saddles where the first one, which may be the second as well, is near a state.
-    fn ends_near(&self, state: &[f64]) -> [Rest; 2] {
+    fn ends_near(&self, state: &[f64]) -> [SaddleRest; 2] {
         let [from, to] = &self.ends;
-        let moved = Rest {
+        let moved = SaddleRest {
             state: state.to_vec(),
             ..*from
         };
@@ -288,7 +289,12 @@ impl Connection {
 
     /// What comes to the second saddle where the motion leaves the first, near a state, as `turns` say; `None` where it
     /// does not come there by these switches.
-    pub fn arrival(&self, system: &AffineSystem, state: &[f64], turns: &[f64]) -> Option<Arrival> {
+    pub fn arrival(
+        &self,
+        system: &AffineSystem,
+        state: &[f64],
+        turns: &[f64],
+    ) -> Option<SaddleArrival> {
         let units = &self.scales.states;
         let [from, to] = &self.ends_near(state);
         let [from, to] = [
@@ -346,7 +352,7 @@ impl Connection {
         saddle: &Saddle,
         is_exact: bool,
         longest: f64,
-    ) -> Option<Arrival> {
+    ) -> Option<SaddleArrival> {
         let units = &self.scales.states;
         let columns = |rows: usize, all: &[Vec<f64>]| {
             Matrix::from_fn(rows, all.len(), |row, column| all[column][row])
@@ -383,7 +389,7 @@ impl Connection {
             }
             let since = time - *near.get_or_insert(time);
             let before = plain_propagator(&back, units.len(), back.norm(), since) * grown;
-            samples.push(Arrival {
+            samples.push(SaddleArrival {
                 misses: &coordinates * before,
                 left_out: bends * size * size * (-saddle.slowest * since).exp() + noise,
             });
@@ -404,7 +410,7 @@ impl Connection {
             misses += &sample.misses * weight;
             weights += weight;
         }
-        Some(Arrival {
+        Some(SaddleArrival {
             misses: misses / weights,
             left_out,
         })
@@ -426,7 +432,7 @@ pub struct Connected {
 pub fn connected(
     value: f64,
     turns: usize,
-    arrival: impl Fn(f64, &[f64]) -> Option<Arrival>,
+    arrival: impl Fn(f64, &[f64]) -> Option<SaddleArrival>,
 ) -> Option<Connected> {
     let at = |unknowns: &Vector| arrival(unknowns[0], &unknowns.as_slice()[1..]);
     let count = turns + 1;

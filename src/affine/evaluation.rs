@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use super::contact::law::Law;
 use super::dual::{Coefficient, Dual, Measured};
-use super::expression::{Expression, Flaw, Obstacle};
+use super::expression::{Expression, ExpressionFlaw, Obstacle};
 use super::form::Form;
 use super::system::{Mistake, Switch, System, SystemError};
 
@@ -317,7 +317,7 @@ impl<'a, 'p, C: Coefficient> Evaluation<'a, 'p, C> {
     pub fn form(&self, path: Path, expression: &Expression) -> Result<Form<C>, SystemError> {
         let form = self.evaluate(path, expression)?;
         form.settled().map_err(|obstacle| {
-            let flaw = Flaw {
+            let flaw = ExpressionFlaw {
                 wrong: obstacle.into(),
                 span: expression.span.clone(),
             };

@@ -153,7 +153,7 @@ pub enum Operation {
 }
 
 #[derive(Clone, Debug, PartialEq)]
-enum Node {
+enum ExpressionNode {
     /// The double next to it, and its text.
     Number(Box<(f64, String)>),
     Name(String),
@@ -168,7 +168,7 @@ enum Node {
 /// An expression, with the bytes of the text that it was read from.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Expression {
-    node: Node,
+    node: ExpressionNode,
     /// Bytes of the text.
     pub span: Range<usize>,
 }
@@ -239,7 +239,8 @@ pub enum Obstacle {
 
 /// Something wrong, and the bytes of the text it is about.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Flaw {
+#[serde(rename = "Flaw")]
+pub struct ExpressionFlaw {
     /// What.
     pub wrong: Wrong,
     /// Where.
@@ -290,7 +291,7 @@ impl Expression {
     ///
     /// # Errors
     /// What is wrong, with its place.
-    pub fn read(text: &str) -> Result<Expression, Flaw> {
+    pub fn read(text: &str) -> Result<Expression, ExpressionFlaw> {
         let length = text.chars().count();
         let depth = nesting(text);
         let wrong = match length > LONGEST {
@@ -298,7 +299,7 @@ impl Expression {
             false => (depth > DEEPEST).then_some(Wrong::TooDeep(depth)),
         };
         if let Some(wrong) = wrong {
-            return Err(Flaw {
+            return Err(ExpressionFlaw {
                 wrong,
                 span: 0..text.len(),
             });
@@ -321,16 +322,16 @@ impl Expression {
                 wrong => (wrong, at..at + rest),
             }
         });
-        read.map_err(|(wrong, span)| Flaw { wrong, span })
+        read.map_err(|(wrong, span)| ExpressionFlaw { wrong, span })
     }
 
     /// Hands over every name in it, with its place.
     pub fn names(&self, take: &mut impl FnMut(&str, &Range<usize>)) {
         match &self.node {
-            Node::Number(_) => {}
-            Node::Name(name) => take(name, &self.span),
-            Node::Negative(one) | Node::Call(_, one) => one.names(take),
-            Node::Binary(_, both) | Node::Extremum(_, both) => {
+            ExpressionNode::Number(_) => {}
+            ExpressionNode::Name(name) => take(name, &self.span),
+            ExpressionNode::Negative(one) | ExpressionNode::Call(_, one) => one.names(take),
+            ExpressionNode::Binary(_, both) | ExpressionNode::Extremum(_, both) => {
                 both.iter().for_each(|part| part.names(take));
             }
         }
@@ -340,26 +341,29 @@ impl Expression {
     ///
     /// # Errors
     /// A name without meaning, or an operation without result, with its place.
-    pub fn evaluate<A: Algebra>(&self, meaning: &impl Fn(&str) -> Option<A>) -> Result<A, Flaw> {
-        let here = |wrong| Flaw {
+    pub fn evaluate<A: Algebra>(
+        &self,
+        meaning: &impl Fn(&str) -> Option<A>,
+    ) -> Result<A, ExpressionFlaw> {
+        let here = |wrong| ExpressionFlaw {
             wrong,
             span: self.span.clone(),
         };
         let value = match &self.node {
-            Node::Number(number) => Ok(A::decimal(number.0, &number.1)),
-            Node::Name(name) => meaning(name).ok_or_else(|| Wrong::Unknown(name.clone())),
-            Node::Negative(one) => Ok(one.evaluate(meaning)?.negative()),
-            Node::Binary(operation, both) => {
+            ExpressionNode::Number(number) => Ok(A::decimal(number.0, &number.1)),
+            ExpressionNode::Name(name) => meaning(name).ok_or_else(|| Wrong::Unknown(name.clone())),
+            ExpressionNode::Negative(one) => Ok(one.evaluate(meaning)?.negative()),
+            ExpressionNode::Binary(operation, both) => {
                 let [one, other] = &**both;
                 let (one, other) = (one.evaluate(meaning)?, other.evaluate(meaning)?);
                 one.operate(*operation, other).map_err(Wrong::from)
             }
-            Node::Extremum(extremum, both) => {
+            ExpressionNode::Extremum(extremum, both) => {
                 let [one, other] = &**both;
                 let (one, other) = (one.evaluate(meaning)?, other.evaluate(meaning)?);
                 one.extremum(*extremum, other).map_err(Wrong::from)
             }
-            Node::Call(name, one) => {
+            ExpressionNode::Call(name, one) => {
                 let argument = one.evaluate(meaning)?;
                 let function = Function::named(name);
                 let function = function.ok_or_else(|| Wrong::NoFunction(name.clone()));
@@ -422,21 +426,21 @@ fn nesting(text: &str) -> usize {
 
 /// A number. On its own, so that nested brackets take less of the stack.
 #[inline(never)]
-fn number(text: &mut Text) -> ModalResult<Node> {
+fn number(text: &mut Text) -> ModalResult<ExpressionNode> {
     let exponent = (one_of(['e', 'E']), opt(one_of(['+', '-'])), digit1);
     let digits = alt(((digit1, opt(('.', digit0))).void(), ('.', digit1).void()));
     let number = (digits, opt(exponent)).take();
     number
         .verify_map(|text: &str| {
             let value = text.parse().ok()?;
-            Some(Node::Number(Box::new((value, text.to_owned()))))
+            Some(ExpressionNode::Number(Box::new((value, text.to_owned()))))
         })
         .parse_next(text)
 }
 
 /// A name, or a call of a function.
 #[inline(never)]
-fn named(text: &mut Text) -> ModalResult<Node> {
+fn named(text: &mut Text) -> ModalResult<ExpressionNode> {
     let first = |c: char| c.is_alphabetic() || c == '_';
     let more = |c: char| c.is_alphanumeric() || c == '_';
     let mut name = (one_of(first), take_while(0.., more)).take();
@@ -448,15 +452,15 @@ fn named(text: &mut Text) -> ModalResult<Node> {
         let both = delimited(opened(), (cut_err(sum), second), closed());
         return opt(both)
             .map(|both| match both {
-                None => Node::Name(name.to_owned()),
-                Some((one, other)) => Node::Extremum(extremum, Box::new([one, other])),
+                None => ExpressionNode::Name(name.to_owned()),
+                Some((one, other)) => ExpressionNode::Extremum(extremum, Box::new([one, other])),
             })
             .parse_next(text);
     }
     opt(delimited(opened(), cut_err(sum), closed()))
         .map(|argument| match argument {
-            None => Node::Name(name.to_owned()),
-            Some(argument) => Node::Call(name.to_owned(), Box::new(argument)),
+            None => ExpressionNode::Name(name.to_owned()),
+            Some(argument) => ExpressionNode::Call(name.to_owned(), Box::new(argument)),
         })
         .parse_next(text)
 }
@@ -481,14 +485,14 @@ fn sum(text: &mut Text) -> ModalResult<Expression> {
         other: Expression,
     ) -> ModalResult<Expression> {
         let span = one.span.start..other.span.end;
-        let node = Node::Binary(Operation::ALL[OPERATION], Box::new([one, other]));
+        let node = ExpressionNode::Binary(Operation::ALL[OPERATION], Box::new([one, other]));
         Ok(Expression { node, span })
     }
     expression(operand)
         .prefix(dispatch! {any;
             '-' => Prefix(9, |_: &mut Text, one: Expression| {
                 let span = one.span.clone();
-                Ok(Expression { node: Node::Negative(Box::new(one)), span })
+                Ok(Expression { node: ExpressionNode::Negative(Box::new(one)), span })
             }),
             '+' => Prefix(9, |_: &mut Text, one| Ok(one)),
             _ => fail,
@@ -508,7 +512,7 @@ fn sum(text: &mut Text) -> ModalResult<Expression> {
 mod tests {
     use super::*;
 
-    fn value(text: &str) -> Result<f64, Flaw> {
+    fn value(text: &str) -> Result<f64, ExpressionFlaw> {
         Expression::read(text)?.evaluate(&|name| match name {
             "x" => Some(3.0),
             "omega_0" => Some(0.5),

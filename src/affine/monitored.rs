@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::dual::Dual;
 use super::evaluation::Evaluation;
-use super::expression::{Flaw, Obstacle};
+use super::expression::{ExpressionFlaw, Obstacle};
 use super::form::Form;
 use super::mode::AffineSystem;
 use super::monitor::{MONITOR, Monitor, MonitorSource};
@@ -65,7 +65,7 @@ pub(super) fn of_monitors(
 impl Monitor {
     /// That its expression has no value.
     pub(super) fn failed(&self, obstacle: Obstacle) -> SystemError {
-        let flaw = Flaw {
+        let flaw = ExpressionFlaw {
             wrong: obstacle.into(),
             span: self.expression.span.clone(),
         };

@@ -7,7 +7,7 @@ use super::coefficients::Sparse;
 use super::dual::{Coefficient, Dual};
 use super::expression::Function;
 use super::form::{Form, Rule, Term};
-use super::recurrence::Step;
+use super::recurrence::ProgramStep;
 use super::rows::{MatrixBy, Row};
 use crate::interval::Interval;
 
@@ -20,7 +20,7 @@ pub struct Program {
     /// Components before them: states, 1, cosines and sines; and the states.
     pub(super) base: usize,
     pub(super) states: usize,
-    pub(super) steps: Vec<Step>,
+    pub(super) steps: Vec<ProgramStep>,
 }
 
 /// Where the terms of forms stand in z.
@@ -62,7 +62,7 @@ impl Terms {
             }
             term.operands.iter().for_each(|operand| self.add(operand));
             let operands = term.operands.each_ref().map(|operand| self.sparse(operand));
-            let step = Step {
+            let step = ProgramStep {
                 rule: term.rule,
                 operands,
             };

@@ -19,7 +19,7 @@ const KINK: f64 = 1e-12;
 
 /// A component of z that is made of others.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Step {
+pub(super) struct ProgramStep {
     pub rule: Rule,
     pub operands: [Sparse; 2],
 }
@@ -28,7 +28,7 @@ pub(super) struct Step {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Recurrences<'a> {
     /// How the components of z beyond the first are made, and which of them count.
-    pub steps: &'a [Step],
+    pub steps: &'a [ProgramStep],
     pub needed: &'a [bool],
     /// Rates of the components before them; none where everything is linear.
     pub rates: &'a [Sparse],
@@ -68,7 +68,7 @@ pub(super) struct Places {
 
 impl Places {
     /// Those of steps that follow so many components.
-    pub fn new(steps: &[Step], base: usize) -> Places {
+    pub fn new(steps: &[ProgramStep], base: usize) -> Places {
         let mut count = base + steps.len();
         let mut place = |operand: &Sparse| {
             let component = operand.component();
@@ -99,7 +99,7 @@ struct Around {
 impl CoefficientTable {
     /// The coefficient of order k of a component that is made of others; `sign` is that of an operand of `abs`.
     #[inline(always)]
-    fn step(&mut self, step: &Step, around: Around, k: usize, sign: f64) {
+    fn step(&mut self, step: &ProgramStep, around: Around, k: usize, sign: f64) {
         let Around {
             components,
             a,
@@ -232,7 +232,7 @@ impl Series {
         order: usize,
         derivatives: bool,
     ) -> Series {
-        let beginning = Beginning {
+        let beginning = SeriesBeginning {
             recurrences,
             z,
             orders: order + 1,
@@ -258,14 +258,14 @@ fn kept(z: f64) -> f64 {
 }
 
 /// From where recurrences go on, and how far.
-struct Beginning<'a> {
+struct SeriesBeginning<'a> {
     recurrences: Recurrences<'a>,
     z: &'a Vector,
     orders: usize,
     derivatives: bool,
 }
 
-impl pulp::WithSimd for Beginning<'_> {
+impl pulp::WithSimd for SeriesBeginning<'_> {
     type Output = CoefficientTable;
 
     #[inline(always)]
@@ -398,7 +398,7 @@ impl Series {
     }
 
     /// Order of the first coefficient of the first operand of a step that is not zero but for rounding.
-    pub(super) fn first_order(&self, steps: &[Step], index: usize) -> usize {
+    pub(super) fn first_order(&self, steps: &[ProgramStep], index: usize) -> usize {
         let counts = |k: &usize| {
             let terms = steps[index].operands[0].terms.iter();
             let size: f64 = terms
@@ -410,7 +410,7 @@ impl Series {
     }
 
     /// The sign of that operand just after the beginning, or just before it.
-    pub(super) fn first_sign(&self, steps: &[Step], index: usize, direction: f64) -> f64 {
+    pub(super) fn first_sign(&self, steps: &[ProgramStep], index: usize, direction: f64) -> f64 {
         let k = self.first_order(steps, index);
         (self.operand(k, index) * direction.powi(k as i32)).signum()
     }

@@ -131,7 +131,7 @@ struct NewtonStep {
 }
 
 /// A state at which a mode rests.
-struct Rest {
+struct RestState {
     state: Vector,
     /// What each state is known to.
     error: Vector,
@@ -140,8 +140,8 @@ struct Rest {
     isolation: Isolation,
 }
 
-impl Rest {
-    fn is_same(&self, other: &Rest) -> bool {
+impl RestState {
+    fn is_same(&self, other: &RestState) -> bool {
         let degenerate = [self, other].map(|rest| rest.isolation != Isolation::Simple);
         (0..self.state.len()).all(|index| {
             let (x, y) = (self.state[index], other.state[index]);
@@ -178,7 +178,7 @@ impl AffineSystem {
             let rest = self.affine_rest(mode).ok_or(NoEquilibrium::Singular)?;
             return Ok(vec![self.equilibrium(mode, &rest)]);
         }
-        let (mut found, mut far): (Vec<Rest>, Vec<Rest>) = Default::default();
+        let (mut found, mut far): (Vec<RestState>, Vec<RestState>) = Default::default();
         for start in 0..STARTS {
             // places of the same share of every size: 0, then the golden sequence of every state
             let of_all = start as f64 / STARTS as f64;
@@ -227,9 +227,9 @@ impl AffineSystem {
     }
 
     /// The equilibrium of an affine mode.
-    fn affine_rest(&self, mode: usize) -> Option<Rest> {
+    fn affine_rest(&self, mode: usize) -> Option<RestState> {
         let step = self.newton_step(mode, &Vector::zeros(self.states))?;
-        step.regular.then(|| Rest {
+        step.regular.then(|| RestState {
             error: step.next.abs() * ROUNDING,
             state: step.next,
             slopes: step.slopes,
@@ -239,7 +239,7 @@ impl AffineSystem {
     }
 
     /// Newton's method for an equilibrium of a mode, until what is left is rounding.
-    fn settle(&self, mode: usize, start: &Vector) -> Option<Rest> {
+    fn settle(&self, mode: usize, start: &Vector) -> Option<RestState> {
         let mut state = start.clone();
         for _ in 0..STEPS {
             let step = self.newton_step(mode, &state)?;
@@ -267,7 +267,7 @@ impl AffineSystem {
     }
 
     /// The same where the steps shrink by a factor 1 − 1/m: after a few of them, steps of m times the length.
-    fn settle_degenerate(&self, mode: usize, start: &Vector) -> Option<Rest> {
+    fn settle_degenerate(&self, mode: usize, start: &Vector) -> Option<RestState> {
         let mut state = start.clone();
         let mut before = 0.0;
         let mut order = 1.0;
@@ -302,7 +302,7 @@ impl AffineSystem {
         None
     }
 
-    fn rest(&self, mode: usize, state: &Vector, step: NewtonStep) -> Rest {
+    fn rest(&self, mode: usize, state: &Vector, step: NewtonStep) -> RestState {
         let error = known_to(&step).filter(|_| step.regular);
         let isolation = error.as_ref().map_or(Isolation::Degenerate, |error| {
             // the slopes at both ends of what the state is known to
@@ -327,7 +327,7 @@ impl AffineSystem {
                 false => Isolation::Simple,
             }
         });
-        Rest {
+        RestState {
             state: state.clone(),
             error: error.unwrap_or_else(|| state.abs() * f64::EPSILON),
             slopes: step.slopes,
@@ -397,7 +397,7 @@ impl AffineSystem {
         })
     }
 
-    fn equilibrium(&self, mode: usize, rest: &Rest) -> Equilibrium {
+    fn equilibrium(&self, mode: usize, rest: &RestState) -> Equilibrium {
         let known = eigenvalues_within(&rest.slopes, rest.normal.as_ref());
         // one eigenvalue of a degenerate equilibrium is zero, and only another that grows decides
         let is_simple = rest.isolation == Isolation::Simple;
@@ -445,7 +445,7 @@ impl AffineSystem {
     }
 
     /// Where a state lies by the guards of its mode.
-    fn place(&self, mode: usize, rest: &Rest) -> Place {
+    fn place(&self, mode: usize, rest: &RestState) -> Place {
         let states = rest.state.iter().zip(&rest.error);
         let states: Vec<Interval> = states
             .map(|(x, error)| Interval::around(*x, *error))
@@ -454,8 +454,8 @@ impl AffineSystem {
         for (guard, own) in self.modes[mode].guards.iter().enumerate() {
             let least = self.least(mode, &own.row.at, &states);
             let here = match least {
-                Least { low, .. } if low > 0.0 => continue,
-                Least { high, .. } if high < 0.0 => Place::Virtual {
+                LeastOverPhases { low, .. } if low > 0.0 => continue,
+                LeastOverPhases { high, .. } if high < 0.0 => Place::Virtual {
                     guard,
                     at_times: !least.is_negative,
                 },
@@ -476,7 +476,7 @@ impl AffineSystem {
 
     /// Bounds of the least value of a form over all phases, where the states lie in these intervals; no finer than its
     /// sign takes.
-    fn least(&self, mode: usize, row: &Vector, states: &[Interval]) -> Least {
+    fn least(&self, mode: usize, row: &Vector, states: &[Interval]) -> LeastOverPhases {
         let at = |phase: Interval| {
             let z = self.enclosed(mode, states, phase);
             let terms = row.iter().zip(&z).filter(|(c, _)| **c != 0.0);
@@ -489,7 +489,7 @@ impl AffineSystem {
         };
         if !self.turns(row) {
             let Interval { low, high } = at(Interval::ZERO);
-            return Least {
+            return LeastOverPhases {
                 low,
                 high,
                 is_negative: true,
@@ -520,7 +520,7 @@ impl AffineSystem {
         }
         // whether it is positive at times is seen at phases alone
         let phases = (0..64).map(|part| at(Interval::point(TAU * f64::from(part) / 64.0)).low);
-        Least {
+        LeastOverPhases {
             low: parts
                 .iter()
                 .fold(f64::INFINITY, |low, (_, values)| low.min(values.low)),
@@ -545,7 +545,7 @@ impl AffineSystem {
 }
 
 /// Bounds of the least value of a form over all phases.
-struct Least {
+struct LeastOverPhases {
     low: f64,
     high: f64,
     /// Whether it is nowhere seen to be positive.
@@ -559,16 +559,17 @@ fn known_to(step: &NewtonStep) -> Option<Vector> {
 }
 
 /// Of many degenerate equilibria one stands for all, the nearest to zero.
-fn single_out(found: &mut Vec<Rest>) {
-    let degenerate = |rest: &Rest| rest.isolation == Isolation::Degenerate;
+fn single_out(found: &mut Vec<RestState>) {
+    let degenerate = |rest: &RestState| rest.isolation == Isolation::Degenerate;
     if found.iter().filter(|rest| degenerate(rest)).count() <= FEW {
         return;
     }
-    let (family, mut simple): (Vec<Rest>, Vec<Rest>) = found.drain(..).partition(degenerate);
+    let (family, mut simple): (Vec<RestState>, Vec<RestState>) =
+        found.drain(..).partition(degenerate);
     let nearest = family
         .into_iter()
         .min_by(|one, other| one.state.norm().total_cmp(&other.state.norm()));
-    simple.extend(nearest.map(|rest| Rest {
+    simple.extend(nearest.map(|rest| RestState {
         isolation: Isolation::Family,
         ..rest
     }));

@@ -5,13 +5,15 @@ use std::fmt;
 use serde::de::{self, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 
-use super::expression::{Algebra, Expression, Flaw, Function, Obstacle, Operation, Wrong};
+use super::expression::{
+    Algebra, Expression, ExpressionFlaw, Function, Obstacle, Operation, Wrong,
+};
 
 /// The value of an expression after these parameters.
 ///
 /// # Errors
 /// It cannot be read, or has a name that is none of them.
-pub fn value(text: &str, before: &[(String, f64)]) -> Result<f64, Flaw> {
+pub fn value(text: &str, before: &[(String, f64)]) -> Result<f64, ExpressionFlaw> {
     let meaning = |name: &str| match name {
         "pi" => Some(std::f64::consts::PI),
         _ => {
@@ -20,7 +22,7 @@ pub fn value(text: &str, before: &[(String, f64)]) -> Result<f64, Flaw> {
         }
     };
     let value = Expression::read(text)?.evaluate(&meaning);
-    value.map_err(|flaw| Flaw {
+    value.map_err(|flaw| ExpressionFlaw {
         wrong: match flaw.wrong {
             Wrong::Unknown(name) => Wrong::NotBefore(name),
             wrong => wrong,
@@ -72,10 +74,10 @@ impl<'de> Visitor<'de> for ValuesVisitor {
 
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
         let mut values = Vec::new();
-        while let Some((name, written)) = map.next_entry::<String, Written>()? {
+        while let Some((name, written)) = map.next_entry::<String, WrittenValue>()? {
             let value = match written {
-                Written::Number(value) => value,
-                Written::Text(text) => value(&text, &values).unwrap_or(f64::NAN),
+                WrittenValue::Number(value) => value,
+                WrittenValue::Text(text) => value(&text, &values).unwrap_or(f64::NAN),
             };
             values.push((name, value));
         }
@@ -84,13 +86,13 @@ impl<'de> Visitor<'de> for ValuesVisitor {
 }
 
 /// A value as it is written.
-enum Written {
+enum WrittenValue {
     Number(f64),
     Text(String),
 }
 
-impl<'de> Deserialize<'de> for Written {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Written, D::Error> {
+impl<'de> Deserialize<'de> for WrittenValue {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<WrittenValue, D::Error> {
         deserializer.deserialize_any(WrittenVisitor)
     }
 }
@@ -98,25 +100,25 @@ impl<'de> Deserialize<'de> for Written {
 struct WrittenVisitor;
 
 impl Visitor<'_> for WrittenVisitor {
-    type Value = Written;
+    type Value = WrittenValue;
 
     fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter.write_str("a number, or an expression in quotes")
     }
 
-    fn visit_f64<E: de::Error>(self, value: f64) -> Result<Written, E> {
-        Ok(Written::Number(value))
+    fn visit_f64<E: de::Error>(self, value: f64) -> Result<WrittenValue, E> {
+        Ok(WrittenValue::Number(value))
     }
 
-    fn visit_i64<E: de::Error>(self, value: i64) -> Result<Written, E> {
-        Ok(Written::Number(value as f64))
+    fn visit_i64<E: de::Error>(self, value: i64) -> Result<WrittenValue, E> {
+        Ok(WrittenValue::Number(value as f64))
     }
 
-    fn visit_u64<E: de::Error>(self, value: u64) -> Result<Written, E> {
-        Ok(Written::Number(value as f64))
+    fn visit_u64<E: de::Error>(self, value: u64) -> Result<WrittenValue, E> {
+        Ok(WrittenValue::Number(value as f64))
     }
 
-    fn visit_str<E: de::Error>(self, text: &str) -> Result<Written, E> {
-        Ok(Written::Text(text.to_owned()))
+    fn visit_str<E: de::Error>(self, text: &str) -> Result<WrittenValue, E> {
+        Ok(WrittenValue::Text(text.to_owned()))
     }
 }

@@ -262,7 +262,7 @@ fn start(
     task: &Task,
     problem: &Problem,
     text: String,
-    section: &problem::Curve,
+    section: &problem::CurveSection,
 ) -> Result<Start, Failure> {
     if let CurveEvent::Label { dir, label } = &section.event {
         let source = Source::new(task.name(), text);

@@ -21,11 +21,11 @@ use crate::output::simulation::{SimulationCheckpoint, SimulationFolder, columns}
 use crate::output::store::{Checkpoint, Kind, Store, VERSION, damaged};
 use crate::output::waves::Waves;
 use crate::problem::{self, Any, Continuation, Problem, Start};
-use crate::simulation::course::{Course, NoCourse, Piece};
+use crate::simulation::course::{CoursePiece, NoCourse, SimulationCourse};
 use crate::tube::model::{Model, Parameter};
 
-use crate::simulation::measure::{Measure, Sample};
-use crate::simulation::motion::Motion;
+use crate::simulation::measure::{Measure, TimeSample};
+use crate::simulation::motion::SimulatedMotion;
 use crate::simulation::perturbations::{Grows, GrowthRow};
 use crate::simulation::profile::Profile;
 use crate::simulation::task::{Simulation, SimulationStart};
@@ -137,7 +137,7 @@ fn simulate_tube(task: &Task, problem: Problem, text: String) -> Result<Exit, Fa
     let section = problem.simulation(&text, &name)?;
     let (model, wave) = beginning(task, &problem, &text, section)?;
     let out = task.folder("_simulation");
-    let begun = Course::begin(section, &model, problem.wave.mode, wave);
+    let begun = SimulationCourse::begin(section, &model, problem.wave.mode, wave);
     let mut course = begun.map_err(|reason| match reason {
         NoCourse::Motion(error) => {
             let (path, help) = error.about();
@@ -160,8 +160,8 @@ fn simulate_tube(task: &Task, problem: Problem, text: String) -> Result<Exit, Fa
     drive(task.quiet, || {
         match course.step() {
             Ok(None) => return Ok(None),
-            Ok(Some(Piece::Between)) => {}
-            Ok(Some(Piece::Sampled { snapshots, part })) => {
+            Ok(Some(CoursePiece::Between)) => {}
+            Ok(Some(CoursePiece::Sampled { snapshots, part })) => {
                 let sample = course.samples().last().copied().unwrap_or_default();
                 folder.sample(&sample, &course.motion().line())?;
                 while folder.snapshots() < snapshots {
@@ -244,7 +244,11 @@ fn simulate_tube(task: &Task, problem: Problem, text: String) -> Result<Exit, Fa
 }
 
 /// The folder of a simulation that begins, or of one that goes on.
-fn open(store: Store, problem: &Problem, course: &mut Course) -> Result<SimulationFolder, Failure> {
+fn open(
+    store: Store,
+    problem: &Problem,
+    course: &mut SimulationCourse,
+) -> Result<SimulationFolder, Failure> {
     let points = course.motion().line().radial.len();
     let Some(saved) = SimulationFolder::interrupted(&store, problem)? else {
         let mut folder = SimulationFolder::create(store, problem, points)?;
@@ -268,7 +272,11 @@ fn open(store: Store, problem: &Problem, course: &mut Course) -> Result<Simulati
     Ok(folder)
 }
 
-fn checkpoint(problem: &Problem, course: &Course, snapshots: usize) -> SimulationCheckpoint {
+fn checkpoint(
+    problem: &Problem,
+    course: &SimulationCourse,
+    snapshots: usize,
+) -> SimulationCheckpoint {
     SimulationCheckpoint {
         version: VERSION.to_string(),
         problem: problem.clone(),
@@ -281,10 +289,10 @@ fn checkpoint(problem: &Problem, course: &Course, snapshots: usize) -> Simulatio
 }
 
 /// Bytes of the files, roughly: 25 for a number in words, 8 for one in an array.
-fn disk_space(motion: &Motion, count: usize, snapshots: usize) -> f64 {
+fn disk_space(motion: &SimulatedMotion, count: usize, snapshots: usize) -> f64 {
     let snapshot = match motion {
-        Motion::Ring(_) => 7 * 8,
-        Motion::Annulus(_) => 9 * 25,
+        SimulatedMotion::Ring(_) => 7 * 8,
+        SimulatedMotion::Annulus(_) => 9 * 25,
     };
     let row = 14 * 25 + columns(motion.line().radial.len());
     count as f64 * row as f64 + snapshots as f64 * (snapshot * motion.size()) as f64
@@ -299,7 +307,7 @@ fn grows(grows: Grows) -> &'static str {
     }
 }
 
-fn report(measures: &[Measure], eigenvalues: &[GrowthRow], samples: &[Sample]) -> String {
+fn report(measures: &[Measure], eigenvalues: &[GrowthRow], samples: &[TimeSample]) -> String {
     let mut text = String::new();
     // writing to a string does not fail
     let _ = writeln!(

@@ -74,7 +74,7 @@ fn ring_points(text: &str) -> Result<usize, Usage> {
 fn smoothing(law: FrictionLaw, asked: Option<f64>) -> Result<f64, Usage> {
     match (law, asked) {
         (FrictionLaw::Coulomb | FrictionLaw::Stribeck { .. }, asked) => {
-            Ok(asked.unwrap_or(discretised::Settings::default().epsilon))
+            Ok(asked.unwrap_or(discretised::RingSettings::default().epsilon))
         }
         (FrictionLaw::Regularised { epsilon }, None) => Ok(epsilon),
         (FrictionLaw::Regularised { epsilon }, Some(_)) => Err(Usage::OwnWidth(epsilon)),
@@ -203,11 +203,11 @@ fn write_ring(
     points: usize,
 ) -> Result<Exit, Failure> {
     let (wave, unknowns) = item.wave();
-    let settings = discretised::Settings {
+    let settings = discretised::RingSettings {
         points,
         // where the branch has come, should ε be its parameter
         epsilon: smoothing(wave.model_at(unknowns).law, arguments.epsilon)?,
-        ..discretised::Settings::default()
+        ..discretised::RingSettings::default()
     };
     let inputs = std::slice::from_ref(&arguments.problem);
     let picture = picture(arguments.plot.as_deref(), inputs)?;

@@ -109,7 +109,7 @@ impl Node {
 
 /// A step that was taken, with the advice for the next.
 #[derive(Clone, Debug)]
-pub struct Step {
+pub struct ArclengthStep {
     /// New point.
     pub node: Node,
     /// Advised length of the next step, not yet limited to the settings.
@@ -236,7 +236,7 @@ pub fn advance<S: System>(
     before: &[Node],
     ds: f64,
     tolerance: f64,
-) -> Result<Step, Refusal<S::Failure>> {
+) -> Result<ArclengthStep, Refusal<S::Failure>> {
     let through = &from.point + &from.tangent * ds;
     let bend = || bend(before, from, ds);
     let predicted = match S::KEEPS.then(bend).flatten() {
@@ -263,7 +263,7 @@ pub fn advance<S: System>(
     let factor = by_angle
         .min(by_contraction)
         .clamp(MOST_SHRINKING, MOST_GROWTH);
-    Ok(Step {
+    Ok(ArclengthStep {
         node,
         next: ds * factor,
     })
@@ -330,7 +330,7 @@ impl<S: System> Iterator for Path<'_, S> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::continuation::circle::Circle;
+    use crate::continuation::circle::UnitCircle;
 
     /// w(σ) = 1 − √(1 − σ²) has the coefficients 1/8 and 1/16 of σ⁴ and σ⁶: at σ = h, by nodes near −h and −2h, the polynomial is
     /// off by the first times h²·(2h)², with two of them by the second times h²·(2h)²·(3h)², and by half of that again at most.
@@ -366,7 +366,7 @@ mod tests {
             ..Steps::default()
         };
         let begin = Vector::from_vec(vec![1.0, 0.0]);
-        let path = Path::from(&Circle, begin, true, steps).unwrap();
+        let path = Path::from(&UnitCircle, begin, true, steps).unwrap();
         let (mut turned, mut last) = (0.0, 0.0_f64);
         for [_, node] in path.take(1000) {
             assert!((node.point.norm() - 1.0).abs() < 4.0 * f64::EPSILON);

@@ -4,9 +4,9 @@ use super::newton::System;
 use crate::linalg::{Matrix, Vector};
 
 /// x² + y² = 1, with y as parameter.
-pub(super) struct Circle;
+pub(super) struct UnitCircle;
 
-impl System for Circle {
+impl System for UnitCircle {
     type Failure = std::convert::Infallible;
 
     fn unknowns(&self) -> usize {

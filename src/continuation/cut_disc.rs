@@ -3,9 +3,9 @@
 //! of events that lie close together.
 
 use super::arclength::{Node, Steps};
-use super::locate::{self, Least, Place};
+use super::locate::{self, LeastWithin, Place};
 use super::newton::System;
-use super::walk::{self, Beginning, Curve, End, EndOf, Outcome, Segment, Walker, Within};
+use super::walk::{self, Curve, CurveBeginning, End, EndOf, Outcome, Segment, Walker, Within};
 use crate::linalg::{Matrix, Vector};
 
 /// The half-plane n·u > 1 − depth is cut off, n being the unit vector at an angle.
@@ -38,19 +38,19 @@ impl Cut {
 
 /// A piece of the boundary.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Piece {
+enum BoundaryPiece {
     Arc,
     Chord(usize),
 }
 
 /// The boundary while it is one piece.
 #[derive(Clone)]
-struct Boundary {
-    piece: Piece,
+struct DiscBoundary {
+    piece: BoundaryPiece,
     cuts: Vec<Cut>,
 }
 
-impl System for Boundary {
+impl System for DiscBoundary {
     type Failure = std::convert::Infallible;
 
     fn unknowns(&self) -> usize {
@@ -64,11 +64,11 @@ impl System for Boundary {
         jacobian: &mut Matrix,
     ) -> Result<(), Self::Failure> {
         let [x, y] = match self.piece {
-            Piece::Arc => {
+            BoundaryPiece::Arc => {
                 residual[0] = 0.5 * (point.norm_squared() - 1.0);
                 [point[0], point[1]]
             }
-            Piece::Chord(index) => {
+            BoundaryPiece::Chord(index) => {
                 let normal = self.cuts[index].normal();
                 let along = normal[0] * point[0] + normal[1] * point[1];
                 residual[0] = along - (1.0 - self.cuts[index].depth);
@@ -83,31 +83,31 @@ impl System for Boundary {
 
 /// A point of the boundary.
 #[derive(Clone, Debug)]
-struct Found {
+struct BoundaryPoint {
     point: Vector,
     /// Pieces on both sides of an event.
-    corner: Option<(Piece, Piece)>,
+    corner: Option<(BoundaryPiece, BoundaryPiece)>,
     /// Which piece may have been missed before it.
-    close: Option<Piece>,
+    close: Option<BoundaryPiece>,
 }
 
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("a corner is not found")]
 struct NotFound;
 
-impl Boundary {
+impl DiscBoundary {
     /// The pieces that this one may hand over to.
-    fn neighbours(&self) -> Vec<Piece> {
-        let chords = (0..self.cuts.len()).map(Piece::Chord);
-        let all = std::iter::once(Piece::Arc).chain(chords);
+    fn neighbours(&self) -> Vec<BoundaryPiece> {
+        let chords = (0..self.cuts.len()).map(BoundaryPiece::Chord);
+        let all = std::iter::once(BoundaryPiece::Arc).chain(chords);
         all.filter(|piece| *piece != self.piece).collect()
     }
 
     /// What is positive while the neighbour is not reached, with its slope along the curve.
-    fn room(&self, neighbour: Piece, node: &Node) -> (f64, f64) {
+    fn room(&self, neighbour: BoundaryPiece, node: &Node) -> (f64, f64) {
         match neighbour {
-            Piece::Chord(index) => self.cuts[index].room(node),
-            Piece::Arc => (
+            BoundaryPiece::Chord(index) => self.cuts[index].room(node),
+            BoundaryPiece::Arc => (
                 0.5 * (1.0 - node.point.norm_squared()),
                 -node.point.dot(&node.tangent),
             ),
@@ -118,23 +118,23 @@ impl Boundary {
 /// Values below this are rounding.
 const ROUNDING: f64 = 1e-15;
 
-impl Curve for Boundary {
-    type System = Boundary;
-    type Name = Piece;
+impl Curve for DiscBoundary {
+    type System = DiscBoundary;
+    type Name = BoundaryPiece;
     type Watched = Vec<(f64, f64)>;
-    type Event = Piece;
-    type Found = Found;
+    type Event = BoundaryPiece;
+    type Found = BoundaryPoint;
     type Refusal = NotFound;
     type End = ();
-    type Close = Piece;
+    type Close = BoundaryPiece;
 
     const CREEP: (usize, f64) = (20, 1e-12);
 
-    fn system(&self) -> &Boundary {
+    fn system(&self) -> &DiscBoundary {
         self
     }
 
-    fn name(&self) -> &Piece {
+    fn name(&self) -> &BoundaryPiece {
         &self.piece
     }
 
@@ -143,7 +143,11 @@ impl Curve for Boundary {
         Ok(neighbours.map(|other| self.room(other, node)).collect())
     }
 
-    fn within(&self, step: &Segment<Self::Watched>, located: &[(Place, Piece)]) -> Within<Piece> {
+    fn within(
+        &self,
+        step: &Segment<Self::Watched>,
+        located: &[(Place, BoundaryPiece)],
+    ) -> Within<BoundaryPiece> {
         let end = located.first().map_or(f64::INFINITY, |(place, _)| place.s);
         let mut within = Within::Nothing;
         for (index, neighbour) in self.neighbours().into_iter().enumerate() {
@@ -155,10 +159,10 @@ impl Curve for Boundary {
                 Some(self.room(neighbour, node))
             });
             match least {
-                Least::Found(place, value) if value < -100.0 * ROUNDING && place.s < end => {
+                LeastWithin::Found(place, value) if value < -100.0 * ROUNDING && place.s < end => {
                     return Within::Pair(place.s);
                 }
-                Least::Found(place, value) if value <= ROUNDING && place.s < end => {
+                LeastWithin::Found(place, value) if value <= ROUNDING && place.s < end => {
                     within = Within::Close(place.s, neighbour);
                 }
                 _ => {}
@@ -167,17 +171,20 @@ impl Curve for Boundary {
         within
     }
 
-    fn doubted(&self, found: Found, close: Piece) -> Found {
-        Found {
+    fn doubted(&self, found: BoundaryPoint, close: BoundaryPiece) -> BoundaryPoint {
+        BoundaryPoint {
             close: Some(close),
             ..found
         }
     }
 
-    fn locate(&self, step: &Segment<Self::Watched>) -> Result<Vec<(Place, Piece)>, NotFound> {
+    fn locate(
+        &self,
+        step: &Segment<Self::Watched>,
+    ) -> Result<Vec<(Place, BoundaryPiece)>, NotFound> {
         let neighbours = self.neighbours().into_iter().enumerate();
         let reached = neighbours.filter(|(index, _)| step.after[*index].0 <= 0.0);
-        let zero = |(index, neighbour): (usize, Piece)| {
+        let zero = |(index, neighbour): (usize, BoundaryPiece)| {
             // where the step sets out from a corner the function is zero, and positive just after it
             let first = step.before[index].0.max(f64::MIN_POSITIVE);
             let ends = ((0.0, first), (step.ds, step.after[index].0));
@@ -193,9 +200,9 @@ impl Curve for Boundary {
         &self,
         step: &Segment<Self::Watched>,
         place: &Place,
-        together: &[Piece],
-    ) -> Result<Outcome<Boundary>, NotFound> {
-        let curve = Boundary {
+        together: &[BoundaryPiece],
+    ) -> Result<Outcome<DiscBoundary>, NotFound> {
+        let curve = DiscBoundary {
             piece: together[0],
             cuts: self.cuts.clone(),
         };
@@ -216,13 +223,13 @@ impl Curve for Boundary {
             },
         );
         let (node, ds, ()) = entered.ok_or(NotFound)?;
-        let found = Found {
+        let found = BoundaryPoint {
             point,
             corner: Some((self.piece, curve.piece)),
             close: None,
         };
         let watched = curve.watch(&node, None)?;
-        let beginning = Beginning {
+        let beginning = CurveBeginning {
             curve,
             node,
             watched,
@@ -233,22 +240,22 @@ impl Curve for Boundary {
 
     fn arrive(&mut self, _: &mut Node, _: &Self::Watched, _: &[(Place, Self::Event)]) {}
 
-    fn point(&self, _: f64, node: &Node, _: &Self::Watched) -> Found {
-        Found {
+    fn point(&self, _: f64, node: &Node, _: &Self::Watched) -> BoundaryPoint {
+        BoundaryPoint {
             point: node.point.clone(),
             corner: None,
             close: None,
         }
     }
 
-    fn closing(&self, _: f64, _: &Node, reached: Found) -> Found {
+    fn closing(&self, _: f64, _: &Node, reached: BoundaryPoint) -> BoundaryPoint {
         reached
     }
 }
 
 /// Follows the boundary from (1, 0), anticlockwise or clockwise, with steps up to a length: all points and
 /// the end.
-fn walked(cuts: &[Cut], sign: f64, ds_max: f64) -> (Vec<Found>, EndOf<Boundary>) {
+fn walked(cuts: &[Cut], sign: f64, ds_max: f64) -> (Vec<BoundaryPoint>, EndOf<DiscBoundary>) {
     let node = Node::at(
         Vector::from_vec(vec![1.0, 0.0]),
         Vector::from_vec(vec![0.0, sign]),
@@ -259,8 +266,8 @@ fn walked(cuts: &[Cut], sign: f64, ds_max: f64) -> (Vec<Found>, EndOf<Boundary>)
         ds_max,
         tolerance: 1e-12,
     };
-    let curve = Boundary {
-        piece: Piece::Arc,
+    let curve = DiscBoundary {
+        piece: BoundaryPiece::Arc,
         cuts: cuts.to_vec(),
     };
     let mut walker = Walker::begin(curve, node, steps).expect("a first point");
@@ -276,15 +283,15 @@ fn walked(cuts: &[Cut], sign: f64, ds_max: f64) -> (Vec<Found>, EndOf<Boundary>)
 }
 
 /// The corners of cuts that do not overlap, in order: angle, and the pieces before and after.
-fn corners(cuts: &[Cut]) -> Vec<(f64, (Piece, Piece))> {
+fn corners(cuts: &[Cut]) -> Vec<(f64, (BoundaryPiece, BoundaryPiece))> {
     let mut corners: Vec<_> = cuts
         .iter()
         .enumerate()
         .flat_map(|(index, cut)| {
-            let (half, chord) = (cut.half_width(), Piece::Chord(index));
+            let (half, chord) = (cut.half_width(), BoundaryPiece::Chord(index));
             [
-                (cut.angle - half, (Piece::Arc, chord)),
-                (cut.angle + half, (chord, Piece::Arc)),
+                (cut.angle - half, (BoundaryPiece::Arc, chord)),
+                (cut.angle + half, (chord, BoundaryPiece::Arc)),
             ]
         })
         .collect();
@@ -348,7 +355,11 @@ fn a_touch_is_said_to_be_undecided() {
             assert_eq!(end, End::Closed);
             assert!(points.iter().all(|found| found.corner.is_none()));
             let close: Vec<_> = points.iter().filter_map(|found| found.close).collect();
-            assert_eq!(close, vec![Piece::Chord(0); doubts], "depth {depth:e}");
+            assert_eq!(
+                close,
+                vec![BoundaryPiece::Chord(0); doubts],
+                "depth {depth:e}"
+            );
         }
     }
 }

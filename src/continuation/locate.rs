@@ -183,7 +183,7 @@ fn dip(ds: f64, [(m0, d0), (m1, d1)]: Ends) -> Option<f64> {
 }
 
 /// What a function does within a step that is positive at both ends.
-pub(crate) enum Least {
+pub(crate) enum LeastWithin {
     /// It does not come near zero.
     Far,
     /// Its least value and where that is.
@@ -201,12 +201,12 @@ pub(crate) fn least<S: System>(
     ends: Ends,
     tolerance: f64,
     mut f: impl FnMut(&Node) -> Option<(f64, f64)>,
-) -> Least {
+) -> LeastWithin {
     /// A slope below this part of those at the ends, or a place known to this part of the step, leaves an
     /// error of its square in the value.
     const LEVEL: f64 = 1e-8;
     let Some(guess) = dip(ds, ends) else {
-        return Least::Far;
+        return LeastWithin::Far;
     };
     let [(_, d0), (_, d1)] = ends;
     let level = LEVEL * d1.min(-d0);
@@ -217,7 +217,7 @@ pub(crate) fn least<S: System>(
         Ok::<_, ()>((slope, (node, value)))
     };
     let found = match at(guess) {
-        Err(()) => return Least::NotFound,
+        Err(()) => return LeastWithin::NotFound,
         Ok((slope, found)) if slope.abs() <= level => Ok((guess, found)),
         Ok((slope, _)) => {
             bracket.shrink(guess, slope);
@@ -228,8 +228,8 @@ pub(crate) fn least<S: System>(
         }
     };
     match found {
-        Ok((s, (node, value))) => Least::Found(Place { s, node, blur: 0.0 }, value),
-        Err(()) => Least::NotFound,
+        Ok((s, (node, value))) => LeastWithin::Found(Place { s, node, blur: 0.0 }, value),
+        Err(()) => LeastWithin::NotFound,
     }
 }
 

@@ -423,7 +423,7 @@ pub fn jacobian<S: System>(system: &S, point: &Vector) -> Result<(Matrix, f64), 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::continuation::circle::Circle;
+    use crate::continuation::circle::UnitCircle;
 
     /// x_i² = x_{i+1} + 2 in 300 unknowns, the last of them given: as large as a wave with many zones.
     struct Chain;
@@ -473,7 +473,7 @@ mod tests {
             index: 1,
             value: 0.6,
         };
-        let solution = solve(&Circle, &mut constraint, &guess, &Settings::default()).unwrap();
+        let solution = solve(&UnitCircle, &mut constraint, &guess, &Settings::default()).unwrap();
         assert!((solution.point[0] - 0.8).abs() <= f64::EPSILON);
         assert!(solution.iterations <= 5);
 
@@ -481,6 +481,6 @@ mod tests {
             index: 1,
             value: 1.5,
         };
-        assert!(solve(&Circle, &mut outside, &guess, &Settings::default()).is_err());
+        assert!(solve(&UnitCircle, &mut outside, &guess, &Settings::default()).is_err());
     }
 }

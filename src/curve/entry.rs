@@ -4,7 +4,7 @@ use super::event::{EventCurve, INTO, OWN, Stage};
 use super::plane::{Condition, FailureOf, MarginOf, Plane};
 use super::system::EventSystem;
 use crate::continuation::Node;
-use crate::continuation::walk::{self, Beginning};
+use crate::continuation::walk::{self, CurveBeginning};
 use crate::linalg::Vector;
 use crate::orbit::change::nearest_beyond;
 use crate::orbit::special::Change;
@@ -39,7 +39,7 @@ impl<P: Plane> EventCurve<P> {
         step: &Stage<P>,
         node: &Node,
         second: &MarginOf<P>,
-    ) -> Option<Beginning<EventCurve<P>>> {
+    ) -> Option<CurveBeginning<EventCurve<P>>> {
         let Condition::Margin(first) = &self.system.condition else {
             return None;
         };
@@ -69,7 +69,7 @@ impl<P: Plane> EventCurve<P> {
                         EventCurve::new(system, self.event, &node.point, self.limits).ok()?;
                     let curve = EventCurve { own, ..next };
                     let watched = curve.tests(&node, None).ok()?;
-                    return Some(Beginning {
+                    return Some(CurveBeginning {
                         curve,
                         node,
                         watched,

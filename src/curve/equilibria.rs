@@ -9,7 +9,7 @@ use super::point::{Gone, Name, PointType, What};
 use crate::affine::connection::Connection;
 use crate::affine::equilibrium::codimension::KeptEigenvalues;
 use crate::affine::equilibrium::plane::{
-    CriticalUnknowns, EquilibriumPlane, PairVectors, SpecialEquilibrium,
+    CriticalUnknowns, EquilibriumPlane, PairVectors, SpecialCondition,
 };
 use crate::affine::equilibrium::{
     EquilibriumCurve, EquilibriumFailure, EquilibriumMargin, EquilibriumScales, RestMode,
@@ -277,12 +277,10 @@ impl Plane for Equilibria {
         equations: (&mut [f64], &mut Matrix),
     ) -> Option<Result<(), EquilibriumFailure>> {
         let special = match condition {
-            Condition::Fold => SpecialEquilibrium::Fold,
-            Condition::Spectral(CriticalEquilibrium::Pair { near }) => {
-                SpecialEquilibrium::Pair(near)
-            }
+            Condition::Fold => SpecialCondition::Fold,
+            Condition::Spectral(CriticalEquilibrium::Pair { near }) => SpecialCondition::Pair(near),
             Condition::Spectral(CriticalEquilibrium::Crossing { near }) => {
-                SpecialEquilibrium::Crossing(near)
+                SpecialCondition::Crossing(near)
             }
             Condition::Spectral(CriticalEquilibrium::Connection(_))
             | Condition::Margin(_)

@@ -7,7 +7,7 @@ use super::plane::{Condition, MarginOf, Plane, SignatureOf};
 use super::point::{Point, PointType, What};
 use super::system::EventSystem;
 use crate::continuation::Node;
-use crate::continuation::locate::{self, Least, Place};
+use crate::continuation::locate::{self, LeastWithin, Place};
 use crate::continuation::newton;
 use crate::continuation::walk::{Curve, End, Outcome, Within};
 use crate::orbit::special::Close;
@@ -87,13 +87,13 @@ impl<P: Plane> Curve for EventCurve<P> {
                 Some(Close::Margin(orbit.held(margin)))
             };
             let found = match least {
-                Least::Found(place, _) if place.s >= end => None,
-                Least::Found(place, value) if value < -ROUNDED => {
+                LeastWithin::Found(place, _) if place.s >= end => None,
+                LeastWithin::Found(place, value) if value < -ROUNDED => {
                     pair = pair.min(place.s);
                     None
                 }
-                Least::Found(place, value) if value <= ROUNDED => Some(place.s),
-                Least::NotFound if step.ds < end => Some(step.ds),
+                LeastWithin::Found(place, value) if value <= ROUNDED => Some(place.s),
+                LeastWithin::NotFound if step.ds < end => Some(step.ds),
                 _ => None,
             };
             if let Some((s, held)) = found.zip(held()) {

@@ -22,7 +22,7 @@ pub struct Limits {
 
 impl Limits {
     /// Those of a section of a problem.
-    pub fn of<P, E>(section: &problem::Curve<P, E>) -> Limits {
+    pub fn of<P, E>(section: &problem::CurveSection<P, E>) -> Limits {
         Limits {
             ranges: [section.range.0, section.range.1],
             steps: section.steps(),

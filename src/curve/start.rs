@@ -181,7 +181,7 @@ where
 /// or when its equations are singular.
 pub fn find(
     problem: &Problem,
-    curve: &problem::Curve,
+    curve: &problem::CurveSection,
     begin: impl FnOnce(&Problem) -> Result<Runner, RunError>,
     watch: &mut dyn FnMut(&Runner),
 ) -> Result<Start, NoCurve> {
@@ -478,7 +478,7 @@ pub struct Labelled {
 }
 
 /// The event of a branch.
-fn of_branch(item: &Item, curve: &problem::Curve) -> Result<Start, NoCurve> {
+fn of_branch(item: &Item, curve: &problem::CurveSection) -> Result<Start, NoCurve> {
     let (wave, point) = item.wave();
     let event = item.event.as_ref();
     let labelled = Labelled {
@@ -498,7 +498,7 @@ pub fn labelled(
     problem: &Problem,
     saved: &SavedWave,
     event: Labelled,
-    curve: &problem::Curve,
+    curve: &problem::CurveSection,
 ) -> Result<Start, NoCurve> {
     if !Tube::FOLLOWED.contains(&event.kind) {
         return Err(NoCurve::Kind {
@@ -522,7 +522,7 @@ fn pose_wave(
     wave: &Wave,
     point: &Vector,
     event: Labelled,
-    curve: &problem::Curve,
+    curve: &problem::CurveSection,
 ) -> Result<Start, NoCurve> {
     let limits = Limits::of(curve);
     let parameters = [curve.parameters.0, curve.parameters.1];

@@ -1,12 +1,12 @@
 //! The fundamental matrix over T as a band.
 
-use super::chain::{Nodes, Stages, rows};
-use super::ring::{Equations, Linear, dot, radau};
+use super::chain::{ChainNodes, Stages, rows};
+use super::ring::{RingEquations, RingPerturbations, dot, radau};
 
 /// Perturbations of some points, followed at those and further points: rows for V and V̇ of each
 /// point, and in them a column for V and for V̇ of each perturbed point.
 pub(super) struct Fan {
-    nodes: Nodes,
+    nodes: ChainNodes,
     columns: usize,
     displacement: Vec<f64>,
     rate: Vec<f64>,
@@ -18,7 +18,7 @@ impl Fan {
     pub(super) fn new(first: isize, count: usize, inset: usize, group: usize, cyclic: bool) -> Fan {
         let columns = 2 * group;
         let mut fan = Fan {
-            nodes: Nodes {
+            nodes: ChainNodes {
                 first,
                 count,
                 cyclic,
@@ -46,11 +46,11 @@ impl Fan {
     }
 
     /// Takes the perturbations through a time step. False where it is singular.
-    pub(super) fn advance(&mut self, ring: &Equations, linear: &Linear) -> bool {
+    pub(super) fn advance(&mut self, ring: &RingEquations, linear: &RingPerturbations) -> bool {
         let Some(factors) = ring.factors(linear, self.nodes) else {
             return false;
         };
-        let Nodes { count, cyclic, .. } = self.nodes;
+        let ChainNodes { count, cyclic, .. } = self.nodes;
         let (columns, step) = (self.columns, linear.step);
         let radau = radau();
         for index in 0..count {
@@ -114,8 +114,8 @@ pub(super) struct Band {
 
 impl Band {
     pub(super) fn new(
-        ring: &Equations,
-        steps: &[Linear],
+        ring: &RingEquations,
+        steps: &[RingPerturbations],
         points: usize,
         reach: usize,
     ) -> Option<Band> {

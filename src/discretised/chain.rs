@@ -9,14 +9,14 @@ pub(super) type Block = Matrix3<f64>;
 
 /// Consecutive points of the ring or of its repetition.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Nodes {
+pub(super) struct ChainNodes {
     pub(super) first: isize,
     pub(super) count: usize,
     /// Whether the last is next to the first.
     pub(super) cyclic: bool,
 }
 
-impl Nodes {
+impl ChainNodes {
     /// Point of the cell at an index.
     pub(super) fn point(&self, index: usize, points: usize) -> usize {
         (self.first + index as isize).rem_euclid(points as isize) as usize
@@ -28,7 +28,7 @@ impl Nodes {
 /// block-diagonal ones with dominant blocks (the coupling has the factor h²a/Δφ² < 1), so that
 /// pivoting within blocks is enough.
 #[derive(Clone, Debug)]
-pub(super) struct Factors {
+pub(super) struct BlockFactors {
     cyclic: bool,
     inverse: Vec<Block>,
     /// Coupling to the next point, above the diagonal.
@@ -41,17 +41,17 @@ pub(super) struct Factors {
     row: Vec<Block>,
 }
 
-impl Factors {
+impl BlockFactors {
     pub(super) fn new(
-        nodes: Nodes,
+        nodes: ChainNodes,
         own: impl Fn(usize) -> Block,
         ahead: impl Fn(usize) -> Block,
         behind: impl Fn(usize) -> Block,
-    ) -> Option<Factors> {
-        let Nodes { count, cyclic, .. } = nodes;
+    ) -> Option<BlockFactors> {
+        let ChainNodes { count, cyclic, .. } = nodes;
         let last = count - 1;
         let zero = Block::zeros();
-        let mut factors = Factors {
+        let mut factors = BlockFactors {
             cyclic,
             inverse: Vec::with_capacity(count),
             upper: Vec::with_capacity(count),

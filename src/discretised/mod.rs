@@ -81,7 +81,7 @@ mod ring;
 mod tests;
 mod wave;
 
-pub use ring::Failure;
+pub use ring::RingFailure;
 pub use wave::{FIRST_EPSILON, SemiDiscreteWave, solve, solve_from};
 
 use crate::branch::wanted::NoStart;
@@ -90,7 +90,7 @@ use crate::tube::wave::start::Which;
 
 /// What to compute.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Settings {
+pub struct RingSettings {
     /// Points per wavelength n, [`LEAST_POINTS`] to [`MOST_POINTS`].
     pub points: usize,
     /// Width ε > 0 of the friction law in V̇. Once the error from the spacing dominates, a smaller
@@ -103,9 +103,9 @@ pub struct Settings {
     pub tolerance: f64,
 }
 
-impl Default for Settings {
-    fn default() -> Settings {
-        Settings {
+impl Default for RingSettings {
+    fn default() -> RingSettings {
+        RingSettings {
             points: 200,
             epsilon: 0.005,
             which: Which::Fast,
@@ -172,7 +172,7 @@ pub enum Error {
         /// ε at which it failed.
         failed: f64,
         /// How it failed.
-        failure: Failure,
+        failure: RingFailure,
     },
     /// No such sector.
     #[error("a wave of mode {mode} has the sectors 0 to {}, not {sector}", mode.saturating_sub(1))]
@@ -190,7 +190,7 @@ pub enum Error {
     },
 }
 
-impl Settings {
+impl RingSettings {
     fn check(&self) -> Result<(), Error> {
         if !(LEAST_POINTS..=MOST_POINTS).contains(&self.points) {
             return Err(Error::Points {

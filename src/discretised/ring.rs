@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::chain::{Block, Factors, Nodes, Stages};
+use super::chain::{Block, BlockFactors, ChainNodes, Stages};
 use crate::tube::model::{FrictionLaw, Model};
 
 /// Number of spacings beyond which nothing is felt within T without material damping (see the text of
@@ -21,7 +21,7 @@ pub(super) const TOO_LARGE: f64 = 30.0;
 
 /// Why one attempt of Newton's method failed.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum Failure {
+pub enum RingFailure {
     /// The time steps became too small.
     #[error("the time steps fall below {step:e}")]
     Steps {
@@ -53,7 +53,7 @@ pub(super) type Values = Vec<[f64; 2]>;
 
 /// Coefficients of the semi-discrete system.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Equations {
+pub(super) struct RingEquations {
     pub(super) spacing: f64,
     /// a/Δφ².
     pub(super) tension: f64,
@@ -104,14 +104,14 @@ pub(super) struct Slopes {
 }
 
 #[derive(Clone, Debug)]
-pub(super) struct Linear {
+pub(super) struct RingPerturbations {
     pub(super) step: f64,
     pub(super) slopes: Vec<Slopes>,
 }
 
 pub(super) struct Taken {
-    pub(super) linear: Linear,
-    pub(super) factors: Factors,
+    pub(super) linear: RingPerturbations,
+    pub(super) factors: BlockFactors,
     /// V and V̇ at the stages of each point.
     pub(super) displacement: Vec<Stages>,
     pub(super) rate: Vec<Stages>,
@@ -131,15 +131,15 @@ impl Taken {
 pub(super) struct Flow {
     pub(super) end: Values,
     pub(super) by_period: Values,
-    pub(super) steps: Vec<Linear>,
+    pub(super) steps: Vec<RingPerturbations>,
 }
 
-impl Equations {
-    pub(super) fn new(model: &Model, mode: u32, points: usize, epsilon: f64) -> Equations {
+impl RingEquations {
+    pub(super) fn new(model: &Model, mode: u32, points: usize, epsilon: f64) -> RingEquations {
         let parameters = model.constants();
         let coefficients = parameters.coefficients;
         let spacing = TAU / (f64::from(mode) * points as f64);
-        Equations {
+        RingEquations {
             spacing,
             tension: coefficients.a / (spacing * spacing),
             stiffness: coefficients.h,
@@ -217,7 +217,11 @@ impl Equations {
 
     /// Matrix of a step for the stage values of V̇:
     /// W_s − hΣA_sr[(∂F/∂W)_r W_r + (∂F/∂V̂)_r(βW_r + hΣA_rq W_q)].
-    pub(super) fn factors(&self, linear: &Linear, nodes: Nodes) -> Option<Factors> {
+    pub(super) fn factors(
+        &self,
+        linear: &RingPerturbations,
+        nodes: ChainNodes,
+    ) -> Option<BlockFactors> {
         let step = linear.step;
         let radau = radau();
         // V̂ of the stages from W
@@ -229,7 +233,7 @@ impl Equations {
             let weighted = Block::from_fn(|row, column| slope[row] * effective[(row, column)]);
             radau * weighted * -step
         };
-        Factors::new(
+        BlockFactors::new(
             nodes,
             |index| {
                 let rate = &slopes(index).rate;
@@ -244,17 +248,17 @@ impl Equations {
         )
     }
 
-    pub(super) fn step(&self, from: &Values, step: f64) -> Result<Taken, Failure> {
+    pub(super) fn step(&self, from: &Values, step: f64) -> Result<Taken, RingFailure> {
         let points = from.len();
-        let nodes = Nodes {
+        let nodes = ChainNodes {
             first: 0,
             count: points,
             cyclic: true,
         };
         let radau = radau();
-        let failure = Failure::Stages { step };
+        let failure = RingFailure::Stages { step };
         let mut rate: Vec<Stages> = from.iter().map(|&[_, w]| [w; 3]).collect();
-        let mut linear = Linear {
+        let mut linear = RingPerturbations {
             step,
             slopes: vec![Slopes::default(); points],
         };
@@ -312,7 +316,7 @@ impl Equations {
         from: &Values,
         period: f64,
         tolerance: f64,
-    ) -> Result<Vec<f64>, Failure> {
+    ) -> Result<Vec<f64>, RingFailure> {
         /// Of T: fronts of ε = 1e-6 still have steps a hundred times longer.
         const SHORTEST: f64 = 1e-9;
         let mut fractions = Vec::new();
@@ -328,7 +332,7 @@ impl Equations {
                 share.min(0.5 * left)
             };
             if now < SHORTEST {
-                return Err(Failure::Steps { step: now * period });
+                return Err(RingFailure::Steps { step: now * period });
             }
             let half = 0.5 * now * period;
             let attempt = self.step(&state, 2.0 * half).and_then(|whole| {
@@ -364,7 +368,7 @@ impl Equations {
         from: &Values,
         period: f64,
         fractions: &[f64],
-    ) -> Result<Flow, Failure> {
+    ) -> Result<Flow, RingFailure> {
         let radau = radau();
         let points = from.len();
         let mut state = from.clone();

@@ -25,10 +25,10 @@ fn wave(points: usize, epsilon: f64) -> SemiDiscreteWave {
 }
 
 fn damped(beta: f64, points: usize, epsilon: f64) -> SemiDiscreteWave {
-    let settings = Settings {
+    let settings = RingSettings {
         points,
         epsilon,
-        ..Settings::default()
+        ..RingSettings::default()
     };
     let model = Model {
         damping: Damping {
@@ -218,10 +218,10 @@ fn nothing_is_felt_beyond_the_reach() {
         },
         ..model(0.4)
     };
-    let settings = Settings {
+    let settings = RingSettings {
         points: 170,
         epsilon: 0.1,
-        ..Settings::default()
+        ..RingSettings::default()
     };
     for wave in [
         damped(0.0, 24, 0.1),
@@ -258,10 +258,10 @@ fn mirror_image_has_the_same_sectors() {
         source: Source::from(coefficients),
         ..original
     };
-    let settings = Settings {
+    let settings = RingSettings {
         points: 24,
         epsilon: 0.1,
-        ..Settings::default()
+        ..RingSettings::default()
     };
     let (one, other) = (
         solve(&original, 4, &settings).unwrap(),
@@ -344,10 +344,10 @@ fn reverse_slip_converges_to_the_exact_eigenvalues() {
         c64::new(0.1002644739858, 1.320228603567),
     ];
     let errors = [(50, 0.02), (100, 0.01), (200, 0.005)].map(|(points, epsilon)| {
-        let settings = Settings {
+        let settings = RingSettings {
             points,
             epsilon,
-            ..Settings::default()
+            ..RingSettings::default()
         };
         let wave = solve(&model(0.08), 4, &settings).unwrap();
         [(0, exact[0]), (1, exact[1])]
@@ -363,11 +363,11 @@ fn reverse_slip_converges_to_the_exact_eigenvalues() {
 
 #[test]
 fn refusals_carry_their_numbers() {
-    let attempt = |mismatch, change: &dyn Fn(&mut Settings)| {
-        let mut settings = Settings {
+    let attempt = |mismatch, change: &dyn Fn(&mut RingSettings)| {
+        let mut settings = RingSettings {
             points: 16,
             epsilon: 0.1,
-            ..Settings::default()
+            ..RingSettings::default()
         };
         change(&mut settings);
         solve(&model(mismatch), 4, &settings).err()

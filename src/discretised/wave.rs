@@ -6,8 +6,11 @@ use faer::linalg::solvers::Solve;
 use faer::{Mat, c64};
 
 use super::band::Band;
-use super::ring::{CLOSE, Equations, Failure, Linear, MOST_ITERATIONS, TOO_LARGE, Values, size_of};
-use super::{Error, Settings};
+use super::ring::{
+    CLOSE, MOST_ITERATIONS, RingEquations, RingFailure, RingPerturbations, TOO_LARGE, Values,
+    size_of,
+};
+use super::{Error, RingSettings};
 use crate::branch::first_wave::first_wave;
 use crate::continuation;
 use crate::linalg::Vector;
@@ -53,8 +56,8 @@ pub struct SemiDiscreteWave {
     /// Iterations of Newton's method spent on the way.
     pub newton: usize,
     tolerance: f64,
-    pub(super) ring: Equations,
-    pub(super) steps: Vec<Linear>,
+    pub(super) ring: RingEquations,
+    pub(super) steps: Vec<RingPerturbations>,
     pub(super) band: Band,
 }
 
@@ -63,10 +66,10 @@ struct Guess {
     period: f64,
 }
 
-struct Found {
+struct RingWave {
     state: Values,
     period: f64,
-    steps: Vec<Linear>,
+    steps: Vec<RingPerturbations>,
     band: Band,
     iterations: usize,
 }
@@ -76,7 +79,7 @@ struct Found {
 /// # Errors
 /// Settings out of range, no exact wave in full contact, or an ε that cannot be reached with so
 /// few points.
-pub fn solve(model: &Model, mode: u32, settings: &Settings) -> Result<SemiDiscreteWave, Error> {
+pub fn solve(model: &Model, mode: u32, settings: &RingSettings) -> Result<SemiDiscreteWave, Error> {
     settings.check()?;
     let width = model.mismatch.abs().max(f64::MIN_POSITIVE);
     let steps = continuation::Steps {
@@ -96,14 +99,14 @@ pub fn solve(model: &Model, mode: u32, settings: &Settings) -> Result<SemiDiscre
     solve_from(&wave, &point, settings)
 }
 
-/// The semi-discrete wave next to a given exact one; [`Settings::which`] is not used.
+/// The semi-discrete wave next to a given exact one; [`RingSettings::which`] is not used.
 ///
 /// # Errors
 /// As for [`solve`].
 pub fn solve_from(
     wave: &Wave,
     point: &Vector,
-    settings: &Settings,
+    settings: &RingSettings,
 ) -> Result<SemiDiscreteWave, Error> {
     let model = wave.model_at(point);
     settings.check()?;
@@ -113,7 +116,7 @@ pub fn solve_from(
         });
     }
     let mut first = settings.epsilon.max(FIRST_EPSILON);
-    let mut ring = Equations::new(&model, wave.mode, settings.points, first);
+    let mut ring = RingEquations::new(&model, wave.mode, settings.points, first);
     let speed = wave.speed_at(point);
     let guess = Guess {
         state: sampled(wave, point, settings.points)?,
@@ -212,7 +215,7 @@ impl SemiDiscreteWave {
             } else {
                 (self.epsilon / factor).min(epsilon)
             };
-            let ring = Equations {
+            let ring = RingEquations {
                 epsilon: next,
                 ..self.ring
             };
@@ -345,7 +348,12 @@ fn direction(speed: f64) -> isize {
 }
 
 /// Newton's method for a wave that runs in the direction of `speed`.
-fn correct(ring: &Equations, guess: &Guess, speed: f64, tolerance: f64) -> Result<Found, Failure> {
+fn correct(
+    ring: &RingEquations,
+    guess: &Guess,
+    speed: f64,
+    tolerance: f64,
+) -> Result<RingWave, RingFailure> {
     let points = guess.state.len();
     let size = 2 * points + 1;
     let direction = direction(speed);
@@ -361,13 +369,13 @@ fn correct(ring: &Equations, guess: &Guess, speed: f64, tolerance: f64) -> Resul
         }
         let flow = ring.flow(&state, period, &fractions)?;
         let band = Band::new(ring, &flow.steps, points, ring.reach(period))
-            .ok_or(Failure::Stages { step: period })?;
+            .ok_or(RingFailure::Stages { step: period })?;
         if correction <= (CLOSE * ring.epsilon).max(FLOOR) {
             let range = range(&state);
             if range < KEPT * range_before {
-                return Err(Failure::SteadySliding { range });
+                return Err(RingFailure::SteadySliding { range });
             }
-            return Ok(Found {
+            return Ok(RingWave {
                 state,
                 period,
                 steps: flow.steps,
@@ -393,7 +401,7 @@ fn correct(ring: &Equations, guess: &Guess, speed: f64, tolerance: f64) -> Resul
         let solution = matrix.partial_piv_lu().solve(&right);
         correction = size_of((0..size).map(|index| solution[(index, 0)]));
         if correction > TOO_LARGE || solution[(size - 1, 0)] <= -0.5 {
-            return Err(Failure::Divergence { correction });
+            return Err(RingFailure::Divergence { correction });
         }
         for (index, values) in state.iter_mut().enumerate() {
             values[0] += solution[(2 * index, 0)];
@@ -401,7 +409,7 @@ fn correct(ring: &Equations, guess: &Guess, speed: f64, tolerance: f64) -> Resul
         }
         period *= 1.0 + solution[(size - 1, 0)];
     }
-    Err(Failure::Divergence { correction })
+    Err(RingFailure::Divergence { correction })
 }
 
 /// Largest less least V̇.

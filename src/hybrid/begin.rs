@@ -274,7 +274,7 @@ pub fn come_to(
     problem: &SystemProblem,
     continuation: &Continuation<String>,
     values: Vec<f64>,
-    beginning: &problem::Beginning,
+    beginning: &problem::BeginningSection,
     search: Search,
 ) -> Result<(AffineOrbit, Vector), NoStart> {
     let place = beginning.place(&problem.system);

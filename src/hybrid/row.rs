@@ -6,7 +6,7 @@ use serde::{Serialize, Serializer};
 
 use super::{OrbitEvent, OrbitPoint};
 use crate::affine::orbit::Multiplier;
-use crate::affine::orbit::row::Sample;
+use crate::affine::orbit::row::OrbitSample;
 use crate::affine::system::{Source, System};
 use crate::orbit::{EventType, Stability};
 
@@ -264,7 +264,7 @@ pub struct SampleRow<'a> {
 
 impl<'a> SampleRow<'a> {
     /// A moment of an orbit of a system.
-    pub fn new(system: &'a System, sample: &Sample) -> SampleRow<'a> {
+    pub fn new(system: &'a System, sample: &OrbitSample) -> SampleRow<'a> {
         let values = sample.state.iter().map(|value| Some(*value));
         let names = system.source.states.iter().cloned();
         SampleRow {

@@ -10,7 +10,7 @@ use super::exponents::{Exponent, PerturbedMotion};
 use crate::affine::mode::AffineSystem;
 use crate::affine::motion::{Halt, Motion, Place, Step};
 use crate::affine::system::{Ordered, System, SystemError};
-use crate::problem::{Scan, Section, Sweep, SystemProblem};
+use crate::problem::{SampleSection, Scan, Sweep, SystemProblem};
 
 /// Values of a piece: files of a thousand samples or so, and a loss of a second where it is interrupted.
 const VALUES: usize = 16;
@@ -178,8 +178,8 @@ impl<'a> Scanner<'a> {
         let mut motion = PerturbedMotion::new(system, start, unit, count);
         let Some(mode) = self.section else {
             let phase = match self.scan.section {
-                Section::Phase(phase) => phase.rem_euclid(TAU),
-                Section::Zero(_) => 0.0,
+                SampleSection::Phase(phase) => phase.rem_euclid(TAU),
+                SampleSection::Zero(_) => 0.0,
             };
             let first = (phase - begun).rem_euclid(TAU) / omega;
             settled(&mut motion, first, settle.ceil(), unit)?;

@@ -33,7 +33,7 @@ enum Stored {
 
 /// Entries of a row that are not zero.
 #[derive(Clone, Debug)]
-struct List {
+struct EntryList {
     /// Their columns, in order: rows of one zone soon share them.
     columns: Arc<[usize]>,
     /// Their values.
@@ -57,7 +57,7 @@ struct Lists {
     /// In the order of the columns: the row that is the pivot of each, and what of it is taken from which other rows.
     pivots: Vec<(usize, Vec<(usize, f64)>)>,
     /// The rows of U, each with its pivot first; empty where a column has none.
-    upper: Vec<List>,
+    upper: Vec<EntryList>,
 }
 
 impl Factors {
@@ -101,9 +101,9 @@ impl Factors {
     }
 }
 
-impl List {
-    fn new(columns: Vec<usize>, values: Vec<f64>) -> List {
-        List {
+impl EntryList {
+    fn new(columns: Vec<usize>, values: Vec<f64>) -> EntryList {
+        EntryList {
             columns: columns.into(),
             values,
             gone: 0,
@@ -119,7 +119,7 @@ impl List {
     }
 
     /// self − factor·pivot beyond the first column of both; `union` is that of the last row.
-    fn take(&mut self, factor: f64, pivot: &List, union: &mut Option<Union>) {
+    fn take(&mut self, factor: f64, pivot: &EntryList, union: &mut Option<Union>) {
         if self.columns() == pivot.columns() {
             let own = &mut self.values[self.gone..];
             for (own, other) in own.iter_mut().zip(pivot.values()) {
@@ -137,7 +137,7 @@ impl List {
         for (place, value) in known.other.iter().zip(&pivot.values()[1..]) {
             values[*place] -= factor * value;
         }
-        *self = List {
+        *self = EntryList {
             columns: known.columns.clone(),
             values,
             gone: 0,
@@ -193,10 +193,12 @@ impl Lists {
             }
         }
         let rows = rows.into_iter();
-        let mut rows: Vec<List> = rows.map(|(at, entries)| List::new(at, entries)).collect();
+        let mut rows: Vec<EntryList> = rows
+            .map(|(at, entries)| EntryList::new(at, entries))
+            .collect();
         // the rows that are left, by the column of their first entry that is not zero
         let mut beginning: Vec<Vec<usize>> = vec![Vec::new(); size];
-        let begins = |list: &mut List, row: usize, beginning: &mut Vec<Vec<usize>>| {
+        let begins = |list: &mut EntryList, row: usize, beginning: &mut Vec<Vec<usize>>| {
             list.gone += list.values().iter().take_while(|x| **x == 0.0).count();
             if let Some(column) = list.columns().first() {
                 beginning[*column].push(row);
@@ -205,7 +207,7 @@ impl Lists {
         for (row, list) in rows.iter_mut().enumerate() {
             begins(list, row, &mut beginning);
         }
-        let none = List::new(Vec::new(), Vec::new());
+        let none = EntryList::new(Vec::new(), Vec::new());
         let mut factors = Lists {
             pivots: Vec::with_capacity(size),
             upper: Vec::with_capacity(size),

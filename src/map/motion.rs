@@ -17,7 +17,7 @@ use crate::hybrid::run::point;
 use crate::hybrid::{NoStart, OrbitPoint, come_to};
 use crate::linalg::Vector;
 use crate::orbit::Orbit as _;
-use crate::problem::{Beginning, Continuation, Multipliers, OrbitStart, SystemProblem};
+use crate::problem::{BeginningSection, Continuation, Multipliers, OrbitStart, SystemProblem};
 
 /// What the motion from a start settles on at a point of the plane.
 #[derive(Clone, Debug, PartialEq)]
@@ -118,7 +118,7 @@ pub struct Motions<'a> {
     /// In which parameter an orbit would be followed, and how far.
     along: Continuation<String>,
     settle: f64,
-    starts: Vec<Beginning>,
+    starts: Vec<BeginningSection>,
 }
 
 impl<'a> Motions<'a> {
@@ -166,7 +166,7 @@ impl<'a> Motions<'a> {
     /// All cells of a row: by start, by column.
     pub fn row(&self, row: usize) -> Vec<Outcome> {
         let points = self.plane.row(row);
-        let of_start = |(start, beginning): (usize, &Beginning)| {
+        let of_start = |(start, beginning): (usize, &BeginningSection)| {
             let cells = points.iter().enumerate().map(|(column, point)| {
                 let (beginning, parameters) = self.begun(beginning, *point);
                 let asked = self.problem.stability.is_some();
@@ -219,7 +219,7 @@ impl<'a> Motions<'a> {
     }
 
     /// Where the motion of a start begins at a point of the plane, and the values of the parameters there.
-    fn begun(&self, beginning: &Beginning, point: [f64; 2]) -> (Beginning, Vec<f64>) {
+    fn begun(&self, beginning: &BeginningSection, point: [f64; 2]) -> (BeginningSection, Vec<f64>) {
         let mut parameters = self.problem.values();
         let mut beginning = beginning.clone();
         match &self.varied {
@@ -249,7 +249,7 @@ impl<'a> Motions<'a> {
 
     pub(super) fn settled(
         &self,
-        beginning: &Beginning,
+        beginning: &BeginningSection,
         parameters: &[f64],
         asked: bool,
     ) -> Result<(Settled, SettledOrbit), NoStart> {

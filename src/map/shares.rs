@@ -6,7 +6,7 @@ use crate::affine::motion::{Motion, Place};
 use crate::affine::system::Ordered;
 use crate::hybrid::NoStart;
 use crate::hybrid::scan::{Stream, random};
-use crate::problem::{Beginning, Shares, SystemProblem};
+use crate::problem::{BeginningSection, Shares, SystemProblem};
 
 /// The motions of shares, those of any value computed by themselves.
 pub struct Draws<'a> {
@@ -15,7 +15,7 @@ pub struct Draws<'a> {
     motions: Motions<'a>,
     /// Place of the parameter among all.
     parameter: usize,
-    start: Beginning,
+    start: BeginningSection,
 }
 
 impl<'a> Draws<'a> {
@@ -77,7 +77,7 @@ impl<'a> Draws<'a> {
     }
 
     /// The state in which a motion begins, in the mode that it lies in: the same at all values where it lies in one.
-    fn begun(&self, values: &[f64], draw: usize) -> Option<Beginning> {
+    fn begun(&self, values: &[f64], draw: usize) -> Option<BeginningSection> {
         let system = &self.problem.system;
         let affine = system.at(values, &[]).ok()?;
         let names = &system.source.states;
@@ -90,7 +90,7 @@ impl<'a> Draws<'a> {
             motion.is_inside().then_some(place)
         };
         let place = random(names, &start, within, stream, &inside)?;
-        Some(Beginning {
+        Some(BeginningSection {
             mode: system.mode_name(place.mode).into_owned(),
             state: Ordered(names.iter().cloned().zip(place.state).collect()),
             ..self.start.clone()

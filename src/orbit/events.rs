@@ -6,7 +6,7 @@ use super::monitor::{self, MonitorStop};
 use super::special::{Close, Refusal};
 use super::{AtZero, Examined, Orbit, Shrinking, Verdict, find, paired, retrace, uncertainty};
 use crate::continuation::arclength::{self, Node};
-use crate::continuation::locate::{self, Least, Place, Target};
+use crate::continuation::locate::{self, LeastWithin, Place, Target};
 use crate::continuation::newton::{self, Constraint, Plane};
 use crate::continuation::walk::Within;
 use crate::linalg::{Matrix, Vector, pseudo_inverse};
@@ -95,10 +95,10 @@ pub(super) fn within<O: Orbit>(
     let end = end.unwrap_or(f64::INFINITY);
     let mut close: Option<(f64, Close<O::Held>)> = None;
     let mut pair = f64::INFINITY;
-    let mut take = |least: Least,
+    let mut take = |least: LeastWithin,
                     what: &dyn Fn() -> Close<O::Held>,
                     rounding: &dyn Fn(&Place) -> f64| match least {
-        Least::Found(place, value) if place.s < end => {
+        LeastWithin::Found(place, value) if place.s < end => {
             let rounding = rounding(&place);
             if value < -BELOW_ROUNDING * rounding {
                 pair = pair.min(place.s);
@@ -106,7 +106,7 @@ pub(super) fn within<O: Orbit>(
                 close.get_or_insert_with(|| (place.s, what()));
             }
         }
-        Least::NotFound if step.ds < end => {
+        LeastWithin::NotFound if step.ds < end => {
             close.get_or_insert_with(|| (step.ds, what()));
         }
         _ => {}
@@ -153,13 +153,13 @@ fn blur<O: Orbit>(orbit: &O, step: &Step<O>, margin: &O::Margin, place: &Place) 
 }
 
 /// The least slope of the parameter, in its own direction, within a step at whose ends it has one sign.
-fn folds<O: Orbit>(orbit: &O, step: &Step<O>) -> Least {
+fn folds<O: Orbit>(orbit: &O, step: &Step<O>) -> LeastWithin {
     let last = step.from.tangent.len() - 1;
     let (t0, t1) = (step.from.tangent[last], step.to.tangent[last]);
     // the tangent turns little in a step: a component is not lost and found again that is larger
     let turn = (&step.to.tangent - &step.from.tangent).norm();
     if t0 * t1 <= 0.0 || t0.abs().min(t1.abs()) > turn || t0.abs() <= VERTICAL {
-        return Least::Far;
+        return LeastWithin::Far;
     }
     let tolerance = step.steps.tolerance;
     let beside = DIFFERENCE * step.ds;
@@ -170,13 +170,13 @@ fn folds<O: Orbit>(orbit: &O, step: &Step<O>) -> Least {
         Some(t0.signum() * way * (other.tangent[last] - node.tangent[last]) / beside)
     };
     let Some(d0) = slope(step.from, 1.0) else {
-        return Least::NotFound;
+        return LeastWithin::NotFound;
     };
     if d0 >= 0.0 {
-        return Least::Far;
+        return LeastWithin::Far;
     }
     let Some(d1) = slope(step.to, -1.0) else {
-        return Least::NotFound;
+        return LeastWithin::NotFound;
     };
     let ends = [(t0.abs(), d0), (t1.abs(), d1)];
     locate::least(orbit, step.from, step.ds, ends, tolerance, |node| {

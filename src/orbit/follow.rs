@@ -18,7 +18,7 @@ use super::switch::is_in_family;
 use super::{EventType, Examined, Orbit, find, retrace};
 use crate::continuation::arclength::NODES_BEFORE;
 use crate::continuation::locate::{Place, node_at, retangent};
-use crate::continuation::walk::{self, Beginning, Curve, Outcome, Segment, Walker, Within};
+use crate::continuation::walk::{self, Curve, CurveBeginning, Outcome, Segment, Walker, Within};
 use crate::continuation::{Node, Steps};
 use crate::linalg::Vector;
 
@@ -777,7 +777,7 @@ impl<O: Orbit> Track<O> {
         };
         found.entered = Some((orbit, node.clone()));
         found.special = Some(Special::Change(Box::new(change)));
-        let entry = Beginning {
+        let entry = CurveBeginning {
             curve,
             node,
             watched,

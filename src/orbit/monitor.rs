@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Orbit, uncertainty};
 use crate::continuation::Node;
-use crate::continuation::locate::{self, Least, Place};
+use crate::continuation::locate::{self, LeastWithin, Place};
 use crate::continuation::newton::Constraint;
 use crate::continuation::walk::Segment;
 use crate::linalg::Vector;
@@ -137,11 +137,11 @@ fn brackets<O: Orbit>(
     });
     match least {
         // a value that is only touched has rounding on either side
-        Least::Found(place, value) if value < 0.0 => {
+        LeastWithin::Found(place, value) if value < 0.0 => {
             let middle = (place.s, side * value);
             vec![[(0.0, m0), middle], [middle, (end, m1)]]
         }
-        Least::Far | Least::Found(..) | Least::NotFound => Vec::new(),
+        LeastWithin::Far | LeastWithin::Found(..) | LeastWithin::NotFound => Vec::new(),
     }
 }
 

@@ -12,8 +12,8 @@ use super::store::{Checkpoint, Growing, Kind, Store, StoreError, damaged};
 use super::{npy, vtk};
 use crate::problem::Problem;
 use crate::simulation::line::Line;
-use crate::simulation::measure::Sample;
-use crate::simulation::motion::{Motion, Saved};
+use crate::simulation::measure::TimeSample;
+use crate::simulation::motion::{Saved, SimulatedMotion};
 use crate::table::{self, Table};
 
 /// Most columns of the array of regimes.
@@ -109,7 +109,7 @@ impl SimulationFolder {
         store.begin(&tables, pictures, Some(SNAPSHOTS))?;
         let columns = columns(points);
         Ok(SimulationFolder {
-            series: store.table(SERIES, &table::header::<Sample>(), None)?,
+            series: store.table(SERIES, &table::header::<TimeSample>(), None)?,
             regimes: store.create(REGIMES, &npy::header(npy::Kind::Byte, 0, columns))?,
             store,
             samples: 0,
@@ -124,7 +124,7 @@ impl SimulationFolder {
         store: Store,
         points: usize,
         checkpoint: &SimulationCheckpoint,
-    ) -> Result<(SimulationFolder, Vec<Sample>), StoreError> {
+    ) -> Result<(SimulationFolder, Vec<TimeSample>), StoreError> {
         let (columns, count) = (columns(points), checkpoint.samples);
         let series = store.lines(SERIES, Some(count + 1))?;
         let samples = Table::parse(&series).and_then(|table| table.rows());
@@ -152,7 +152,7 @@ impl SimulationFolder {
         self.snapshots
     }
 
-    pub(crate) fn sample(&mut self, sample: &Sample, line: &Line) -> Result<(), StoreError> {
+    pub(crate) fn sample(&mut self, sample: &TimeSample, line: &Line) -> Result<(), StoreError> {
         self.series.row(sample)?;
         let kept = line.regimes.iter().step_by(stride(line.regimes.len()));
         let codes: Vec<u8> = kept.map(|regime| regime.code()).collect();
@@ -178,16 +178,16 @@ impl SimulationFolder {
     }
 
     /// Writes a snapshot: an array of φ, U, V, U̇, V̇, P, Q for a ring, the mesh for an annulus.
-    pub(crate) fn snapshot(&mut self, motion: &Motion) -> Result<(), StoreError> {
+    pub(crate) fn snapshot(&mut self, motion: &SimulatedMotion) -> Result<(), StoreError> {
         let number = self.snapshots + 1;
         let (extension, content) = match motion {
-            Motion::Ring(_) => {
+            SimulatedMotion::Ring(_) => {
                 let line = motion.line();
                 let angles = angles(&line);
                 let columns = columns_of(&angles, &line).map(|(_, values)| values);
                 ("npy", npy::doubles(&columns))
             }
-            Motion::Annulus(annulus) => {
+            SimulatedMotion::Annulus(annulus) => {
                 let title = format!("brakewave annulus, t = {}", motion.time());
                 ("vtk", vtk::annulus(annulus, &title).into_bytes())
             }

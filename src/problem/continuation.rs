@@ -51,7 +51,7 @@ impl Toward {
 /// The branch to follow, with every default filled in. Its parameter is one of a tube, or has a name in a
 /// system of one's own.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(from = "Written<P>")]
+#[serde(from = "WrittenContinuation<P>")]
 pub struct Continuation<P = Parameter> {
     /// Parameter of the branch.
     pub parameter: P,
@@ -169,7 +169,7 @@ pub struct StopAfter {
 /// The section before the defaults are filled in.
 #[derive(Deserialize)]
 #[serde(rename = "Continuation", deny_unknown_fields)]
-struct Written<P> {
+struct WrittenContinuation<P> {
     parameter: P,
     range: (f64, f64),
     #[serde(default)]
@@ -208,8 +208,8 @@ fn default_tolerance() -> f64 {
     DEFAULT_TOLERANCE
 }
 
-impl<P> From<Written<P>> for Continuation<P> {
-    fn from(written: Written<P>) -> Self {
+impl<P> From<WrittenContinuation<P>> for Continuation<P> {
+    fn from(written: WrittenContinuation<P>) -> Self {
         // A default gives way to what was written, unless that makes no sense for a step.
         let sensible = |step: Option<f64>| step.filter(|step| step.is_finite() && *step > 0.0);
         let floor = sensible(written.ds_min).unwrap_or(0.0);

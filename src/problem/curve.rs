@@ -109,8 +109,8 @@ impl CurveEvent {
 
 /// The curve along which an event of the branch of `continuation` moves in two parameters.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Curve<P = Parameter, E = CurveEvent> {
+#[serde(rename = "Curve", deny_unknown_fields)]
+pub struct CurveSection<P = Parameter, E = CurveEvent> {
     /// LP, GR, RV, CO, ST or HB, or a label of a result folder; of a system LP, PD, NS, BP, GR, CO, SL, HC or
     /// a monitor that is constant, of its equilibria LP, HB, BE or BP.
     pub event: E,
@@ -142,9 +142,9 @@ pub struct Curve<P = Parameter, E = CurveEvent> {
 }
 
 /// The same for orbits or equilibria of a system, with the names of two of its parameters.
-pub type SystemCurve = Curve<String, SystemCurveEvent>;
+pub type SystemCurve = CurveSection<String, SystemCurveEvent>;
 
-impl<P, E> Curve<P, E> {
+impl<P, E> CurveSection<P, E> {
     /// First step, shortest and longest one, and tolerance.
     pub fn steps(&self) -> Steps {
         Steps {

@@ -9,12 +9,12 @@ pub struct ProblemError {
     name: String,
     message: String,
     help: String,
-    place: Option<Place>,
+    place: Option<TextPlace>,
 }
 
 /// Where in the text, and what that looks like.
 #[derive(Clone, Debug, PartialEq, Eq)]
-struct Place {
+struct TextPlace {
     line: usize,
     column: usize,
     /// The source line, and below it the carets.
@@ -76,7 +76,7 @@ impl ProblemError {
             name: name.to_owned(),
             message: flaw.message,
             help: flaw.help,
-            place: Some(Place::new(text, flaw.at)),
+            place: Some(TextPlace::new(text, flaw.at)),
         }
     }
 }
@@ -92,7 +92,7 @@ impl fmt::Display for ProblemError {
         match place {
             None => writeln!(formatter, "{name}: {message}")?,
             Some(place) => {
-                let Place {
+                let TextPlace {
                     line,
                     column,
                     sketch,
@@ -106,7 +106,7 @@ impl fmt::Display for ProblemError {
 
 impl std::error::Error for ProblemError {}
 
-impl Place {
+impl TextPlace {
     /// Longest part of a line that is shown, in characters.
     const WINDOW: usize = 100;
     /// Characters kept before the place where a line is cut.
@@ -133,7 +133,7 @@ impl Place {
         let indent = left.chars().count() + before - first;
         let width = marked.clamp(1, (first + Self::WINDOW).saturating_sub(before).max(1));
         let gutter = line.to_string().len();
-        Place {
+        TextPlace {
             line,
             column: before + 1,
             sketch: format!(

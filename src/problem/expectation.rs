@@ -146,8 +146,8 @@ pub(super) fn of_waves<'de, D: Deserializer<'de>>(
             read.map(OfWave)
         }
     }
-    struct List;
-    impl<'de> Visitor<'de> for List {
+    struct ExpectationList;
+    impl<'de> Visitor<'de> for ExpectationList {
         type Value = Vec<Expectation>;
         fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
             formatter.write_str("a sequence")
@@ -160,7 +160,7 @@ pub(super) fn of_waves<'de, D: Deserializer<'de>>(
             Ok(read)
         }
     }
-    deserializer.deserialize_seq(List)
+    deserializer.deserialize_seq(ExpectationList)
 }
 
 /// Reads the fields of an expectation; where not all names are known, any other one is that of a number.

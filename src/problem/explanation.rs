@@ -94,7 +94,7 @@ fn refused_value(outline: &Outline, offset: usize, code: &Error) -> Flaw {
         .or(around)
         .map_or(String::new(), |node| outline.path(node));
 
-    let nodes = Nodes {
+    let nodes = RefusedNodes {
         node,
         before,
         around,
@@ -153,7 +153,7 @@ fn refused_value(outline: &Outline, offset: usize, code: &Error) -> Flaw {
 
 /// Nodes of the outline that a refusal may be about.
 #[derive(Clone, Copy)]
-struct Nodes {
+struct RefusedNodes {
     /// The value that is refused.
     node: Option<usize>,
     /// The one that ends before the place of the refusal.
@@ -170,11 +170,11 @@ fn expected<'a>(
     outline: &Outline,
     offset: usize,
     code: &'a Error,
-    nodes: Nodes,
+    nodes: RefusedNodes,
 ) -> Result<&'a str, Flaw> {
     let subject = outline.subject();
     let token = || outline.token(offset);
-    let Nodes {
+    let RefusedNodes {
         node,
         before,
         around,

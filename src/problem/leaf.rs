@@ -13,7 +13,7 @@ pub(super) enum Leaf<'a> {
 
 /// A step from a value to one that it holds.
 #[derive(Clone, Debug)]
-enum Step {
+enum PathStep {
     Field(&'static str),
     /// Of a map.
     Key(String),
@@ -22,15 +22,15 @@ enum Step {
 
 /// The way to a value.
 #[derive(Debug, Default)]
-pub(super) struct Path(Vec<Step>);
+pub(super) struct LeafPath(Vec<PathStep>);
 
-impl Path {
+impl LeafPath {
     /// The names of the fields, joined by dots.
     pub fn name(&self) -> String {
         let fields = self.0.iter().filter_map(|step| match step {
-            Step::Field(name) => Some(*name),
-            Step::Key(name) => Some(name),
-            Step::Entry(_) => None,
+            PathStep::Field(name) => Some(*name),
+            PathStep::Key(name) => Some(name),
+            PathStep::Entry(_) => None,
         });
         fields.collect::<Vec<_>>().join(".")
     }
@@ -38,9 +38,9 @@ impl Path {
     /// The same with the places of entries, as an outline of the text locates it.
     pub fn address(&self) -> String {
         let steps = self.0.iter().map(|step| match step {
-            Step::Field(name) => (*name).to_owned(),
-            Step::Key(name) => name.clone(),
-            Step::Entry(place) => place.to_string(),
+            PathStep::Field(name) => (*name).to_owned(),
+            PathStep::Key(name) => name.clone(),
+            PathStep::Entry(place) => place.to_string(),
         });
         steps.collect::<Vec<_>>().join(".")
     }
@@ -49,11 +49,11 @@ impl Path {
 /// The first that `look` finds at a number or text of the data.
 pub(super) fn find<T>(
     data: &dyn erased_serde::Serialize,
-    mut look: impl FnMut(&Path, Leaf<'_>) -> Option<T>,
+    mut look: impl FnMut(&LeafPath, Leaf<'_>) -> Option<T>,
 ) -> Option<T> {
     let mut found = None;
     let mut visit = Visit {
-        path: Path::default(),
+        path: LeafPath::default(),
         see: &mut |path, leaf| {
             found = look(path, leaf);
             found.is_some()
@@ -66,8 +66,8 @@ pub(super) fn find<T>(
 
 /// A visit to all of the data, which ends with an error as soon as `see` says so.
 struct Visit<'a> {
-    path: Path,
-    see: &'a mut dyn FnMut(&Path, Leaf<'_>) -> bool,
+    path: LeafPath,
+    see: &'a mut dyn FnMut(&LeafPath, Leaf<'_>) -> bool,
 }
 
 impl Visit<'_> {
@@ -78,7 +78,7 @@ impl Visit<'_> {
         }
     }
 
-    fn below<T: Serialize + ?Sized>(&mut self, step: Step, value: &T) -> fmt::Result {
+    fn below<T: Serialize + ?Sized>(&mut self, step: PathStep, value: &T) -> fmt::Result {
         self.path.0.push(step);
         value.serialize(&mut *self)?;
         self.path.0.pop();
@@ -93,7 +93,7 @@ impl Group<'_, '_> {
     fn entry<T: Serialize + ?Sized>(&mut self, value: &T) -> fmt::Result {
         let place = self.1;
         self.1 += 1;
-        self.0.below(Step::Entry(place), value)
+        self.0.below(PathStep::Entry(place), value)
     }
 }
 
@@ -183,7 +183,7 @@ impl<'a, 'b> Serializer for &'a mut Visit<'b> {
         _: &'static str,
         value: &T,
     ) -> fmt::Result {
-        self.below(Step::Entry(0), value)
+        self.below(PathStep::Entry(0), value)
     }
 }
 
@@ -217,7 +217,7 @@ macro_rules! fields {
                 name: &'static str,
                 value: &T,
             ) -> fmt::Result {
-                self.0.below(Step::Field(name), value)
+                self.0.below(PathStep::Field(name), value)
             }
 
             fn end(self) -> fmt::Result {
@@ -242,7 +242,7 @@ impl ser::SerializeMap for Group<'_, '_> {
     fn serialize_key<T: Serialize + ?Sized>(&mut self, key: &T) -> fmt::Result {
         self.2 = None;
         let mut visit = Visit {
-            path: Path::default(),
+            path: LeafPath::default(),
             see: &mut |_, leaf| {
                 if let Leaf::Text(text) = leaf {
                     self.2 = Some(text.to_owned());
@@ -260,7 +260,7 @@ impl ser::SerializeMap for Group<'_, '_> {
 
     fn serialize_value<T: Serialize + ?Sized>(&mut self, value: &T) -> fmt::Result {
         match self.2.take() {
-            Some(name) => self.0.below(Step::Key(name), value),
+            Some(name) => self.0.below(PathStep::Key(name), value),
             None => self.entry(value),
         }
     }

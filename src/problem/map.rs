@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Beginning, ScanValues, Start};
+use super::{BeginningSection, ScanValues, Start};
 use crate::affine::system::Ordered;
 use crate::tube::model::Parameter;
 
@@ -51,7 +51,7 @@ pub struct Shares {
 }
 
 /// The same for motions of a system; those of `orbit` where no starts are given.
-pub type SystemMap = Map<SystemAxis, Beginning>;
+pub type SystemMap = Map<SystemAxis, BeginningSection>;
 
 /// What a map begins with.
 pub trait Starts: Sized {
@@ -65,8 +65,8 @@ impl Starts for Start {
     }
 }
 
-impl Starts for Beginning {
-    fn unless_given() -> Vec<Beginning> {
+impl Starts for BeginningSection {
+    fn unless_given() -> Vec<BeginningSection> {
         Vec::new()
     }
 }

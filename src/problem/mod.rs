@@ -34,17 +34,17 @@ use serde::{Deserialize, Serialize};
 
 pub(crate) use continuation::DEFAULT_MAX_POINTS;
 pub use continuation::{Continuation, StopAfter, Toward, UserPoint};
-pub use curve::{Curve, CurveEvent, SystemCurve, SystemCurveEvent};
+pub use curve::{CurveEvent, CurveSection, SystemCurve, SystemCurveEvent};
 pub use doubt::Doubt;
 pub use error::ProblemError;
 pub use expectation::Expectation;
 pub use map::{Map, MapAxis, MapPoints, PlaneAxis, Shares, Starts, SystemAxis, SystemMap};
 pub(crate) use output::drawable_columns;
 pub use output::{Output, Plot};
-pub use scan::{LyapunovCount, Scan, ScanValues, Section, Sweep};
+pub use scan::{LyapunovCount, SampleSection, Scan, ScanValues, Sweep};
 pub use system::{
-    Beginning, Equilibrium, EquilibriumStart, Multipliers, Orbit, OrbitStart, SystemPlot,
-    SystemProblem, SystemSimulation,
+    BeginningSection, EquilibriumSection, EquilibriumStart, Multipliers, OrbitSection, OrbitStart,
+    SystemPlot, SystemProblem, SystemSimulation,
 };
 pub(crate) use template::{SYSTEM_TEMPLATE, template};
 #[cfg(feature = "cli")]
@@ -61,7 +61,7 @@ use error::Flaw;
 use outline::{Outline, Subject};
 use text::text_of;
 use tube::place_of;
-use written::Written;
+use written::WrittenProblem;
 
 /// Largest problem file accepted, in bytes.
 pub(crate) const MAX_BYTES: usize = 4 << 20;
@@ -93,7 +93,7 @@ pub struct Problem {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tube: Option<Tube>,
     /// The wave to begin with.
-    pub wave: Wave,
+    pub wave: WaveSection,
     /// How the equations of a zone are solved; the cheapest that is exact, or accurate to 1e-12,
     /// for the friction law unless given.
     pub method: Option<Method>,
@@ -106,7 +106,7 @@ pub struct Problem {
     /// Simulation in time; see [`Problem::simulation`].
     pub simulation: Option<Simulation>,
     /// The event to follow in two parameters; see [`Problem::curve`].
-    pub curve: Option<Curve>,
+    pub curve: Option<CurveSection>,
     /// Plots and tables to write.
     #[serde(default)]
     pub output: Output,
@@ -168,7 +168,7 @@ impl Problem {
     }
 
     /// The `curve` section; see [`Problem::continuation`].
-    pub fn curve(&self, text: &str, name: &str) -> Result<&Curve, ProblemError> {
+    pub fn curve(&self, text: &str, name: &str) -> Result<&CurveSection, ProblemError> {
         let section = self.curve.as_ref();
         section.ok_or_else(|| missing(Subject::Tube, "curve", "no event to follow", text, name))
     }
@@ -183,8 +183,8 @@ fn missing(subject: Subject, section: &str, lack: &str, text: &str, name: &str) 
 
 /// The wave a computation begins with.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Wave {
+#[serde(rename = "Wave", deny_unknown_fields)]
+pub struct WaveSection {
     /// Number of waves k around the circumference, 1 to [`MAX_MODE`].
     pub mode: u32,
     /// The first solution.
@@ -395,7 +395,7 @@ fn system_of(outline: &Outline) -> Result<SystemProblem, Flaw> {
 
 fn tube_of(outline: &Outline) -> Result<Problem, Flaw> {
     let written = options().from_str(outline.text);
-    let written: Written = written.map_err(|error| explanation::explain(outline, &error))?;
+    let written: WrittenProblem = written.map_err(|error| explanation::explain(outline, &error))?;
     rules::lengths(written.continuation.as_ref(), &written.expect, outline)?;
     fields::check(&written, outline)?;
     let mut problem = written.problem(outline)?;

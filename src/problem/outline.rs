@@ -8,7 +8,7 @@ use std::ops::Range;
 use super::error::Flaw;
 
 /// A value of the text.
-struct Node {
+struct OutlineNode {
     parent: Option<usize>,
     /// What stands before the colon.
     key: Option<Range<usize>>,
@@ -28,7 +28,7 @@ pub(super) enum Subject {
 pub(super) struct Outline<'a> {
     pub text: &'a str,
     /// Every value, a bracketed one before those it holds.
-    nodes: Vec<Node>,
+    nodes: Vec<OutlineNode>,
     /// Something that does not end, and the offset from which on nothing makes sense for it.
     broken: Option<(usize, Flaw)>,
 }
@@ -107,7 +107,7 @@ impl<'a> Outline<'a> {
     }
 
     fn push(&mut self, open: &[usize], key: Option<Range<usize>>, span: Range<usize>) {
-        self.nodes.push(Node {
+        self.nodes.push(OutlineNode {
             parent: open.last().copied(),
             key,
             span,

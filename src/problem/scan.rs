@@ -5,7 +5,7 @@ use std::fmt;
 use serde::de::{self, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 
-use super::system::Beginning;
+use super::system::BeginningSection;
 use crate::affine::system::{ModeSource, Ordered, SwitchSource, System, SystemError};
 
 /// Most values of the parameter.
@@ -35,10 +35,10 @@ pub struct Scan {
     pub lyapunov: LyapunovCount,
     /// Where samples are taken; where the phase is zero unless given.
     #[serde(default)]
-    pub section: Section,
+    pub section: SampleSection,
     /// Where the first motion begins; where that of `orbit` does unless given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub start: Option<Beginning>,
+    pub start: Option<BeginningSection>,
     /// With it motions of `Fresh` begin at random states, the same ones for the same number.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub seed: Option<u64>,
@@ -133,16 +133,17 @@ pub enum Sweep {
 
 /// Where samples of a motion are taken.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Section {
+#[serde(rename = "Section")]
+pub enum SampleSection {
     /// At this phase of the forcing.
     Phase(f64),
     /// Where this expression comes to zero from below.
     Zero(String),
 }
 
-impl Default for Section {
+impl Default for SampleSection {
     fn default() -> Self {
-        Section::Phase(0.0)
+        SampleSection::Phase(0.0)
     }
 }
 
@@ -180,7 +181,7 @@ impl Scan {
     /// # Errors
     /// What is wrong with the expression, at the path of that mode.
     pub fn system(&self, system: &System) -> Result<(System, Option<usize>), SystemError> {
-        let Section::Zero(zero) = &self.section else {
+        let SampleSection::Zero(zero) = &self.section else {
             return Ok((system.clone(), None));
         };
         if system.products.is_some() {

@@ -3,12 +3,12 @@
 use super::outline::Outline;
 use super::rules::{Check, Checks, ORDER};
 use super::{
-    Continuation, Curve, CurveEvent, Expectation, Map, Plot, Problem, Start, Toward,
+    Continuation, CurveEvent, CurveSection, Expectation, Map, Plot, Problem, Start, Toward,
     drawable_columns,
 };
 use crate::orbit::EventType;
 use crate::simulation::task::{
-    Body, Circle, Growth, MAX_SAMPLES, MAX_SIMULATION_POINTS, MIN_GROWTH_POINTS, Perturbation,
+    Body, Circle, GrowthTask, MAX_SAMPLES, MAX_SIMULATION_POINTS, MIN_GROWTH_POINTS, Perturbation,
     Simulation, SimulationStart,
 };
 use crate::tube::flow::method::Method;
@@ -245,7 +245,7 @@ impl Checks<'_, Problem> {
         })
     }
 
-    fn curve(&self, section: &Curve) -> Check {
+    fn curve(&self, section: &CurveSection) -> Check {
         self.sector("curve.sector", section.sector)?;
         if self.outline.has("curve.sector") && section.event != CurveEvent::HB {
             return self.refuse(
@@ -368,7 +368,13 @@ impl Checks<'_, Problem> {
         self.admit("simulation.perturbation.mode", added.mode, holds, &rule)
     }
 
-    fn growth(&self, growth: &Growth, from_wave: bool, around: usize, per_wave: usize) -> Check {
+    fn growth(
+        &self,
+        growth: &GrowthTask,
+        from_wave: bool,
+        around: usize,
+        per_wave: usize,
+    ) -> Check {
         if !from_wave {
             return self.refuse(
                 "simulation.growth",

@@ -6,7 +6,10 @@ use super::error::Flaw;
 use super::examples::example;
 use super::expectation::of_waves;
 use super::outline::{Outline, Subject};
-use super::{Continuation, Curve, Expectation, Map, Output, Problem, StabilitySection, Tube, Wave};
+use super::{
+    Continuation, CurveSection, Expectation, Map, Output, Problem, StabilitySection, Tube,
+    WaveSection,
+};
 use crate::simulation::task::Simulation;
 use crate::tube::flow::method::Method;
 use crate::tube::model::Model;
@@ -14,17 +17,17 @@ use crate::tube::model::Model;
 /// The sections of a problem file.
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(rename = "Problem", deny_unknown_fields)]
-pub(super) struct Written {
+pub(super) struct WrittenProblem {
     title: Option<String>,
     model: Option<Model>,
     tube: Option<Tube>,
-    wave: Option<Wave>,
+    wave: Option<WaveSection>,
     method: Option<Method>,
     pub continuation: Option<Continuation>,
     stability: Option<StabilitySection>,
     map: Option<Map>,
     simulation: Option<Simulation>,
-    curve: Option<Curve>,
+    curve: Option<CurveSection>,
     #[serde(default)]
     output: Output,
     #[serde(default, deserialize_with = "of_waves")]
@@ -39,7 +42,7 @@ enum Brake {
     Tube(Tube),
 }
 
-impl Written {
+impl WrittenProblem {
     /// The problem that is meant.
     pub fn problem(self, outline: &Outline<'_>) -> Result<Problem, Flaw> {
         let brake = one_of(

@@ -1,8 +1,8 @@
 //! A simulation from its beginning to its end: steps, samples at equal intervals, measures.
 
-use super::measure::{self, Measure, Sample};
-use super::motion::{Motion, MotionError, Saved};
-use super::perturbations::{Perturbations, Refused, perturbations};
+use super::measure::{self, Measure, TimeSample};
+use super::motion::{MotionError, Saved, SimulatedMotion};
+use super::perturbations::{Perturbations, RefusedPerturbations, perturbations};
 use super::profile::Profile;
 use super::task::{Circle, Simulation, SimulationStart};
 use crate::tube::model::{Constants, Model};
@@ -17,8 +17,8 @@ const MOST_WORK: f64 = 1e15;
 const STRIDE: u64 = 10_000_000;
 
 /// A simulation that is going on.
-pub struct Course {
-    motion: Motion,
+pub struct SimulationCourse {
+    motion: SimulatedMotion,
     parameters: Constants,
     wave: Option<Profile>,
     perturbations: Vec<Perturbations>,
@@ -32,7 +32,7 @@ pub struct Course {
     snapshots: usize,
     per_sample: u64,
     start: f64,
-    samples: Vec<Sample>,
+    samples: Vec<TimeSample>,
     /// Steps to the next sample.
     left: u64,
     /// Steps taken before this process.
@@ -47,7 +47,7 @@ pub enum NoCourse {
     Motion(#[from] MotionError),
     /// Perturbations cannot be asked for.
     #[error("{0}")]
-    Growth(#[from] Refused),
+    Growth(#[from] RefusedPerturbations),
     /// More steps of nodes than a machine takes in months.
     #[error(
         "{steps:.1e} steps of {time_step:.1e} of {nodes} nodes and what `growth` adds are {work:.1e} \
@@ -77,10 +77,10 @@ pub enum Stopped {
 
 /// Where a call has led to.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Piece {
+pub enum CoursePiece {
     /// Between two samples.
     Between,
-    /// To the last of [`Course::samples`].
+    /// To the last of [`SimulationCourse::samples`].
     Sampled {
         /// Snapshots that are due up to here.
         snapshots: usize,
@@ -89,7 +89,7 @@ pub enum Piece {
     },
 }
 
-impl Course {
+impl SimulationCourse {
     /// The motion of a section with this model, at its beginning.
     ///
     /// # Errors
@@ -99,12 +99,12 @@ impl Course {
         model: &Model,
         mode: u32,
         wave: Option<Profile>,
-    ) -> Result<Course, NoCourse> {
+    ) -> Result<SimulationCourse, NoCourse> {
         let parameters = model.constants();
-        let motion = Motion::begin(section, model, mode, wave.as_ref())?;
+        let motion = SimulatedMotion::begin(section, model, mode, wave.as_ref())?;
         let perturbations = perturbations(section, model, mode, wave.as_ref())?;
         let (whole, rest) = section.intervals();
-        let mut course = Course {
+        let mut course = SimulationCourse {
             watched: match (&section.start, section.perturbation) {
                 (SimulationStart::SteadySliding, Some(perturbation)) => perturbation.mode,
                 _ => mode,
@@ -145,7 +145,7 @@ impl Course {
     /// When it is of another body.
     pub fn resume(
         &mut self,
-        samples: Vec<Sample>,
+        samples: Vec<TimeSample>,
         energy: f64,
         state: Saved,
         steps: u64,
@@ -178,7 +178,7 @@ impl Course {
     ///
     /// # Errors
     /// When the equations no longer hold.
-    pub fn step(&mut self) -> Result<Option<Piece>, Stopped> {
+    pub fn step(&mut self) -> Result<Option<CoursePiece>, Stopped> {
         let count = self.count();
         let (done, here) = (self.samples.len(), self.samples[self.samples.len() - 1]);
         if !here.energy.is_finite() {
@@ -198,7 +198,7 @@ impl Course {
         self.motion.advance(some);
         self.left -= some;
         if self.left > 0 {
-            return Ok(Some(Piece::Between));
+            return Ok(Some(CoursePiece::Between));
         }
         let mut sample = self.sample();
         if last {
@@ -206,15 +206,15 @@ impl Course {
         }
         self.samples.push(sample);
         let part = done * PARTS / count > (done - 1) * PARTS / count || done == count;
-        Ok(Some(Piece::Sampled {
+        Ok(Some(CoursePiece::Sampled {
             snapshots: self.snapshots_at(done),
             part: part && sample.energy.is_finite(),
         }))
     }
 
-    fn sample(&self) -> Sample {
+    fn sample(&self) -> TimeSample {
         let mismatch = self.parameters.mismatch;
-        Sample::of(&self.motion, self.watched, self.waves, mismatch, self.start)
+        TimeSample::of(&self.motion, self.watched, self.waves, mismatch, self.start)
     }
 
     /// Intervals between samples.
@@ -228,12 +228,12 @@ impl Course {
     }
 
     /// The motion.
-    pub fn motion(&self) -> &Motion {
+    pub fn motion(&self) -> &SimulatedMotion {
         &self.motion
     }
 
     /// Samples taken.
-    pub fn samples(&self) -> &[Sample] {
+    pub fn samples(&self) -> &[TimeSample] {
         &self.samples
     }
 

@@ -11,7 +11,7 @@ use faer::{Mat, c64};
 
 /// One of the exponentials.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Exponential {
+pub struct SignalExponential {
     /// λ.
     pub exponent: [f64; 2],
     /// |w e^{λt}| at the end of the signal.
@@ -28,7 +28,7 @@ const NOISE: f64 = 1e-9;
 
 /// The exponentials of a signal with the sampling time `step`, the largest at the end first. Empty when
 /// there are too few samples or nothing to be found.
-pub fn exponentials(signal: &[[f64; 2]], step: f64) -> Vec<Exponential> {
+pub fn exponentials(signal: &[[f64; 2]], step: f64) -> Vec<SignalExponential> {
     let count = signal.len();
     let window = (count / 3).min(WINDOW);
     if window < 4 {
@@ -66,11 +66,11 @@ pub fn exponentials(signal: &[[f64; 2]], step: f64) -> Vec<Exponential> {
     let right = Mat::from_fn(count, 1, |row, _| value(row));
     let normal = powers.adjoint() * &powers;
     let weights = normal.partial_piv_lu().solve(&(powers.adjoint() * &right));
-    let mut found: Vec<Exponential> = (0..rank)
+    let mut found: Vec<SignalExponential> = (0..rank)
         .map(|index| {
             let exponent: c64 = multipliers[index].ln() / step;
             let end = powers[(count - 1, index)] * weights[(index, 0)];
-            Exponential {
+            SignalExponential {
                 exponent: [exponent.re, exponent.im],
                 size: end.norm(),
             }

@@ -23,7 +23,7 @@ use std::f64::consts::TAU;
 
 use super::profile::Profile;
 use super::ring::kernel::Nodes;
-use super::ring::{Ring, Setup, SetupError};
+use super::ring::{Ring, RingSetup, RingSetupError};
 use crate::tube::model::Constants;
 
 /// What to compute.
@@ -87,10 +87,10 @@ impl Listing {
     pub fn of(
         self,
         request: &Request,
-        found: Vec<Eigenvalue>,
-    ) -> impl Iterator<Item = Eigenvalue> + use<> {
+        found: Vec<SimulatedEigenvalue>,
+    ) -> impl Iterator<Item = SimulatedEigenvalue> + use<> {
         let both = !request.real();
-        let listed = move |value: &Eigenvalue| {
+        let listed = move |value: &SimulatedEigenvalue| {
             value.residual.max(value.scatter) <= self.resolved
                 && value.im.abs() <= self.highest
                 && (both || value.im >= -self.real)
@@ -105,7 +105,7 @@ pub const SETTLING: f64 = 1.0;
 
 /// An eigenvalue with the residual of its shape, in units of Ω.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Eigenvalue {
+pub struct SimulatedEigenvalue {
     /// Growth rate.
     pub re: f64,
     /// Frequency.
@@ -116,9 +116,9 @@ pub struct Eigenvalue {
     pub scatter: f64,
 }
 
-impl Eigenvalue {
+impl SimulatedEigenvalue {
     /// |λ₁ − λ₂|.
-    pub(super) fn distance(&self, other: &Eigenvalue) -> f64 {
+    pub(super) fn distance(&self, other: &SimulatedEigenvalue) -> f64 {
         (other.re - self.re).hypot(other.im - self.im)
     }
 }
@@ -128,7 +128,7 @@ impl Eigenvalue {
 pub enum GrowthError {
     /// The ring cannot be set up.
     #[error("{0}")]
-    Setup(#[from] SetupError),
+    Setup(#[from] RingSetupError),
     /// The eigenvalues of the small matrix do not converge.
     #[error("the eigenvalues of the matrix of {0} shapes do not converge")]
     Eigenvalues(usize),
@@ -157,7 +157,7 @@ pub fn place(ring: &mut Ring, profile: &Profile) {
 /// The ring of a request with the wave on it, the time T, and the steps that it takes.
 fn begin(
     parameters: &Constants,
-    setup: &Setup,
+    setup: &RingSetup,
     profile: &Profile,
     request: &Request,
 ) -> Result<(Ring, f64, f64), GrowthError> {
@@ -172,7 +172,7 @@ fn begin(
     let steps = (interval / longest).ceil().max(1.0);
     let mut ring = Ring::new(
         parameters,
-        Setup {
+        RingSetup {
             points: points * waves,
             angle,
             time_step: interval / steps,
@@ -190,7 +190,7 @@ fn begin(
 /// When the ring cannot be set up.
 pub(crate) fn work(
     parameters: &Constants,
-    setup: &Setup,
+    setup: &RingSetup,
     profile: &Profile,
     request: &Request,
     instants: usize,
@@ -205,11 +205,11 @@ pub(crate) fn work(
 /// pair of runs.
 pub fn eigenvalues(
     parameters: &Constants,
-    setup: &Setup,
+    setup: &RingSetup,
     profile: &Profile,
     request: &Request,
     tick: &mut dyn FnMut(),
-) -> Result<Vec<Eigenvalue>, GrowthError> {
+) -> Result<Vec<SimulatedEigenvalue>, GrowthError> {
     let Request {
         points,
         waves,
@@ -219,7 +219,7 @@ pub fn eigenvalues(
     } = *request;
     let (mut ring, interval, steps) = begin(parameters, setup, profile, request)?;
     ring.advance((request.settling / ring.setup().time_step).round() as u64);
-    let map = Map {
+    let map = PeriodMap {
         points,
         waves,
         phase: -profile.speed().signum() * TAU * sector as f64 / waves as f64,
@@ -233,7 +233,7 @@ pub fn eigenvalues(
     let size = matrix.nrows();
     let decomposition = matrix.eigen().map_err(|_| GrowthError::Eigenvalues(size))?;
     let (values, shapes) = (decomposition.S().column_vector(), decomposition.U());
-    let mut found: Vec<Eigenvalue> = (0..size)
+    let mut found: Vec<SimulatedEigenvalue> = (0..size)
         .map(|index| {
             let value: c64 = values[index];
             let norm: f64 = (0..size)
@@ -244,7 +244,7 @@ pub fn eigenvalues(
             let weights: Vec<c64> = (0..size).map(|row| shapes[(row, index)]).collect();
             let rough = map.frequency(&basis, &weights, profile.speed());
             let turns = ((rough - exponent.im) * interval / TAU).round();
-            Eigenvalue {
+            SimulatedEigenvalue {
                 re: exponent.re,
                 im: exponent.im + turns * TAU / interval,
                 scatter: 0.0,
@@ -269,12 +269,12 @@ const APART: f64 = 0.061_803_398_875;
 /// of the first are matched with the nearest of the others.
 pub fn averaged(
     parameters: &Constants,
-    setup: &Setup,
+    setup: &RingSetup,
     profile: &Profile,
     request: &Request,
     instants: usize,
     tick: &mut dyn FnMut(),
-) -> Result<Vec<Eigenvalue>, GrowthError> {
+) -> Result<Vec<SimulatedEigenvalue>, GrowthError> {
     let instants = instants.max(2);
     let mut sets = Vec::with_capacity(instants);
     for instant in 0..instants {
@@ -285,10 +285,10 @@ pub fn averaged(
         sets.push(eigenvalues(parameters, setup, profile, &later, tick)?);
     }
     let count = instants as f64;
-    let mut means: Vec<Eigenvalue> = sets[0]
+    let mut means: Vec<SimulatedEigenvalue> = sets[0]
         .iter()
         .map(|value| {
-            let matched: Vec<&Eigenvalue> = sets
+            let matched: Vec<&SimulatedEigenvalue> = sets
                 .iter()
                 .filter_map(|set| {
                     set.iter()
@@ -302,7 +302,7 @@ pub fn averaged(
                 .iter()
                 .map(|other| (other.re - re).powi(2) + (other.im - im).powi(2))
                 .sum();
-            Eigenvalue {
+            SimulatedEigenvalue {
                 re,
                 im,
                 residual: matched
@@ -318,7 +318,7 @@ pub fn averaged(
 }
 
 /// The map M of perturbations over T.
-struct Map {
+struct PeriodMap {
     ring: Ring,
     points: usize,
     waves: usize,
@@ -343,7 +343,7 @@ fn fields(nodes: &mut Nodes) -> [&mut Vec<f64>; FIELDS] {
     ]
 }
 
-impl Map {
+impl PeriodMap {
     fn size(&self) -> usize {
         FIELDS * self.points
     }
@@ -481,7 +481,7 @@ impl Map {
     }
 }
 
-impl Map {
+impl PeriodMap {
     /// Im⟨ψ, V̇ + cψ′⟩/⟨ψ, ψ⟩ of a combination of shapes.
     fn frequency(&self, basis: &[Vec<c64>], weights: &[c64], speed: f64) -> f64 {
         let count = self.points;
@@ -526,7 +526,7 @@ const EXHAUSTED: f64 = 1e-12;
 type Arnoldi = (Mat<c64>, Vec<Vec<c64>>, f64);
 
 /// See [`Arnoldi`].
-fn arnoldi(map: &Map, pairs: usize, tick: &mut dyn FnMut()) -> Arnoldi {
+fn arnoldi(map: &PeriodMap, pairs: usize, tick: &mut dyn FnMut()) -> Arnoldi {
     let length = |shape: &[c64]| {
         shape
             .iter()

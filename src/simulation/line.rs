@@ -2,7 +2,7 @@
 
 /// What a point of the contact line does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Regime {
+pub enum LineRegime {
     /// U > δ.
     Separation,
     /// V̇ < 1.
@@ -13,22 +13,22 @@ pub enum Regime {
     Reverse,
 }
 
-impl Regime {
+impl LineRegime {
     /// All regimes in the order of their codes.
-    pub(crate) const ALL: [Regime; 4] = [
-        Regime::Separation,
-        Regime::Slip,
-        Regime::Stick,
-        Regime::Reverse,
+    pub(crate) const ALL: [LineRegime; 4] = [
+        LineRegime::Separation,
+        LineRegime::Slip,
+        LineRegime::Stick,
+        LineRegime::Reverse,
     ];
 
     /// Name as in the tables of waves.
     pub fn name(self) -> &'static str {
         match self {
-            Regime::Separation => "separation",
-            Regime::Slip => "slip",
-            Regime::Stick => "stick",
-            Regime::Reverse => "reverse",
+            LineRegime::Separation => "separation",
+            LineRegime::Slip => "slip",
+            LineRegime::Stick => "stick",
+            LineRegime::Reverse => "reverse",
         }
     }
 
@@ -39,12 +39,12 @@ impl Regime {
 
     /// Of a point with this V̇; `within` is the half-width of what counts as stick, 0 for the
     /// set-valued law, which gives V̇ = 1 exactly.
-    pub fn of(contact: bool, rate: f64, within: f64) -> Regime {
+    pub fn of(contact: bool, rate: f64, within: f64) -> LineRegime {
         match rate - 1.0 {
-            _ if !contact => Regime::Separation,
-            d if d.abs() <= within => Regime::Stick,
-            d if d < 0.0 => Regime::Slip,
-            _ => Regime::Reverse,
+            _ if !contact => LineRegime::Separation,
+            d if d.abs() <= within => LineRegime::Stick,
+            d if d < 0.0 => LineRegime::Slip,
+            _ => LineRegime::Reverse,
         }
     }
 }
@@ -67,13 +67,13 @@ pub struct Line {
     /// Shear: Q of the ring, q of the annulus.
     pub shear: Vec<f64>,
     /// Regimes.
-    pub regimes: Vec<Regime>,
+    pub regimes: Vec<LineRegime>,
 }
 
 impl Line {
-    /// Share of the line in each regime, in the order of [`Regime::ALL`].
+    /// Share of the line in each regime, in the order of [`LineRegime::ALL`].
     pub(crate) fn fractions(&self) -> [f64; 4] {
-        Regime::ALL.map(|regime| {
+        LineRegime::ALL.map(|regime| {
             let count = self.regimes.iter().filter(|one| **one == regime).count();
             count as f64 / self.regimes.len().max(1) as f64
         })

@@ -7,12 +7,12 @@
 use serde::{Deserialize, Serialize};
 
 use super::esprit::exponentials;
-use super::line::Regime;
-use super::motion::Motion;
+use super::line::LineRegime;
+use super::motion::SimulatedMotion;
 
 /// A row of the time series.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Sample {
+pub struct TimeSample {
     /// Time.
     pub time: f64,
     /// Energy.
@@ -47,10 +47,16 @@ pub struct Sample {
     pub tangential_rate: f64,
 }
 
-impl Sample {
+impl TimeSample {
     /// The state of a motion. `mode` is watched; the circle is compared in `waves` parts; `start` is
     /// the energy at the beginning.
-    pub fn of(motion: &Motion, mode: u32, waves: usize, mismatch: f64, start: f64) -> Sample {
+    pub fn of(
+        motion: &SimulatedMotion,
+        mode: u32,
+        waves: usize,
+        mismatch: f64,
+        start: f64,
+    ) -> TimeSample {
         let line = motion.line();
         let (energy, work) = motion.energy();
         let fold = |values: &[f64], with: fn(f64, f64) -> f64, from: f64| {
@@ -58,7 +64,7 @@ impl Sample {
         };
         let [separation, slip, stick, reverse] = line.fractions();
         let [harmonic_re, harmonic_im] = line.harmonic(mode);
-        Sample {
+        TimeSample {
             time: motion.time(),
             energy,
             imbalance: energy - start - work.iter().sum::<f64>(),
@@ -77,12 +83,12 @@ impl Sample {
     }
 
     /// Share of the line in a regime.
-    fn share(&self, regime: Regime) -> f64 {
+    fn share(&self, regime: LineRegime) -> f64 {
         match regime {
-            Regime::Separation => self.separation,
-            Regime::Slip => self.slip,
-            Regime::Stick => self.stick,
-            Regime::Reverse => self.reverse,
+            LineRegime::Separation => self.separation,
+            LineRegime::Slip => self.slip,
+            LineRegime::Stick => self.stick,
+            LineRegime::Reverse => self.reverse,
         }
     }
 }
@@ -139,7 +145,7 @@ fn blocked(count: usize, statistic: impl Fn(std::ops::Range<usize>) -> f64) -> O
 
 /// The phase of the mode watched without jumps. Right as long as it turns by less than half a turn
 /// from sample to sample.
-fn phases(samples: &[Sample]) -> Vec<f64> {
+fn phases(samples: &[TimeSample]) -> Vec<f64> {
     let mut turns = 0.0;
     let mut last = None;
     samples
@@ -158,7 +164,7 @@ fn phases(samples: &[Sample]) -> Vec<f64> {
 
 /// Speed of the mode watched, its amplitude, the shares of the regimes and the asymmetry, over the
 /// second half of the samples.
-pub fn steady_state(samples: &[Sample], mode: u32) -> Vec<Measure> {
+pub fn steady_state(samples: &[TimeSample], mode: u32) -> Vec<Measure> {
     let half = &samples[samples.len() / 2..];
     let Some(last) = half.last() else {
         return Vec::new();
@@ -184,7 +190,7 @@ pub fn steady_state(samples: &[Sample], mode: u32) -> Vec<Measure> {
         });
         add("speed", speed);
     }
-    let mean = |value: &dyn Fn(&Sample) -> f64| {
+    let mean = |value: &dyn Fn(&TimeSample) -> f64| {
         blocked(half.len(), |range| {
             let count = range.len() as f64;
             half[range].iter().map(value).sum::<f64>() / count
@@ -194,7 +200,7 @@ pub fn steady_state(samples: &[Sample], mode: u32) -> Vec<Measure> {
         "amplitude",
         mean(&|sample| sample.harmonic_re.hypot(sample.harmonic_im)),
     );
-    for regime in Regime::ALL {
+    for regime in LineRegime::ALL {
         add(regime.name(), mean(&|sample| sample.share(regime)));
     }
     add("asymmetry", mean(&|sample| sample.asymmetry));
@@ -208,11 +214,11 @@ const SIGNAL: usize = 600;
 /// Growth rate and frequency of the mode watched while everything slips: of the exponential of its
 /// complex amplitude that is largest at the end of this time. The error is the difference from what
 /// the last three quarters of the time give.
-pub fn linear_growth(samples: &[Sample]) -> Vec<Measure> {
-    let all_slip = |sample: &&Sample| sample.slip == 1.0;
+pub fn linear_growth(samples: &[TimeSample]) -> Vec<Measure> {
+    let all_slip = |sample: &&TimeSample| sample.slip == 1.0;
     let slipping = samples.iter().take_while(all_slip).count();
     let thinning = slipping.div_ceil(SIGNAL).max(1);
-    let kept: Vec<&Sample> = samples[..slipping].iter().step_by(thinning).collect();
+    let kept: Vec<&TimeSample> = samples[..slipping].iter().step_by(thinning).collect();
     if kept.len() < BLOCKS * LEAST {
         return Vec::new();
     }

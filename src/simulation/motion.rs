@@ -7,16 +7,16 @@ use serde::{Deserialize, Serialize};
 
 use super::annulus::{self, Annulus, State};
 use super::growth;
-use super::line::{Line, Regime};
+use super::line::{Line, LineRegime};
 use super::profile::Profile;
 use super::ring::kernel::Nodes;
-use super::ring::{self, Law, Ring};
+use super::ring::{self, Ring, RingLaw};
 use crate::simulation::task::{Body, Circle, Simulation};
 use crate::tube::model::{Constants, Model};
 
 /// A body in motion.
 #[derive(Clone, Debug)]
-pub enum Motion {
+pub enum SimulatedMotion {
     /// System (M).
     Ring(Box<Ring>),
     /// The elastic tube.
@@ -37,10 +37,10 @@ pub enum Saved {
 pub enum MotionError {
     /// The ring.
     #[error("{0}")]
-    Ring(#[from] ring::SetupError),
+    Ring(#[from] ring::RingSetupError),
     /// The annulus.
     #[error("{0}")]
-    Annulus(#[from] annulus::SetupError),
+    Annulus(#[from] annulus::TubeSetupError),
     /// An annulus without a geometry.
     #[error("an annulus needs the geometry of the tube")]
     Geometry,
@@ -66,8 +66,8 @@ impl MotionError {
     #[cfg_attr(not(feature = "cli"), allow(dead_code))]
     pub(crate) fn about(&self) -> (&'static str, &'static str) {
         match self {
-            MotionError::Ring(ring::SetupError::Step { .. })
-            | MotionError::Annulus(annulus::SetupError::Step { .. }) => (
+            MotionError::Ring(ring::RingSetupError::Step { .. })
+            | MotionError::Annulus(annulus::TubeSetupError::Step { .. }) => (
                 "simulation.courant",
                 "take a smaller Courant number, for example `courant: 0.3`",
             ),
@@ -103,14 +103,14 @@ pub fn steady_growth(parameters: &Constants, mode: u32) -> [f64; 2] {
     [growth.re, growth.im]
 }
 
-impl Motion {
+impl SimulatedMotion {
     /// The body of a section, at its beginning.
     pub(crate) fn begin(
         section: &Simulation,
         model: &Model,
         mode: u32,
         wave: Option<&Profile>,
-    ) -> Result<Motion, MotionError> {
+    ) -> Result<SimulatedMotion, MotionError> {
         let parameters = &model.constants();
         let angle = angle(section, mode);
         let whole_steps = |longest: f64| section.every / (section.every / longest).ceil();
@@ -121,7 +121,7 @@ impl Motion {
                 friction,
             } => {
                 let longest = ring::courant_step(parameters, points, angle, section.courant);
-                let setup = ring::Setup {
+                let setup = ring::RingSetup {
                     points,
                     angle,
                     order,
@@ -130,7 +130,7 @@ impl Motion {
                     impact: model.impact,
                     watched: true,
                 };
-                Motion::Ring(Box::new(Ring::new(parameters, setup)?))
+                SimulatedMotion::Ring(Box::new(Ring::new(parameters, setup)?))
             }
             Body::Annulus { around, across } => {
                 let geometry = model.source.geometry().ok_or(MotionError::Geometry)?;
@@ -142,7 +142,7 @@ impl Motion {
                     section.courant,
                     parameters.stiffness_damping,
                 );
-                let setup = annulus::Setup {
+                let setup = annulus::TubeSetup {
                     geometry,
                     friction: parameters.friction,
                     mismatch: parameters.mismatch,
@@ -153,10 +153,10 @@ impl Motion {
                     angle,
                     time_step: whole_steps(longest),
                 };
-                Motion::Annulus(Box::new(Annulus::new(setup)?))
+                SimulatedMotion::Annulus(Box::new(Annulus::new(setup)?))
             }
         };
-        if let (Motion::Ring(ring), Some(wave)) = (&mut motion, wave) {
+        if let (SimulatedMotion::Ring(ring), Some(wave)) = (&mut motion, wave) {
             let expected = TAU / f64::from(mode);
             let found = wave.wavelength();
             if (found / expected - 1.0).abs() > SAME_LENGTH {
@@ -178,8 +178,8 @@ impl Motion {
     /// Adds A cos kφ to V and A Re(λe^{ikφ}) to V̇; points in the air keep U.
     fn perturb(&mut self, mode: u32, amplitude: f64, lambda: [f64; 2]) {
         match self {
-            Motion::Annulus(annulus) => annulus.perturb(mode, amplitude, lambda),
-            Motion::Ring(ring) => {
+            SimulatedMotion::Annulus(annulus) => annulus.perturb(mode, amplitude, lambda),
+            SimulatedMotion::Ring(ring) => {
                 let width = ring.spacing();
                 for point in 0..ring.setup().points {
                     let (sine, cosine) = (f64::from(mode) * width * point as f64).sin_cos();
@@ -193,8 +193,8 @@ impl Motion {
     /// Takes a number of steps.
     pub fn advance(&mut self, steps: u64) {
         match self {
-            Motion::Ring(ring) => ring.advance(steps),
-            Motion::Annulus(annulus) => annulus.advance(steps),
+            SimulatedMotion::Ring(ring) => ring.advance(steps),
+            SimulatedMotion::Annulus(annulus) => annulus.advance(steps),
         }
     }
 
@@ -203,51 +203,51 @@ impl Motion {
         (time / self.time_step()).ceil().max(1.0) as u64
     }
 
-    /// Goes on with [`Motion::steps_within`] a time; takes the first and returns how many are left.
+    /// Goes on with [`SimulatedMotion::steps_within`] a time; takes the first and returns how many are left.
     pub(crate) fn shorten(&mut self, time: f64) -> u64 {
         let steps = self.steps_within(time);
         match self {
-            Motion::Ring(ring) => ring.shorten(time / steps as f64),
-            Motion::Annulus(annulus) => annulus.shorten(time / steps as f64),
+            SimulatedMotion::Ring(ring) => ring.shorten(time / steps as f64),
+            SimulatedMotion::Annulus(annulus) => annulus.shorten(time / steps as f64),
         }
         steps - 1
     }
 
     pub(crate) fn steps(&self) -> u64 {
         match self {
-            Motion::Ring(ring) => ring.steps(),
-            Motion::Annulus(annulus) => annulus.steps(),
+            SimulatedMotion::Ring(ring) => ring.steps(),
+            SimulatedMotion::Annulus(annulus) => annulus.steps(),
         }
     }
 
     /// Time since the start.
     pub fn time(&self) -> f64 {
         match self {
-            Motion::Ring(ring) => ring.time(),
-            Motion::Annulus(annulus) => annulus.time(),
+            SimulatedMotion::Ring(ring) => ring.time(),
+            SimulatedMotion::Annulus(annulus) => annulus.time(),
         }
     }
 
     /// Time step.
     pub fn time_step(&self) -> f64 {
         match self {
-            Motion::Ring(ring) => ring.setup().time_step,
-            Motion::Annulus(annulus) => annulus.setup().time_step,
+            SimulatedMotion::Ring(ring) => ring.setup().time_step,
+            SimulatedMotion::Annulus(annulus) => annulus.setup().time_step,
         }
     }
 
     pub(crate) fn size(&self) -> usize {
         match self {
-            Motion::Ring(ring) => ring.setup().points,
-            Motion::Annulus(annulus) => annulus.state().radial.len(),
+            SimulatedMotion::Ring(ring) => ring.setup().points,
+            SimulatedMotion::Annulus(annulus) => annulus.state().radial.len(),
         }
     }
 
     /// Energy, and the work of friction, contact and damping since the start.
     pub fn energy(&self) -> (f64, [f64; 3]) {
         match self {
-            Motion::Ring(ring) => (ring.energy(), ring.work()),
-            Motion::Annulus(annulus) => (annulus.energy(), annulus.state().work),
+            SimulatedMotion::Ring(ring) => (ring.energy(), ring.work()),
+            SimulatedMotion::Annulus(annulus) => (annulus.energy(), annulus.state().work),
         }
     }
 
@@ -255,16 +255,18 @@ impl Motion {
     #[cfg_attr(not(feature = "cli"), allow(dead_code))]
     pub(crate) fn saved(&self) -> Saved {
         match self {
-            Motion::Ring(ring) => Saved::Ring(ring.nodes().clone()),
-            Motion::Annulus(annulus) => Saved::Annulus(annulus.state().clone()),
+            SimulatedMotion::Ring(ring) => Saved::Ring(ring.nodes().clone()),
+            SimulatedMotion::Annulus(annulus) => Saved::Annulus(annulus.state().clone()),
         }
     }
 
     /// Goes on from a state.
     pub(crate) fn resume(&mut self, saved: Saved, steps: u64) -> Result<(), MotionError> {
         match (self, saved) {
-            (Motion::Ring(ring), Saved::Ring(nodes)) => Ok(ring.resume(nodes, steps)?),
-            (Motion::Annulus(annulus), Saved::Annulus(state)) => Ok(annulus.resume(state, steps)?),
+            (SimulatedMotion::Ring(ring), Saved::Ring(nodes)) => Ok(ring.resume(nodes, steps)?),
+            (SimulatedMotion::Annulus(annulus), Saved::Annulus(state)) => {
+                Ok(annulus.resume(state, steps)?)
+            }
             _ => Err(MotionError::Body),
         }
     }
@@ -272,8 +274,8 @@ impl Motion {
     /// The contact line.
     pub fn line(&self) -> Line {
         match self {
-            Motion::Ring(ring) => ring_line(ring),
-            Motion::Annulus(annulus) => {
+            SimulatedMotion::Ring(ring) => ring_line(ring),
+            SimulatedMotion::Annulus(annulus) => {
                 let around = annulus.setup().around;
                 let state = annulus.state();
                 let rates = &state.tangential_rate[..around];
@@ -286,7 +288,7 @@ impl Motion {
                     pressure: state.pressure.clone(),
                     shear: state.shear.clone(),
                     regimes: (0..around)
-                        .map(|point| Regime::of(state.pressure[point] > 0.0, rates[point], 0.0))
+                        .map(|point| LineRegime::of(state.pressure[point] > 0.0, rates[point], 0.0))
                         .collect(),
                 }
             }
@@ -300,27 +302,27 @@ fn ring_line(ring: &Ring) -> Line {
     let count = nodes.count();
     let parameters = ring.constants();
     let within = match ring.setup().law {
-        Law::Coulomb => 0.0,
-        Law::Smoothed { epsilon } => epsilon,
+        RingLaw::Coulomb => 0.0,
+        RingLaw::Smoothed { epsilon } => epsilon,
     };
     let pressure: Vec<f64> = (0..count).map(|point| ring.pressure(point)).collect();
-    let regimes: Vec<Regime> = (0..count)
+    let regimes: Vec<LineRegime> = (0..count)
         .map(|point| {
             let contact = nodes.share[point] != 0.0;
-            Regime::of(contact, nodes.tangential_rate[point], within)
+            LineRegime::of(contact, nodes.tangential_rate[point], within)
         })
         .collect();
     let shear = (0..count)
         .map(|point| {
             let most = parameters.friction * pressure[point].max(0.0);
             match (regimes[point], ring.setup().law) {
-                (Regime::Separation, _) => 0.0,
-                (_, Law::Smoothed { epsilon }) => {
+                (LineRegime::Separation, _) => 0.0,
+                (_, RingLaw::Smoothed { epsilon }) => {
                     most * ((1.0 - nodes.tangential_rate[point]) / epsilon).tanh()
                 }
-                (Regime::Slip, _) => most,
-                (Regime::Reverse, _) => -most,
-                (Regime::Stick, _) => ring.holding_shear(point).clamp(-most, most),
+                (LineRegime::Slip, _) => most,
+                (LineRegime::Reverse, _) => -most,
+                (LineRegime::Stick, _) => ring.holding_shear(point).clamp(-most, most),
             }
         })
         .collect();

@@ -3,10 +3,10 @@
 
 use serde::Serialize;
 
-use super::growth::{self, Eigenvalue, GrowthError, Listing, Request};
-use super::motion::{Motion, MotionError, angle};
+use super::growth::{self, GrowthError, Listing, Request, SimulatedEigenvalue};
+use super::motion::{MotionError, SimulatedMotion, angle};
 use super::profile::Profile;
-use super::ring::Setup;
+use super::ring::RingSetup;
 use super::task::{Body, Circle, Simulation};
 use crate::tube::model::{Constants, Model, Sectors};
 
@@ -41,7 +41,7 @@ pub struct GrowthRow {
     /// Bloch sector.
     pub sector: usize,
     /// The eigenvalue.
-    pub eigenvalue: Eigenvalue,
+    pub eigenvalue: SimulatedEigenvalue,
     /// Its difference from that of a coarser grid.
     pub grid: f64,
     /// Estimate of |λ − exact|.
@@ -60,8 +60,12 @@ impl GrowthRow {
     /// Eigenvalues beside those of a ring of half as many points. Where fronts come late the frequencies are off
     /// in proportion: no difference counts less than the median relative one of all, for another eigenvalue of the
     /// coarse ring may be near by accident.
-    pub fn list(sector: usize, fine: Vec<Eigenvalue>, coarse: &[Eigenvalue]) -> Vec<GrowthRow> {
-        let nearest = |eigenvalue: &Eigenvalue| {
+    pub fn list(
+        sector: usize,
+        fine: Vec<SimulatedEigenvalue>,
+        coarse: &[SimulatedEigenvalue],
+    ) -> Vec<GrowthRow> {
+        let nearest = |eigenvalue: &SimulatedEigenvalue| {
             let distances = coarse
                 .iter()
                 .map(|other| (eigenvalue.distance(other), other.scatter));
@@ -69,11 +73,11 @@ impl GrowthRow {
                 .min_by(|one, other| one.0.total_cmp(&other.0))
                 .unwrap_or((f64::INFINITY, 0.0))
         };
-        let relative = |value: &Eigenvalue| nearest(value).0 / value.re.hypot(value.im);
+        let relative = |value: &SimulatedEigenvalue| nearest(value).0 / value.re.hypot(value.im);
         let mut ratios: Vec<f64> = fine.iter().map(relative).collect();
         ratios.sort_by(f64::total_cmp);
         let median = ratios.get(ratios.len().saturating_sub(1) / 2).copied();
-        let row = |eigenvalue: Eigenvalue| {
+        let row = |eigenvalue: SimulatedEigenvalue| {
             let (grid, rough) = nearest(&eigenvalue);
             let least = median.unwrap_or(0.0) * eigenvalue.re.hypot(eigenvalue.im);
             let error =
@@ -97,7 +101,7 @@ impl GrowthRow {
 
 /// The perturbations of one sector.
 pub struct Perturbations {
-    setup: Setup,
+    setup: RingSetup,
     fine: Request,
     coarse: Request,
     /// Steps of nodes that they take.
@@ -106,7 +110,7 @@ pub struct Perturbations {
 
 /// Why perturbations cannot be asked for.
 #[derive(Debug, thiserror::Error)]
-pub enum Refused {
+pub enum RefusedPerturbations {
     /// The ring of one wavelength cannot be set up.
     #[error("{0}")]
     Motion(#[from] MotionError),
@@ -124,7 +128,7 @@ pub fn perturbations(
     model: &Model,
     mode: u32,
     wave: Option<&Profile>,
-) -> Result<Vec<Perturbations>, Refused> {
+) -> Result<Vec<Perturbations>, RefusedPerturbations> {
     let (Some(growth), Body::Ring { points, .. }, Some(wave)) =
         (&section.growth, section.body, wave)
     else {
@@ -139,11 +143,11 @@ pub fn perturbations(
         Sectors::All => (0..=waves / 2).collect(),
         Sectors::Only(list) => list.clone(),
     };
-    let Motion::Ring(ring) = Motion::begin(section, model, mode, None)? else {
+    let SimulatedMotion::Ring(ring) = SimulatedMotion::begin(section, model, mode, None)? else {
         return Ok(Vec::new());
     };
     let parameters = &model.constants();
-    let setup = Setup {
+    let setup = RingSetup {
         angle: angle(section, mode),
         ..*ring.setup()
     };

@@ -36,7 +36,7 @@ const SAME_PLACE: f64 = 1e-12;
 
 /// A row of the table.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Row {
+struct ProfileRow {
     theta: f64,
     radial: f64,
     tangential: f64,
@@ -49,12 +49,12 @@ struct Row {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Profile {
     speed: f64,
-    rows: Vec<Row>,
+    rows: Vec<ProfileRow>,
 }
 
 /// U, V and their rates at a place, and whether it is in contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sample {
+pub struct SurfaceSample {
     /// U, V, U̇, V̇.
     pub values: [f64; 4],
     /// Whether U = δ.
@@ -123,7 +123,7 @@ impl Profile {
                     .ok_or_else(|| content(format!("`{cell}` is not a number")))?;
             }
             let [theta, radial, tangential, radial_rate, tangential_rate] = values;
-            rows.push(Row {
+            rows.push(ProfileRow {
                 theta,
                 radial,
                 tangential,
@@ -157,7 +157,7 @@ impl Profile {
     }
 
     /// The wave at a place and a time.
-    pub fn at(&self, place: f64, time: f64) -> Sample {
+    pub fn at(&self, place: f64, time: f64) -> SurfaceSample {
         let first = self.rows[0].theta;
         let theta = -(place - self.speed * time) * self.speed.signum();
         let theta = first + (theta - first).rem_euclid(self.wavelength());
@@ -183,7 +183,7 @@ impl Profile {
             [left.tangential, right.tangential],
             [left.tangential_rate, right.tangential_rate],
         );
-        Sample {
+        SurfaceSample {
             values: [u, v, u_rate, v_rate],
             contact: left.contact && right.contact,
         }

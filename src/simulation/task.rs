@@ -8,12 +8,12 @@ use serde::de::value::MapAccessDeserializer;
 use serde::de::{EnumAccess, MapAccess, VariantAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 
-use super::ring::{Law, Order};
+use super::ring::{Order, RingLaw};
 use crate::tube::model::Sectors;
 
 /// Fewest points of a ring, or of the contact line of an annulus, per wavelength simulated.
 pub(crate) const MIN_SIMULATION_POINTS: usize = 16;
-/// Fewest points per wavelength for [`Growth`], which looks at half as many, too: seven points are the
+/// Fewest points per wavelength for [`GrowthTask`], which looks at half as many, too: seven points are the
 /// least on which differences of every order do not reach round a ring.
 pub(crate) const MIN_GROWTH_POINTS: usize = 14;
 /// Most points of a ring, and most nodes of an annulus.
@@ -27,7 +27,7 @@ pub(crate) const MAX_COURANT: f64 = 0.9;
 pub(crate) const DEFAULT_COURANT: f64 = 0.3;
 /// Time between samples where none is given, in units of 1/Ω.
 pub(crate) const DEFAULT_EVERY: f64 = 0.05;
-/// Pairs of runs of [`Growth`] where none are given.
+/// Pairs of runs of [`GrowthTask`] where none are given.
 pub(crate) const DEFAULT_PAIRS: usize = 80;
 /// Largest difference of the two runs of a pair where none is given, in units of RΩ.
 pub(crate) const DEFAULT_GROWTH_AMPLITUDE: f64 = 1e-4;
@@ -59,7 +59,7 @@ pub struct Simulation {
     pub snapshots: usize,
     /// Growth of perturbations of the wave at the beginning.
     #[serde(default)]
-    pub growth: Option<Growth>,
+    pub growth: Option<GrowthTask>,
 }
 
 impl Simulation {
@@ -87,7 +87,7 @@ pub enum Body {
         order: Order,
         /// Friction law.
         #[serde(default)]
-        friction: Law,
+        friction: RingLaw,
     },
     /// The elastic tube by finite elements.
     Annulus {
@@ -235,8 +235,8 @@ pub struct Perturbation {
 
 /// Growth of perturbations of the wave at the beginning.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Growth {
+#[serde(rename = "Growth", default, deny_unknown_fields)]
+pub struct GrowthTask {
     /// Bloch sectors to look at.
     pub sectors: Sectors,
     /// Pairs of runs.
@@ -245,9 +245,9 @@ pub struct Growth {
     pub amplitude: f64,
 }
 
-impl Default for Growth {
-    fn default() -> Growth {
-        Growth {
+impl Default for GrowthTask {
+    fn default() -> GrowthTask {
+        GrowthTask {
             sectors: Sectors::All,
             pairs: DEFAULT_PAIRS,
             amplitude: DEFAULT_GROWTH_AMPLITUDE,

@@ -136,7 +136,7 @@ impl<'a> Cells<'a> {
 }
 
 /// A list being put into one cell, which begins there unless it is within another list.
-struct List<'b, 'a>(&'b mut Cells<'a>, Option<usize>);
+struct CellList<'b, 'a>(&'b mut Cells<'a>, Option<usize>);
 
 macro_rules! scalars {
     ($($name:ident: $type:ty),*) => {
@@ -158,7 +158,7 @@ macro_rules! refused {
 impl<'b, 'a> Serializer for &'b mut Cells<'a> {
     type Ok = ();
     type Error = fmt::Error;
-    type SerializeSeq = List<'b, 'a>;
+    type SerializeSeq = CellList<'b, 'a>;
     type SerializeTuple = Impossible<(), fmt::Error>;
     type SerializeTupleStruct = Impossible<(), fmt::Error>;
     type SerializeTupleVariant = Impossible<(), fmt::Error>;
@@ -226,10 +226,10 @@ impl<'b, 'a> Serializer for &'b mut Cells<'a> {
         Err(fmt::Error)
     }
 
-    fn serialize_seq(self, _: Option<usize>) -> Result<List<'b, 'a>, fmt::Error> {
+    fn serialize_seq(self, _: Option<usize>) -> Result<CellList<'b, 'a>, fmt::Error> {
         let from = self.list.is_none().then(|| self.open());
         self.list.get_or_insert(0);
-        Ok(List(self, from))
+        Ok(CellList(self, from))
     }
 
     fn serialize_map(self, _: Option<usize>) -> Result<Self, fmt::Error> {
@@ -285,7 +285,7 @@ impl SerializeMap for &mut Cells<'_> {
     }
 }
 
-impl SerializeSeq for List<'_, '_> {
+impl SerializeSeq for CellList<'_, '_> {
     type Ok = ();
     type Error = fmt::Error;
 
@@ -294,7 +294,7 @@ impl SerializeSeq for List<'_, '_> {
     }
 
     fn end(self) -> fmt::Result {
-        let List(cells, from) = self;
+        let CellList(cells, from) = self;
         if let Some(from) = from {
             cells.list = None;
             cells.close(from);

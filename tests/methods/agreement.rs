@@ -45,10 +45,10 @@ fn the_exact_flow_against_the_others() {
 fn the_ring_where_it_is_in_contact() {
     for mismatch in [0.2, 0.08] {
         let (wave, exact) = fast(&tube(0.5, mismatch, FrictionLaw::Coulomb));
-        let settings = discretised::Settings {
+        let settings = discretised::RingSettings {
             points: 64,
             epsilon: 0.02,
-            ..discretised::Settings::default()
+            ..discretised::RingSettings::default()
         };
         let ring = discretised::solve_from(&wave, &exact, &settings).expect("a semi-discrete wave");
         let error = (ring.speed / wave.speed_at(&exact) - 1.0).abs();

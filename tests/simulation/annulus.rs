@@ -5,10 +5,10 @@ use std::f64::consts::TAU;
 
 use nalgebra::{Complex, DMatrix, DVector};
 
-use brakewave::simulation::annulus::{Annulus, Setup, courant_step};
-use brakewave::simulation::line::Regime;
-use brakewave::simulation::measure::{Sample, linear_growth, steady_state};
-use brakewave::simulation::motion::Motion;
+use brakewave::simulation::annulus::{Annulus, TubeSetup, courant_step};
+use brakewave::simulation::line::LineRegime;
+use brakewave::simulation::measure::{TimeSample, linear_growth, steady_state};
+use brakewave::simulation::motion::SimulatedMotion;
 
 use crate::simulation::{GEOMETRY, scramble};
 
@@ -27,7 +27,7 @@ fn damped(
     [mass_damping, stiffness_damping]: [f64; 2],
 ) -> Annulus {
     let time_step = courant_step(&GEOMETRY, around, across, angle, 0.4, stiffness_damping);
-    Annulus::new(Setup {
+    Annulus::new(TubeSetup {
         geometry: GEOMETRY,
         friction: 0.5,
         mismatch,
@@ -192,16 +192,16 @@ fn radial_eigenvalue(mode: u32, friction: f64, guess: [f64; 2], count: usize) ->
 }
 
 /// A tube with a small wave, followed while everything slips.
-fn samples(around: usize, across: usize, time: f64, stiffness_damping: f64) -> Vec<Sample> {
+fn samples(around: usize, across: usize, time: f64, stiffness_damping: f64) -> Vec<TimeSample> {
     let angle = TAU / f64::from(MODE);
     let mut tube = damped(around, across, angle, 0.2, [0.0, stiffness_damping]);
     tube.perturb(MODE, 1e-5, [0.0, 0.0]);
-    let mut motion = Motion::Annulus(Box::new(tube));
+    let mut motion = SimulatedMotion::Annulus(Box::new(tube));
     let steps = (0.02 / motion.time_step()).max(1.0) as u64;
     let start = motion.energy().0;
     let mut samples = Vec::new();
     while motion.time() < time {
-        samples.push(Sample::of(&motion, MODE, 1, 0.2, start));
+        samples.push(TimeSample::of(&motion, MODE, 1, 0.2, start));
         motion.advance(steps);
     }
     samples
@@ -260,14 +260,14 @@ fn limit_cycles_of_mode_4_at_two_mismatches() {
         let angle = TAU / f64::from(MODE);
         let mut tube = annulus(33, 8, angle, mismatch, 0.5);
         tube.perturb(MODE, 1e-2, [0.0, 0.0]);
-        let mut motion = Motion::Annulus(Box::new(tube));
+        let mut motion = SimulatedMotion::Annulus(Box::new(tube));
         let start = motion.energy().0;
         let mut samples = Vec::new();
         let steps = (0.05 / motion.time_step()).max(1.0) as u64;
         while motion.time() < 160.0 {
             motion.advance(steps);
             if motion.time() > 120.0 {
-                samples.push(Sample::of(&motion, MODE, 1, mismatch, start));
+                samples.push(TimeSample::of(&motion, MODE, 1, mismatch, start));
             }
         }
         let measures = steady_state(&samples, MODE);
@@ -279,7 +279,7 @@ fn limit_cycles_of_mode_4_at_two_mismatches() {
             (measure.value, measure.error)
         }
     };
-    let name = |regime: Regime| regime.name();
+    let name = |regime: LineRegime| regime.name();
     let apart = cycle(0.2);
     let together = cycle(1.0);
     for found in [&apart as &dyn Fn(&str) -> (f64, f64), &together] {
@@ -289,10 +289,10 @@ fn limit_cycles_of_mode_4_at_two_mismatches() {
             speed > 1.9 && speed < 2.2 && error < 1e-2,
             "{speed} {error:e}"
         );
-        assert!(found(name(Regime::Stick)).0 > 0.1 && found(name(Regime::Slip)).0 > 0.1);
+        assert!(found(name(LineRegime::Stick)).0 > 0.1 && found(name(LineRegime::Slip)).0 > 0.1);
     }
-    assert!(apart(name(Regime::Separation)).0 > 0.3);
-    assert_eq!(together(name(Regime::Separation)).0, 0.0);
+    assert!(apart(name(LineRegime::Separation)).0 > 0.3);
+    assert_eq!(together(name(LineRegime::Separation)).0, 0.0);
 }
 
 /// A rough motion of the tube, step by step: no penetration at all, no tension, friction within its cone
@@ -322,13 +322,13 @@ fn balance(stiffness_damping: f64) {
             let noise = 1e-12 * (1.0 + p);
             assert!(q.abs() <= 0.5 * p + noise);
             let (old, new) = (rate - 1.0, state.tangential_rate[i] - 1.0);
-            let regime = Regime::of(p > 0.0, state.tangential_rate[i], 0.0);
+            let regime = LineRegime::of(p > 0.0, state.tangential_rate[i], 0.0);
             seen[usize::from(regime.code())] += 1;
             match regime {
-                Regime::Separation => assert_eq!(q, 0.0),
-                Regime::Slip if old <= 0.0 => assert!((q - 0.5 * p).abs() <= noise),
-                Regime::Reverse if old >= 0.0 => assert!((q + 0.5 * p).abs() <= noise),
-                Regime::Stick => assert_eq!(new, 0.0),
+                LineRegime::Separation => assert_eq!(q, 0.0),
+                LineRegime::Slip if old <= 0.0 => assert!((q - 0.5 * p).abs() <= noise),
+                LineRegime::Reverse if old >= 0.0 => assert!((q + 0.5 * p).abs() <= noise),
+                LineRegime::Stick => assert_eq!(new, 0.0),
                 _ => {}
             }
             if p > 0.0 {

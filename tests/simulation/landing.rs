@@ -6,9 +6,9 @@ use std::f64::consts::TAU;
 use std::path::PathBuf;
 use std::sync::OnceLock;
 
-use brakewave::simulation::growth::{self, Eigenvalue, Request, SETTLING, place};
+use brakewave::simulation::growth::{self, Request, SETTLING, SimulatedEigenvalue, place};
 use brakewave::simulation::profile::Profile;
-use brakewave::simulation::ring::{Order, Ring, Setup, courant_step};
+use brakewave::simulation::ring::{Order, Ring, RingSetup, courant_step};
 use brakewave::tube::model::{Constants, Impact};
 use tempfile::TempDir;
 
@@ -42,7 +42,7 @@ fn begin(profile: &Profile, parameters: &Constants, points: usize, impact: Impac
     let angle = profile.wavelength();
     let period = angle / profile.speed().abs();
     let steps = (period / courant_step(parameters, points, angle, 0.3)).ceil();
-    let setup = Setup {
+    let setup = RingSetup {
         impact,
         ..setup(points, angle, Order::Fourth, period / steps)
     };
@@ -144,7 +144,7 @@ fn eigenvalues(
     (profile, parameters): (&Profile, &Constants),
     (sector, pairs, amplitude): (usize, usize, f64),
     points: usize,
-) -> Vec<Eigenvalue> {
+) -> Vec<SimulatedEigenvalue> {
     let request = Request {
         points,
         waves: if sector == 0 { 1 } else { 4 },
@@ -155,7 +155,7 @@ fn eigenvalues(
         pairs,
         settling: SETTLING,
     };
-    let setup = Setup {
+    let setup = RingSetup {
         impact: Impact::Coulomb,
         ..setup(points, profile.wavelength(), Order::Fourth, 1.0)
     };

@@ -4,7 +4,7 @@
 use std::f64::consts::TAU;
 
 use brakewave::simulation::ring::kernel::Nodes;
-use brakewave::simulation::ring::{Law, Order, Ring, Setup, courant_step};
+use brakewave::simulation::ring::{Order, Ring, RingLaw, RingSetup, courant_step};
 use brakewave::tube::model::{Constants, Impact};
 
 use crate::simulation::{parameters, scramble, setup};
@@ -13,7 +13,7 @@ use crate::simulation::{parameters, scramble, setup};
 pub fn rough(
     points: usize,
     order: Order,
-    law: Law,
+    law: RingLaw,
     [mass_damping, stiffness_damping]: [f64; 2],
     impact: Impact,
     courant: f64,
@@ -23,7 +23,7 @@ pub fn rough(
         ..parameters(0.05, mass_damping)
     };
     let time_step = courant_step(&parameters, points, TAU, courant);
-    let setup = Setup {
+    let setup = RingSetup {
         law,
         impact,
         watched: true,
@@ -79,7 +79,7 @@ fn friction_and_contact_hold_at_every_node_and_step() {
         let mut ring = rough(
             96,
             Order::Second,
-            Law::Coulomb,
+            RingLaw::Coulomb,
             [mass_damping, 0.0],
             Impact::Frictionless,
             0.4,
@@ -193,7 +193,7 @@ struct Balance {
     scale: f64,
 }
 
-fn balance(order: Order, law: Law, damping: [f64; 2], impact: Impact, courant: f64) -> Balance {
+fn balance(order: Order, law: RingLaw, damping: [f64; 2], impact: Impact, courant: f64) -> Balance {
     let mut ring = rough(96, order, law, damping, impact, courant);
     let (dt, width) = (ring.setup().time_step, ring.spacing());
     let start = ring.energy();
@@ -251,7 +251,7 @@ const ROUNDINGS: f64 = 6.0;
 #[test]
 fn energy_is_balanced() {
     for order in [Order::Second, Order::Fourth, Order::Sixth] {
-        for law in [Law::Coulomb, Law::Smoothed { epsilon: 0.01 }] {
+        for law in [RingLaw::Coulomb, RingLaw::Smoothed { epsilon: 0.01 }] {
             for (damping, impact) in [
                 ([0.0, 0.0], Impact::Frictionless),
                 ([0.2, 0.0], Impact::Frictionless),
@@ -290,8 +290,8 @@ fn smooth_friction_in_contact_has_no_kinks() {
     let parameters = parameters(0.4, 0.0);
     let mut ring = Ring::new(
         &parameters,
-        Setup {
-            law: Law::Smoothed { epsilon: 0.01 },
+        RingSetup {
+            law: RingLaw::Smoothed { epsilon: 0.01 },
             watched: true,
             ..setup(
                 96,
@@ -333,7 +333,7 @@ fn cutting_and_threads_change_nothing() {
         rough(
             2500,
             Order::Fourth,
-            Law::Coulomb,
+            RingLaw::Coulomb,
             [0.0; 2],
             Impact::Frictionless,
             0.4,
@@ -343,7 +343,7 @@ fn cutting_and_threads_change_nothing() {
         rough(
             2500,
             Order::Fourth,
-            Law::Coulomb,
+            RingLaw::Coulomb,
             [0.0, 0.001],
             Impact::Coulomb,
             0.4,
@@ -358,7 +358,7 @@ fn smoothed_friction_tends_to_coulomb() {
     let run = |law| {
         let parameters = parameters(0.3, 0.2);
         let time_step = courant_step(&parameters, 64, TAU / 4.0, 0.2);
-        let setup = Setup {
+        let setup = RingSetup {
             law,
             ..setup(64, TAU / 4.0, Order::Fourth, time_step)
         };
@@ -373,9 +373,9 @@ fn smoothed_friction_tends_to_coulomb() {
         ring.advance(200);
         ring.nodes().tangential.clone()
     };
-    let exact = run(Law::Coulomb);
+    let exact = run(RingLaw::Coulomb);
     let distance = |epsilon: f64| {
-        run(Law::Smoothed { epsilon })
+        run(RingLaw::Smoothed { epsilon })
             .iter()
             .zip(&exact)
             .map(|(one, other)| (one - other).abs())
@@ -390,16 +390,16 @@ fn what_cannot_be_is_refused() {
     let parameters = parameters(0.2, 0.0);
     let setup = setup(64, TAU, Order::Second, 0.01);
     for wrong in [
-        Setup { points: 3, ..setup },
-        Setup {
+        RingSetup { points: 3, ..setup },
+        RingSetup {
             time_step: 0.0,
             ..setup
         },
-        Setup {
+        RingSetup {
             time_step: f64::NAN,
             ..setup
         },
-        Setup {
+        RingSetup {
             time_step: 10.0,
             ..setup
         },

@@ -7,11 +7,11 @@ use std::path::PathBuf;
 use std::sync::OnceLock;
 
 use brakewave::simulation::esprit::exponentials;
-use brakewave::simulation::growth::{self, Eigenvalue, GrowthError, Request, place};
+use brakewave::simulation::growth::{self, GrowthError, Request, SimulatedEigenvalue, place};
 use brakewave::simulation::motion::steady_growth;
 use brakewave::simulation::profile::Profile;
 use brakewave::simulation::ring::{
-    LARGEST_PART, Order, Ring, Setup, SetupError, courant_step, stable_step,
+    LARGEST_PART, Order, Ring, RingSetup, RingSetupError, courant_step, stable_step,
 };
 use brakewave::tube::model::Constants;
 use brakewave::tube::model::coefficients::Geometry;
@@ -78,7 +78,7 @@ fn rough(points: usize, order: Order, stiffness_damping: f64, part: f64) -> Ring
     let time_step = part * courant_step(&parameters, points, TAU, 1.0);
     let mut ring = Ring::new(
         &parameters,
-        Setup {
+        RingSetup {
             watched: true,
             ..setup(points, TAU, order, time_step)
         },
@@ -195,7 +195,7 @@ fn the_largest_step_is_stable() {
         assert!(left.abs() < 1e-8, "{beta} {left:e}");
         let over = stable_step(&parameters, 64, TAU, Order::Second);
         let refused = Ring::new(&parameters, setup(64, TAU, Order::Second, over));
-        assert!(matches!(refused, Err(SetupError::Step { .. })));
+        assert!(matches!(refused, Err(RingSetupError::Step { .. })));
         // free waves limit the step for small β, diffusion for large
         let (h, a) = (TAU / 64.0, parameters.coefficients.a);
         let courant = courant_step(&parameters, 64, TAU, 1.0);
@@ -322,7 +322,7 @@ fn eigenvalues(
     waves: usize,
     sector: usize,
     points: usize,
-) -> Result<Vec<Eigenvalue>, GrowthError> {
+) -> Result<Vec<SimulatedEigenvalue>, GrowthError> {
     let request = Request {
         points,
         waves: if sector == 0 { 1 } else { waves },

@@ -15,9 +15,9 @@ use std::path::PathBuf;
 use std::process::Command;
 use std::sync::OnceLock;
 
-use brakewave::simulation::growth::Eigenvalue;
+use brakewave::simulation::growth::SimulatedEigenvalue;
 use brakewave::simulation::profile::Profile;
-use brakewave::simulation::ring::{Law, Order, Ring, Setup};
+use brakewave::simulation::ring::{Order, Ring, RingLaw, RingSetup};
 use brakewave::tube::model::coefficients::Geometry;
 use brakewave::tube::model::{Constants, Impact};
 use tempfile::TempDir;
@@ -42,13 +42,13 @@ pub fn parameters(mismatch: f64, mass_damping: f64) -> Constants {
 }
 
 /// A ring under Coulomb's law, without an account of work.
-fn setup(points: usize, angle: f64, order: Order, time_step: f64) -> Setup {
-    Setup {
+fn setup(points: usize, angle: f64, order: Order, time_step: f64) -> RingSetup {
+    RingSetup {
         points,
         angle,
         order,
         time_step,
-        law: Law::Coulomb,
+        law: RingLaw::Coulomb,
         impact: Impact::Frictionless,
         watched: false,
     }
@@ -159,10 +159,10 @@ pub fn scramble(index: usize) -> f64 {
 /// Compares eigenvalues of a coarse and a fine grid with those of the eigenfunction problem. Where errors fall at least like the spacing, that of the finer
 /// grid is no larger than the difference of the two; to this come four standard errors of each.
 #[track_caller]
-pub fn compare_grids(sets: &[Vec<Eigenvalue>; 2], exact: &[[f64; 2]], most: f64) {
+pub fn compare_grids(sets: &[Vec<SimulatedEigenvalue>; 2], exact: &[[f64; 2]], most: f64) {
     for [re, im] in exact {
         let [coarse, fine] = [0, 1].map(|set: usize| {
-            let off = |value: &Eigenvalue| (value.re - re).hypot(value.im - im);
+            let off = |value: &SimulatedEigenvalue| (value.re - re).hypot(value.im - im);
             let nearest = sets[set]
                 .iter()
                 .min_by(|one, other| off(one).total_cmp(&off(other)));

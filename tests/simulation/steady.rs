@@ -4,7 +4,7 @@
 use std::f64::consts::TAU;
 
 use brakewave::simulation::motion::steady_growth;
-use brakewave::simulation::ring::{Order, Ring, Setup, courant_step};
+use brakewave::simulation::ring::{Order, Ring, RingSetup, courant_step};
 
 use crate::simulation::{parameters, setup};
 
@@ -12,7 +12,7 @@ use crate::simulation::{parameters, setup};
 fn steady_sliding_stays() {
     let parameters = parameters(0.2, 0.0);
     let time_step = courant_step(&parameters, 132, TAU, 0.4);
-    let setup = Setup {
+    let setup = RingSetup {
         watched: true,
         ..setup(132, TAU, Order::Fourth, time_step)
     };

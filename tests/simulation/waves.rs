@@ -2,7 +2,7 @@
 //! perturbations grow and decay as the eigenfunction problem says. The figures compared with were
 //! computed by an independent program.
 
-use brakewave::simulation::growth::{self, Eigenvalue, Request, SETTLING, place};
+use brakewave::simulation::growth::{self, Request, SETTLING, SimulatedEigenvalue, place};
 use brakewave::simulation::ring::{Order, Ring, courant_step};
 
 use crate::simulation::{parameters, setup, wave};
@@ -53,7 +53,12 @@ fn the_wave_travels_at_its_speed() {
     );
 }
 
-fn eigenvalues(mismatch: f64, points: usize, sector: usize, pairs: usize) -> Vec<Eigenvalue> {
+fn eigenvalues(
+    mismatch: f64,
+    points: usize,
+    sector: usize,
+    pairs: usize,
+) -> Vec<SimulatedEigenvalue> {
     let profile = wave(mismatch);
     let request = Request {
         points,
@@ -88,11 +93,11 @@ fn compare(mismatch: f64, sector: usize, pairs: usize, references: &[[f64; 2]], 
         eigenvalues(mismatch, 192, sector, pairs),
     );
     for [re, im] in references {
-        let nearest = |set: &[Eigenvalue]| {
+        let nearest = |set: &[SimulatedEigenvalue]| {
             set.iter()
                 .copied()
                 .min_by(|one, other| {
-                    let off = |value: &Eigenvalue| (value.re - re).hypot(value.im - im);
+                    let off = |value: &SimulatedEigenvalue| (value.re - re).hypot(value.im - im);
                     off(one).total_cmp(&off(other))
                 })
                 .expect("an eigenvalue")

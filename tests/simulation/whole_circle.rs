@@ -4,7 +4,7 @@
 use std::f64::consts::TAU;
 
 use brakewave::simulation::growth::place;
-use brakewave::simulation::motion::Motion;
+use brakewave::simulation::motion::SimulatedMotion;
 use brakewave::simulation::profile::Profile;
 use brakewave::simulation::ring::{Order, Ring, courant_step};
 
@@ -28,8 +28,9 @@ fn unlikeness(profile: &Profile, mass_damping: f64, time: f64) -> [f64; 2] {
         ];
         ring.place(point, values);
     }
-    let mut motion = Motion::Ring(Box::new(ring));
-    let unlike = |motion: &Motion| motion.line().asymmetry(4).expect("256 points, 4 waves");
+    let mut motion = SimulatedMotion::Ring(Box::new(ring));
+    let unlike =
+        |motion: &SimulatedMotion| motion.line().asymmetry(4).expect("256 points, 4 waves");
     let start = unlike(&motion);
     motion.advance((time / setup.time_step).round() as u64);
     [start, unlike(&motion)]

@@ -1,7 +1,7 @@
 //! Material damping β > 0: the discretised ring, which knows neither fronts nor layers, against the
 //! eigenfunction problem of third order.
 
-use brakewave::discretised::{SemiDiscreteWave, Settings, solve};
+use brakewave::discretised::{RingSettings, SemiDiscreteWave, solve};
 use brakewave::tube::model::coefficients::Geometry;
 use brakewave::tube::model::{Damping, Model};
 use faer::c64;
@@ -25,10 +25,10 @@ fn semi_discrete(
         },
         ..Model::tube(geometry, 0.5, 0.4)
     };
-    let settings = Settings {
+    let settings = RingSettings {
         points,
         epsilon: EPSILON,
-        ..Settings::default()
+        ..RingSettings::default()
     };
     solve(&model, mode, &settings).expect("a wave")
 }

@@ -1,7 +1,7 @@
 //! Friction that depends on the velocity: perturbations obey equations with coefficients along the wave.
 
 use brakewave::branch::{Stability, polish};
-use brakewave::discretised::{SemiDiscreteWave, Settings, solve_from};
+use brakewave::discretised::{RingSettings, SemiDiscreteWave, solve_from};
 use brakewave::linalg::Vector;
 use brakewave::tube::flow::method::Method;
 use brakewave::tube::model::{FrictionLaw, Model};
@@ -139,10 +139,10 @@ fn rings_extrapolate_to_these_eigenvalues() {
         let spectrum = window(&linearised(&(wave.clone(), point.clone())));
         assert!(spectrum.complete);
         let rings = [60, 120].map(|points| {
-            let settings = Settings {
+            let settings = RingSettings {
                 points,
                 epsilon,
-                ..Settings::default()
+                ..RingSettings::default()
             };
             solve_from(&wave, &point, &settings).expect("a ring")
         });

@@ -16,7 +16,7 @@ use crate::linalg::{Matrix, Vector, balance};
 
 /// What makes an equilibrium special beside its own equations, with the vector that normalises the critical one.
 #[derive(Clone, Copy, Debug)]
-pub enum SpecialEquilibrium<'a> {
+pub enum SpecialCondition<'a> {
     /// A fold: v follows the states, and v·v = 1.
     Fold,
     /// A pair of eigenvalues with the sum zero: a, r and κ in the unit of rates follow the states.
@@ -27,7 +27,7 @@ pub enum SpecialEquilibrium<'a> {
 
 /// The system with parameters that are further states.
 #[derive(Clone, Debug)]
-struct Posed {
+struct ExtendedSystem {
     setting: Arc<EquilibriumSetting>,
     lifted: Arc<AffineSystem>,
 }
@@ -37,8 +37,8 @@ struct Posed {
 pub struct EquilibriumPlane {
     parameters: [usize; 2],
     /// In each parameter, the other one beside it.
-    single: [Posed; 2],
-    both: Posed,
+    single: [ExtendedSystem; 2],
+    both: ExtendedSystem,
 }
 
 impl EquilibriumPlane {
@@ -81,7 +81,7 @@ impl EquilibriumPlane {
         };
         let posed = |indices: &[usize], order: [usize; 2]| {
             let order = order.map(|index| parameters[index]);
-            Some(Posed {
+            Some(ExtendedSystem {
                 setting: setting(indices),
                 lifted: Arc::new(lifted(system, values, &order).ok()?),
             })
@@ -89,7 +89,7 @@ impl EquilibriumPlane {
         let first = posed(&[0], [0, 1])?;
         Some(EquilibriumPlane {
             parameters,
-            both: Posed {
+            both: ExtendedSystem {
                 setting: setting(&[0, 1]),
                 lifted: first.lifted.clone(),
             },
@@ -102,7 +102,7 @@ impl EquilibriumPlane {
         /// A rate whose derivatives all are smaller than this part of a state's own is zero but for them where the curve
         /// begins, as at a branch point: it is not scaled up any further.
         const LEAST: f64 = 1e-3;
-        let Posed { setting, lifted } = &self.both;
+        let ExtendedSystem { setting, lifted } = &self.both;
         let own = EquilibriumCurve::of(setting.clone(), lifted.clone(), (mode, None))?;
         let EquilibriumScales { units, rate, .. } = &setting.scales;
         let rates = own.rates.iter().zip(units);
@@ -113,7 +113,7 @@ impl EquilibriumPlane {
 
     /// The equilibria of a mode in one of the parameters, at a value of the other one. Their equations are the same.
     pub fn curve(&self, mode: usize, values: [f64; 2], index: usize) -> Option<EquilibriumCurve> {
-        let Posed { setting, lifted } = &self.single[index];
+        let ExtendedSystem { setting, lifted } = &self.single[index];
         let other = 1 - index;
         Some(EquilibriumCurve {
             setting: setting.clone(),
@@ -130,7 +130,7 @@ impl EquilibriumPlane {
     pub fn evaluate(
         &self,
         (mode, name): (usize, &str),
-        special: SpecialEquilibrium,
+        special: SpecialCondition,
         point: &Vector,
         (residual, jacobian): (&mut [f64], &mut Matrix),
     ) -> Result<(), EquilibriumFailure> {
@@ -140,9 +140,9 @@ impl EquilibriumPlane {
         let family = self.family(mode).ok_or_else(no_value)?;
         let n = family.states();
         let (condition, near) = match special {
-            SpecialEquilibrium::Fold => (Condition::Fold, &[][..]),
-            SpecialEquilibrium::Pair(near) => (Condition::Neutral, near),
-            SpecialEquilibrium::Crossing(near) => (Condition::Branching, near),
+            SpecialCondition::Fold => (Condition::Fold, &[][..]),
+            SpecialCondition::Pair(near) => (Condition::Neutral, near),
+            SpecialCondition::Crossing(near) => (Condition::Branching, near),
         };
         if condition != Condition::Fold && near.len() != n {
             return Err(no_value());

@@ -48,17 +48,17 @@ pub(super) struct Expansion {
 
 /// A piece of a motion.
 #[derive(Clone, Debug)]
-pub struct Piece {
+pub struct FlowPiece {
     /// z at its beginning.
     pub z: Vector,
     /// How long it is.
     pub length: f64,
-    course: Course,
+    course: PieceMotion,
 }
 
 /// What is known of z over a piece.
 #[derive(Clone, Debug)]
-enum Course {
+enum PieceMotion {
     /// It is that of a linear mode.
     Exact,
     /// It is that of its slow part alone, by this number.
@@ -67,13 +67,13 @@ enum Course {
     Series(Series),
 }
 
-impl Piece {
+impl FlowPiece {
     /// One of a mode that is integrated, by its series, which holds so long.
-    pub(super) fn integrated(series: Series, length: f64) -> Piece {
-        Piece {
+    pub(super) fn integrated(series: Series, length: f64) -> FlowPiece {
+        FlowPiece {
             z: series.first(),
             length,
-            course: Course::Series(series),
+            course: PieceMotion::Series(series),
         }
     }
 }
@@ -102,7 +102,7 @@ pub(super) enum Onset {
     Zero,
 }
 
-impl Piece {
+impl FlowPiece {
     /// Whether it begins in numbers and has a length.
     pub(super) fn is_defined(&self) -> bool {
         self.length > 0.0 && self.z.iter().all(|x| x.is_finite())
@@ -179,37 +179,37 @@ impl ModeFlow {
     }
 
     /// The piece that begins at z. Its length is no number where the rates have no value.
-    pub fn piece(&self, mut z: Vector) -> Piece {
+    pub fn piece(&self, mut z: Vector) -> FlowPiece {
         let (length, course) = match &self.exact {
             Some(exact) => {
                 let mut slow = exact.stiff.iter().enumerate();
                 let slow = slow.find_map(|(index, (way, slow))| {
-                    Some((slow.length, Course::Slow(index, way.vanished(&z)?)))
+                    Some((slow.length, PieceMotion::Slow(index, way.vanished(&z)?)))
                 });
-                slow.unwrap_or((exact.length, Course::Exact))
+                slow.unwrap_or((exact.length, PieceMotion::Exact))
             }
             None => {
                 let series = self.field.series(&z, ORDER, false, true);
                 z = series.first();
                 let length = self.field.length(&series, self.longest, true);
-                (length, Course::Series(series))
+                (length, PieceMotion::Series(series))
             }
         };
-        Piece { z, length, course }
+        FlowPiece { z, length, course }
     }
 
     /// Length of the longest piece that may follow one, where that is known before.
-    pub(super) fn longest(&self, piece: &Piece) -> f64 {
+    pub(super) fn longest(&self, piece: &FlowPiece) -> f64 {
         let slow = self.exact.iter().flat_map(|exact| exact.stiff.first());
         slow.map(|(_, slow)| slow.length)
             .fold(piece.length, f64::max)
     }
 
     /// z after a whole piece.
-    pub fn advance(&self, piece: &Piece) -> Vector {
+    pub fn advance(&self, piece: &FlowPiece) -> Vector {
         match (&self.exact, &piece.course) {
-            (Some(exact), Course::Exact) => product(&exact.step, &piece.z),
-            (Some(exact), Course::Slow(index, at)) => {
+            (Some(exact), PieceMotion::Exact) => product(&exact.step, &piece.z),
+            (Some(exact), PieceMotion::Slow(index, at)) => {
                 let (way, slow) = &exact.stiff[*index];
                 &way.along * product(&slow.step, &at.slow)
             }
@@ -218,14 +218,14 @@ impl ModeFlow {
     }
 
     /// z after a part of a piece, 0 ≤ `time` ≤ its length.
-    pub fn within(&self, piece: &Piece, time: f64) -> Vector {
+    pub fn within(&self, piece: &FlowPiece, time: f64) -> Vector {
         match (&self.exact, &piece.course) {
-            (Some(exact), Course::Exact) => exact.within(&piece.z, time),
-            (Some(exact), Course::Slow(index, at)) => {
+            (Some(exact), PieceMotion::Exact) => exact.within(&piece.z, time),
+            (Some(exact), PieceMotion::Slow(index, at)) => {
                 let (way, slow) = &exact.stiff[*index];
                 &way.along * slow.within(&at.slow, time)
             }
-            (_, Course::Series(series)) => {
+            (_, PieceMotion::Series(series)) => {
                 let mut z = series.at(time);
                 self.field.complete(&mut z);
                 z
@@ -272,13 +272,13 @@ impl ModeFlow {
     /// z over the beginning of a piece, of so many states, in place of another expansion.
     pub(super) fn expand(
         &self,
-        piece: &Piece,
+        piece: &FlowPiece,
         part: f64,
         states: usize,
         expansion: &mut Expansion,
     ) {
         *expansion = match (&self.exact, &piece.course) {
-            (Some(exact), Course::Slow(index, at)) => {
+            (Some(exact), PieceMotion::Slow(index, at)) => {
                 let (way, slow) = &exact.stiff[*index];
                 let mut of_slow = Expansion::default();
                 slow.expand(&at.slow, part, &mut of_slow);
@@ -296,7 +296,7 @@ impl ModeFlow {
                 }
             }
             (Some(exact), _) => return exact.expand(&piece.z, part, expansion),
-            (None, Course::Series(series)) => {
+            (None, PieceMotion::Series(series)) => {
                 let of = |state: usize| {
                     let row = Row::unit(piece.z.len(), state).at;
                     polynomial(series, &row, part * piece.length)
@@ -316,7 +316,7 @@ impl ModeFlow {
     pub(super) fn guard_of(
         &self,
         guard: usize,
-        (piece, part): (&Piece, f64),
+        (piece, part): (&FlowPiece, f64),
         expansion: &Expansion,
     ) -> ([f64; COEFFICIENTS], f64) {
         let (Some(exact), Some(of_form)) = (&self.exact, expansion.of_form) else {
@@ -337,18 +337,18 @@ impl ModeFlow {
     pub(super) fn taylor(
         &self,
         guard: usize,
-        piece: &Piece,
+        piece: &FlowPiece,
         part: f64,
     ) -> ([f64; COEFFICIENTS], f64) {
         match (&self.exact, &piece.course) {
-            (Some(exact), Course::Slow(index, at)) => {
+            (Some(exact), PieceMotion::Slow(index, at)) => {
                 let (way, slow) = &exact.stiff[*index];
                 let (taylor, remainder) = slow.taylor(guard, &at.slow, part);
                 let left_out = way.of_fast(&self.guards[guard]) * at.left_out;
                 (taylor, remainder + left_out)
             }
             (Some(exact), _) => exact.taylor(guard, &piece.z, part),
-            (None, Course::Series(series)) => {
+            (None, PieceMotion::Series(series)) => {
                 polynomial(series, &self.guards[guard], part * piece.length)
             }
             (None, _) => ([0.0; COEFFICIENTS], f64::INFINITY),
@@ -356,17 +356,17 @@ impl ModeFlow {
     }
 
     /// What a guard does just after a zone begins with a piece.
-    pub(super) fn onset(&self, guard: usize, piece: &Piece) -> Onset {
+    pub(super) fn onset(&self, guard: usize, piece: &FlowPiece) -> Onset {
         self.onset_from(guard, piece, 0)
     }
 
     /// The same, where the first coefficients, so many, are known to be zero.
-    pub(super) fn onset_from(&self, guard: usize, piece: &Piece, zeros: usize) -> Onset {
+    pub(super) fn onset_from(&self, guard: usize, piece: &FlowPiece, zeros: usize) -> Onset {
         let (mut taylor, remainder) = self.taylor(guard, piece, 1.0);
         taylor[..zeros].fill(0.0);
         let largest = taylor.iter().fold(0.0, |size: f64, a| size.max(a.abs()));
         let rounding = match &piece.course {
-            Course::Series(series) => {
+            PieceMotion::Series(series) => {
                 let form = &self.guards[guard];
                 f64::EPSILON * piece.length * self.field.size_of_rate(series, form)
             }
@@ -385,7 +385,7 @@ impl ModeFlow {
     pub(super) fn crossing(
         &self,
         guard: usize,
-        piece: &Piece,
+        piece: &FlowPiece,
         order: usize,
         part: f64,
     ) -> Option<f64> {

@@ -1,10 +1,10 @@
 //! Forms against the expressions that they stand for.
 
 use super::*;
-use crate::affine::expression::{Expression, Flaw, Wrong};
+use crate::affine::expression::{Expression, ExpressionFlaw, Wrong};
 
 /// States x, v; parameters p = 0.7 and q = 1.3, which vary.
-fn form(text: &str) -> Result<Form, Flaw> {
+fn form(text: &str) -> Result<Form, ExpressionFlaw> {
     Expression::read(text)?.evaluate(&|name| match name {
         "x" => Some(Form::state(0)),
         "v" => Some(Form::state(1)),

@@ -7,7 +7,7 @@ pub use halt::Halt;
 
 use std::sync::Arc;
 
-use super::flow::{ModeFlow, Onset, Piece};
+use super::flow::{FlowPiece, ModeFlow, Onset};
 use super::mode::{AffineSystem, Exit, Row};
 use super::slots::Slots;
 use crate::linalg::Vector;
@@ -126,12 +126,12 @@ pub struct Motion<'a> {
     left: Option<(usize, usize)>,
     /// Length of the piece it is in.
     unit: f64,
-    section: Option<Section>,
+    section: Option<WatchedSection>,
 }
 
 /// A section that a motion is watched for, and what is known of its sign.
 #[derive(Clone, Debug)]
-struct Section {
+struct WatchedSection {
     row: Vector,
     /// Whether the motion comes from below; where it does not it has to get there first. Not known in a zone that
     /// lies in the section.
@@ -166,7 +166,7 @@ impl<'a> Motion<'a> {
     pub fn watching(mut self, mode: usize) -> Motion<'a> {
         let form = self.system.modes.get(mode);
         let form = form.and_then(|mode| Some(mode.guards.first()?.row.at.clone()));
-        self.section = form.map(|row| Section {
+        self.section = form.map(|row| WatchedSection {
             row,
             below: None,
             there: true,
@@ -179,7 +179,7 @@ impl<'a> Motion<'a> {
     fn flow<'f>(&self, flows: &'f Slots<ModeFlow>, mode: usize) -> &'f ModeFlow {
         flows.get_or_make(mode, || {
             let mut flow = ModeFlow::new(&self.system.modes[mode], self.longest);
-            if let Some(Section { row, .. }) = &self.section {
+            if let Some(WatchedSection { row, .. }) = &self.section {
                 flow.watch(-row);
                 flow.watch(row.clone());
             }
@@ -223,13 +223,7 @@ impl<'a> Motion<'a> {
             mode,
             ..
         } = self.place;
-        if let Some(mistake) = &self.system.modes[mode].obstruction {
-            return Err(Halt::Obstructed {
-                time: start,
-                mode,
-                mistake: mistake.clone(),
-            });
-        }
+        self.check_contacts()?;
         let flows = self.flows.clone();
         let flow = self.flow(&flows, mode);
         let corrected = |mut z: Vector| {
@@ -293,11 +287,24 @@ impl<'a> Motion<'a> {
         Ok(Some(Step::Reached))
     }
 
+    /// Refuses a mode in which the forces of contacts make no motion.
+    fn check_contacts(&self) -> Result<(), Halt> {
+        let Place { time, mode, .. } = self.place;
+        match self.system.modes[mode].obstruction.clone() {
+            Some(mistake) => Err(Halt::Obstructed {
+                time,
+                mode,
+                mistake,
+            }),
+            None => Ok(()),
+        }
+    }
+
     /// The guard that is negative at once where the zone begins; `orders` are those of the zeros of the others.
     fn begin_zone(
         &self,
         flow: &ModeFlow,
-        piece: &Piece,
+        piece: &FlowPiece,
         orders: &mut [usize],
     ) -> Result<Option<usize>, Halt> {
         if !self.fresh {
@@ -324,7 +331,7 @@ impl<'a> Motion<'a> {
     fn watch_section(
         &mut self,
         flow: &ModeFlow,
-        piece: &Piece,
+        piece: &FlowPiece,
         orders: &mut Vec<usize>,
     ) -> Option<usize> {
         let count = orders.len();
@@ -507,7 +514,7 @@ impl<'a> Motion<'a> {
 /// are none. At one instant their order decides.
 fn first_crossing(
     flow: &ModeFlow,
-    piece: &Piece,
+    piece: &FlowPiece,
     guards: impl Iterator<Item = usize>,
     orders: &mut [usize],
     part: f64,

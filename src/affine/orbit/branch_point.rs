@@ -35,7 +35,7 @@ const STILL: f64 = 1e-11;
 const PERFECT: f64 = 1e-9;
 
 /// Equations (1) at a base u₀.
-struct Bordered<'a> {
+struct BorderedOrbit<'a> {
     orbit: &'a AffineOrbit,
     base: Vector,
     left: Vector,
@@ -43,7 +43,7 @@ struct Bordered<'a> {
 }
 
 /// A solution of (1) with ∇μ.
-struct Solution {
+struct BorderedSolution {
     point: Vector,
     mu: f64,
     /// [F_u ψ; Nᵀ 0].
@@ -51,16 +51,16 @@ struct Solution {
     gradient: Vector,
 }
 
-impl<'a> Bordered<'a> {
+impl<'a> BorderedOrbit<'a> {
     /// The borders at a point; `None` where the decomposition fails.
-    fn new(orbit: &'a AffineOrbit, base: Vector) -> Option<Bordered<'a>> {
+    fn new(orbit: &'a AffineOrbit, base: Vector) -> Option<BorderedOrbit<'a>> {
         let (jacobian, _) = newton::jacobian(orbit, &base).ok()?;
         let n = jacobian.nrows();
         let along = linalg::kernel(&jacobian)?.null_vector;
         let mut square = jacobian.insert_row(n, 0.0);
         square.row_mut(n).copy_from(&along.transpose());
         let least = linalg::least(&square)?;
-        Some(Bordered {
+        Some(BorderedOrbit {
             orbit,
             base,
             left: least.left.rows(0, n).into_owned(),
@@ -97,7 +97,7 @@ impl<'a> Bordered<'a> {
     }
 
     /// The solution at c.
-    fn solve(&self, c: &Vector) -> Option<Solution> {
+    fn solve(&self, c: &Vector) -> Option<BorderedSolution> {
         let unknowns = self.base.len();
         let n = unknowns - 1;
         let mut point = &self.base + &self.null * c;
@@ -115,8 +115,8 @@ impl<'a> Bordered<'a> {
             mu -= step[unknowns];
             if step.amax() <= STILL * point.amax().max(1.0) {
                 let (_, matrix) = self.at(&point)?;
-                let gradient = Bordered::gradient(&matrix)?;
-                return Some(Solution {
+                let gradient = BorderedOrbit::gradient(&matrix)?;
+                return Some(BorderedSolution {
                     point,
                     mu,
                     matrix,
@@ -143,7 +143,7 @@ impl<'a> Bordered<'a> {
     }
 
     /// What ∇μ changes by, at most, where every unknown of a point does by some roundings.
-    fn noise(&self, at: &Solution) -> Option<Vector> {
+    fn noise(&self, at: &BorderedSolution) -> Option<Vector> {
         const SAMPLES: u32 = 8;
         const ROUNDINGS: f64 = 16.0;
         let mut noise = Vector::zeros(2);
@@ -153,7 +153,7 @@ impl<'a> Bordered<'a> {
                 at.point[unknown] * (1.0 + ROUNDINGS * f64::EPSILON * (place - 0.5))
             });
             let (_, matrix) = self.at(&beside)?;
-            let moved = Bordered::gradient(&matrix)? - &at.gradient;
+            let moved = BorderedOrbit::gradient(&matrix)? - &at.gradient;
             noise = noise.sup(&moved.abs());
         }
         Some(noise)
@@ -171,7 +171,7 @@ impl AffineOrbit {
     ) -> Option<(Place, f64)> {
         let mut point = node_at(self, from, 0.5 * (low + high), tolerance)?.point;
         for iteration in 1..=MOST {
-            let bordered = Bordered::new(self, point.clone())?;
+            let bordered = BorderedOrbit::new(self, point.clone())?;
             let here = bordered.solve(&Vector::zeros(2))?;
             let hessian = bordered.hessian()?;
             let mut c = -&here.gradient;
@@ -209,8 +209,8 @@ impl AffineOrbit {
     /// The error of the parameter: that of the equations (1) at c, and that of c.
     fn error_of_branch_point(
         &self,
-        bordered: &Bordered,
-        at: &Solution,
+        bordered: &BorderedOrbit,
+        at: &BorderedSolution,
         hessian: &Matrix,
         blur: f64,
     ) -> Option<f64> {

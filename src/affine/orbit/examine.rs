@@ -3,10 +3,10 @@
 use super::layout::{AffineOrbit, OrbitAt};
 use super::margin::{Margin, Watch};
 use super::multipliers::{Multiplier, is_told, own};
-use super::passage::{Passage, Stage, share};
+use super::passage::{Passage, PassageStage, share};
 use super::setting::OrbitFailure;
 use super::turning::Smooth;
-use crate::affine::flow::{Expansion, MOST_PIECES, ModeFlow, Piece};
+use crate::affine::flow::{Expansion, FlowPiece, MOST_PIECES, ModeFlow};
 use crate::affine::mode::{Guard, Row};
 use crate::linalg::{Vector, product};
 use crate::orbit::located::AT_ZERO;
@@ -77,7 +77,7 @@ const AT_BEGINNING: f64 = 1e-12;
 /// A piece of a zone.
 pub(super) struct Part {
     /// The piece.
-    pub piece: Piece,
+    pub piece: FlowPiece,
     /// Time of its beginning after the entry of the zone.
     pub begun: f64,
     /// How much of the piece it is.
@@ -126,9 +126,9 @@ pub(super) fn parts(flow: &ModeFlow, entry: Vector, duration: f64) -> Result<Vec
 }
 
 /// The parts of a zone that has been integrated.
-fn of_stages(stages: &[Stage]) -> Vec<Part> {
-    let part = |(index, stage): (usize, &Stage)| Part {
-        piece: Piece::integrated(stage.series.clone(), stage.length),
+fn of_stages(stages: &[PassageStage]) -> Vec<Part> {
+    let part = |(index, stage): (usize, &PassageStage)| Part {
+        piece: FlowPiece::integrated(stage.series.clone(), stage.length),
         begun: stage.begun,
         part: stage.time / stage.length,
         is_first: index == 0,

@@ -6,7 +6,9 @@ use super::Critical;
 use super::layout::AffineOrbit;
 use super::stay::{FAR, Stay};
 use super::stop::OrbitStop;
-use crate::affine::connection::{Connected, Connection, ConnectionScales, Passed, Rest, connected};
+use crate::affine::connection::{
+    Connected, Connection, ConnectionScales, Passed, SaddleRest, connected,
+};
 use crate::continuation::Node;
 use crate::linalg::Vector;
 use crate::orbit::Limit;
@@ -16,7 +18,7 @@ impl AffineOrbit {
     fn connects(&self, [from, to]: [&Stay; 2], point: &Vector, part: f64) -> Option<Connection> {
         let setting = &self.setting;
         let at = self.at(point).ok()?;
-        let rest = |stay: &Stay| Rest {
+        let rest = |stay: &Stay| SaddleRest {
             mode: self.sequence.zone(stay.zone).mode,
             state: stay.rest.clone(),
         };

@@ -35,15 +35,15 @@ struct Observer<'a> {
 
 /// A place of an orbit at which an expression may be largest or least.
 #[derive(Clone, Copy)]
-struct Extremum {
+struct ExtremePlace {
     zone: usize,
-    instant: Instant,
+    instant: MonitorInstant,
     value: f64,
 }
 
 /// When in a zone.
 #[derive(Clone, Copy)]
-enum Instant {
+enum MonitorInstant {
     Entry,
     /// So long after the entry, where the expression is stationary.
     Within(f64),
@@ -292,12 +292,12 @@ impl Observer<'_> {
             Extreme::Size if -least.value > largest.value => (least, -1.0),
             Extreme::Size => (largest, 1.0),
         };
-        let Extremum { zone, instant, .. } = found;
+        let ExtremePlace { zone, instant, .. } = found;
         let jet = match instant {
-            Instant::Entry => self.at_entry(number, zone),
-            Instant::End => self.at_end(number, zone, self.at.zones[zone].duration)?,
+            MonitorInstant::Entry => self.at_entry(number, zone),
+            MonitorInstant::End => self.at_end(number, zone, self.at.zones[zone].duration)?,
             // its place is stationary
-            Instant::Within(time) => Jet {
+            MonitorInstant::Within(time) => Jet {
                 by_time: 0.0,
                 ..self.at_end(number, zone, time)?
             },
@@ -306,19 +306,23 @@ impl Observer<'_> {
     }
 
     /// Where the form of a monitor is least, and where it is largest.
-    fn extrema(&self, number: usize) -> Result<[Extremum; 2], OrbitFailure> {
+    fn extrema(&self, number: usize) -> Result<[ExtremePlace; 2], OrbitFailure> {
         let mut found = Extrema::default();
         let flows = (0..self.at.zones.len()).map(|zone| self.flow(number, zone));
         let flows: Vec<(ModeFlow, Vec<Part>)> = flows.collect::<Result<_, _>>()?;
         for (zone, (_, parts)) in flows.iter().enumerate() {
             let row = &self.row(number, zone).at;
-            found.take(zone, Instant::Entry, self.at_entry(number, zone).value);
+            found.take(
+                zone,
+                MonitorInstant::Entry,
+                self.at_entry(number, zone).value,
+            );
             let duration = self.at.zones[zone].duration;
             let end = self.at_end(number, zone, duration)?;
-            found.take(zone, Instant::End, end.value);
+            found.take(zone, MonitorInstant::End, end.value);
             for part in parts.iter().skip(1) {
                 let value = value(row, &part.piece.z);
-                found.take(zone, Instant::Within(part.begun), value);
+                found.take(zone, MonitorInstant::Within(part.begun), value);
             }
         }
         let period = self.at.orbit.setting.scales.time;
@@ -340,7 +344,7 @@ impl Observer<'_> {
                     let close = (better - near).abs() <= CLOSE * length;
                     let time = if close { better } else { near };
                     if let Some(z) = after(flow, parts, time) {
-                        found.take(zone, Instant::Within(time), value(row, &z));
+                        found.take(zone, MonitorInstant::Within(time), value(row, &z));
                     }
                 }
             }
@@ -386,13 +390,13 @@ fn value(row: &Vector, z: &Vector) -> f64 {
 /// The least and the largest value so far.
 #[derive(Default)]
 struct Extrema {
-    least: Option<Extremum>,
-    largest: Option<Extremum>,
+    least: Option<ExtremePlace>,
+    largest: Option<ExtremePlace>,
 }
 
 impl Extrema {
-    fn take(&mut self, zone: usize, instant: Instant, value: f64) {
-        let one = Extremum {
+    fn take(&mut self, zone: usize, instant: MonitorInstant, value: f64) {
+        let one = ExtremePlace {
             zone,
             instant,
             value,
@@ -406,11 +410,11 @@ impl Extrema {
     }
 
     fn bounds(&self) -> (f64, f64) {
-        let of = |one: Option<Extremum>| one.map_or(f64::NAN, |one| one.value);
+        let of = |one: Option<ExtremePlace>| one.map_or(f64::NAN, |one| one.value);
         (of(self.least), of(self.largest))
     }
 
-    fn both(self) -> Option<[Extremum; 2]> {
+    fn both(self) -> Option<[ExtremePlace; 2]> {
         Some([self.least?, self.largest?])
     }
 }

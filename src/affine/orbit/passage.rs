@@ -135,7 +135,7 @@ struct Numerical {
 
 /// A piece of an integrated passage.
 #[derive(Clone, Debug)]
-pub struct Stage {
+pub struct PassageStage {
     /// Time of its beginning.
     pub begun: f64,
     /// How much of its series belongs to it.
@@ -155,7 +155,7 @@ pub(super) type Derivatives = (Matrix, [Vector; VARYING]);
 #[derive(Clone, Debug)]
 pub struct Integrated {
     /// Its pieces in their order; none of a passage that takes no time, or that leaves the range of numbers.
-    pub stages: Vec<Stage>,
+    pub stages: Vec<PassageStage>,
     /// ∂z/∂z₀.
     flow: Matrix,
     /// ∂z/∂p of every parameter.
@@ -198,7 +198,7 @@ impl Integrated {
             let signed = if forward { time } else { -time };
             let along = moved(&last, &by, signed);
             z = last.at(signed);
-            stages.push(Stage {
+            stages.push(PassageStage {
                 begun,
                 time,
                 length,
@@ -230,7 +230,7 @@ impl Integrated {
         (flow, by): Derivatives,
         (first, length): (Series, f64),
         (end, last): (Vector, Series),
-        stages: Vec<Stage>,
+        stages: Vec<PassageStage>,
     ) -> Integrated {
         let (size, base) = (end.len(), flow.ncols());
         let (slopes, own) = last.derivatives();

@@ -31,7 +31,7 @@ pub struct Cycle {
 
 /// A moment of an orbit.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Sample {
+pub struct OrbitSample {
     /// Time since the orbit's first switch.
     pub time: f64,
     /// Phase of the forcing in \[0, 2π); zero without.
@@ -146,7 +146,11 @@ impl AffineOrbit {
     ///
     /// # Errors
     /// The flow cannot be evaluated there.
-    pub fn samples(&self, point: &Vector, intervals: usize) -> Result<Vec<Sample>, OrbitFailure> {
+    pub fn samples(
+        &self,
+        point: &Vector,
+        intervals: usize,
+    ) -> Result<Vec<OrbitSample>, OrbitFailure> {
         let first = self.cycle(point)?.first;
         let at = self.at(point)?;
         let omega = at.posed.system.omega.value;
@@ -159,7 +163,7 @@ impl AffineOrbit {
             let mode = self.sequence.zone(zone).mode;
             let times = at.times(zone, intervals)?;
             for (time, z) in times.iter().zip(at.along(zone, times.iter().copied())?) {
-                samples.push(Sample {
+                samples.push(OrbitSample {
                     time: begun + time,
                     phase: (phase + omega * time).rem_euclid(TAU),
                     state: z.rows(0, self.states()).iter().copied().collect(),

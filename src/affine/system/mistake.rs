@@ -4,14 +4,14 @@ use serde::{Deserialize, Serialize};
 
 use super::MAX_STATES;
 use crate::affine::contact::mistake::ContactMistake;
-use crate::affine::expression::{Flaw, Obstacle};
+use crate::affine::expression::{ExpressionFlaw, Obstacle};
 
 /// What is wrong with a system.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, thiserror::Error)]
 pub enum Mistake {
     /// An expression.
     #[error("{}", .0.wrong)]
-    Expression(Flaw),
+    Expression(ExpressionFlaw),
     /// No states, or too many.
     #[error("{0} states; from 1 to {MAX_STATES} are possible")]
     States(usize),

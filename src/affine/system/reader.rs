@@ -7,7 +7,7 @@ use super::ordered::Ordered;
 use super::source::{ModeSource, RESERVED, Source, is_name};
 use super::{Mode, Switch};
 use crate::affine::contact::law::{Law, stretch};
-use crate::affine::expression::{Expression, Flaw, Wrong};
+use crate::affine::expression::{Expression, ExpressionFlaw, Wrong};
 
 impl Source {
     /// An expression in the parameters alone.
@@ -91,7 +91,7 @@ impl Reader<'_> {
             Scope::Parameters => Wrong::NoParameter(name.clone()),
             Scope::All(_) | Scope::Forces(_) => Wrong::Unknown(name.clone()),
         };
-        let flaw = Flaw { span, wrong };
+        let flaw = ExpressionFlaw { span, wrong };
         Err(flawed(flaw).near(&name, known().chain(RESERVED)))
     }
 

@@ -186,13 +186,13 @@ pub enum Outcome<C: Curve> {
     /// The curve passes it.
     Passed(C::Found),
     /// Another curve goes on, also where two events at one place lead there.
-    Entered(Vec<C::Found>, Beginning<C>),
+    Entered(Vec<C::Found>, CurveBeginning<C>),
     /// The curve ends there.
     Ended(Vec<C::Found>, EndOf<C>),
 }
 
 /// The beginning of another curve.
-pub struct Beginning<C: Curve> {
+pub struct CurveBeginning<C: Curve> {
     /// The curve.
     pub curve: C,
     /// Its first node.

@@ -11,7 +11,7 @@ mod curve;
 #[cfg(test)]
 mod tests;
 
-pub use curve::{Beginning, Curve, End, Outcome, Refused, Segment, Within};
+pub use curve::{Curve, CurveBeginning, End, Outcome, Refused, Segment, Within};
 pub(crate) use curve::{EndOf, RefusalOf};
 
 use super::arclength::{self, Node, Steps};
@@ -38,13 +38,13 @@ pub struct Walker<C: Curve> {
 }
 
 /// What comes of all events of a step.
-enum Met<C: Curve> {
+enum StepOutcome<C: Curve> {
     /// The curve passes them.
     Passed,
     /// It ends.
     Ended(EndOf<C>),
     /// Another curve goes on, from this far along the step.
-    Entered(f64, Beginning<C>),
+    Entered(f64, CurveBeginning<C>),
 }
 
 /// How often a step is halved because a function seems to vanish twice in it, before its least value is
@@ -172,9 +172,9 @@ impl<C: Curve> Walker<C> {
         };
         let mut found = Vec::new();
         match self.meet_all(&step, &located, &mut close, &mut found)? {
-            Met::Passed => {}
-            Met::Ended(end) => return Ok((found, Some(end))),
-            Met::Entered(s, entry) => {
+            StepOutcome::Passed => {}
+            StepOutcome::Ended(end) => return Ok((found, Some(end))),
+            StepOutcome::Entered(s, entry) => {
                 self.enter(s, entry);
                 return Ok((found, None));
             }
@@ -210,7 +210,7 @@ impl<C: Curve> Walker<C> {
         located: &[(Place, C::Event)],
         close: &mut Option<(f64, C::Close)>,
         found: &mut Vec<C::Found>,
-    ) -> Result<Met<C>, RefusalOf<C>> {
+    ) -> Result<StepOutcome<C>, RefusalOf<C>> {
         for (index, (place, _)) in located.iter().enumerate() {
             let together: Vec<C::Event> = located[index..]
                 .iter()
@@ -222,18 +222,18 @@ impl<C: Curve> Walker<C> {
                 Outcome::Passed(point) => found.push(self.doubted(close, place.s, point)),
                 Outcome::Ended(points, end) => {
                     found.extend(points);
-                    return Ok(Met::Ended(end));
+                    return Ok(StepOutcome::Ended(end));
                 }
                 Outcome::Entered(points, entry) => {
                     // what vanishes along with the event is the event
                     let before = place.s - step.at_once();
                     let points = points.into_iter();
                     found.extend(points.map(|point| self.doubted(close, before, point)));
-                    return Ok(Met::Entered(place.s, entry));
+                    return Ok(StepOutcome::Entered(place.s, entry));
                 }
             }
         }
-        Ok(Met::Passed)
+        Ok(StepOutcome::Passed)
     }
 
     /// A point this far along a step, in doubt where something has come close to zero by then.
@@ -245,7 +245,7 @@ impl<C: Curve> Walker<C> {
     }
 
     /// Goes on with another curve, which begins this far along a step.
-    fn enter(&mut self, s: f64, entry: Beginning<C>) {
+    fn enter(&mut self, s: f64, entry: CurveBeginning<C>) {
         self.travelled += s.max(0.0);
         self.creeping = 0;
         self.curve = entry.curve;

@@ -1,7 +1,7 @@
 //! Curves in the plane, their closing and their ends.
 
 use super::*;
-use crate::continuation::circle::Circle;
+use crate::continuation::circle::UnitCircle;
 use crate::continuation::locate::{Target, zero_along};
 use crate::linalg::Vector;
 
@@ -23,7 +23,7 @@ enum Event {
 }
 
 impl Curve for Watched {
-    type System = Circle;
+    type System = UnitCircle;
     type Name = ();
     type Watched = f64;
     type Event = Event;
@@ -34,8 +34,8 @@ impl Curve for Watched {
 
     const CREEP: (usize, f64) = (20, 1e-3);
 
-    fn system(&self) -> &Circle {
-        &Circle
+    fn system(&self) -> &UnitCircle {
+        &UnitCircle
     }
 
     fn name(&self) -> &() {
@@ -66,12 +66,14 @@ impl Curve for Watched {
             outside: 1.0,
         };
         let way = [&step.from.point, &step.to.point];
-        let met = target.meetings(&Circle, step.from, &way, 1e-10).unwrap();
+        let met = target
+            .meetings(&UnitCircle, step.from, &way, 1e-10)
+            .unwrap();
         let mut located: Vec<_> = met.into_iter().map(|place| (place, Event::Edge)).collect();
         if step.before * step.after < 0.0 {
             let ends = ((0.0, *step.before), (step.ds, *step.after));
             let value = |node: &Node| Some(node.point[1] - node.point[0]);
-            let zero = zero_along(&Circle, step.from, ends, (1e-15, 1e-16), 1e-10, value);
+            let zero = zero_along(&UnitCircle, step.from, ends, (1e-15, 1e-16), 1e-10, value);
             located.push((zero.unwrap().0, Event::Diagonal));
         }
         Ok(located)

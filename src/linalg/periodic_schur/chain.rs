@@ -6,18 +6,18 @@ use super::product::{Number, Product, exponent_of, size, times_power};
 
 /// A rotation [c s; −s̄ c] of two coordinates.
 #[derive(Clone, Copy, Debug)]
-struct Turn<T> {
+struct PlaneRotation<T> {
     c: f64,
     s: T,
 }
 
-impl<T: ComplexField<RealField = f64> + Copy> Turn<T> {
+impl<T: ComplexField<RealField = f64> + Copy> PlaneRotation<T> {
     /// That which takes (a, b) to (r, 0).
-    fn onto_first(a: T, b: T) -> Turn<T> {
+    fn onto_first(a: T, b: T) -> PlaneRotation<T> {
         let (first, other) = (size(a), size(b));
         let length = size(Number::new(first, other));
         if other == 0.0 || !length.is_finite() {
-            return Turn {
+            return PlaneRotation {
                 c: 1.0,
                 s: T::zero(),
             };
@@ -27,7 +27,7 @@ impl<T: ComplexField<RealField = f64> + Copy> Turn<T> {
         } else {
             a.unscale(first)
         };
-        Turn {
+        PlaneRotation {
             c: first / length,
             s: unit * b.conjugate().unscale(length),
         }
@@ -52,9 +52,9 @@ impl<T: ComplexField<RealField = f64> + Copy> Chain<T> {
     }
 
     /// Turns rows i and i + 1 of a factor, which are zero before a column.
-    fn turn_rows(&mut self, factor: usize, i: usize, turn: Turn<T>, from: usize) {
+    fn turn_rows(&mut self, factor: usize, i: usize, turn: PlaneRotation<T>, from: usize) {
         let n = self.n;
-        let Turn { c, s } = turn;
+        let PlaneRotation { c, s } = turn;
         let back = s.conjugate();
         let entries = &mut self.entries[(factor * n + from) * n..(factor + 1) * n * n];
         for column in entries.chunks_exact_mut(n) {
@@ -67,9 +67,9 @@ impl<T: ComplexField<RealField = f64> + Copy> Chain<T> {
     }
 
     /// Turns columns i and i + 1 of a factor back, which are zero from a row on.
-    fn turn_columns(&mut self, factor: usize, i: usize, turn: Turn<T>, to: usize) {
+    fn turn_columns(&mut self, factor: usize, i: usize, turn: PlaneRotation<T>, to: usize) {
         let n = self.n;
-        let Turn { c, s } = turn;
+        let PlaneRotation { c, s } = turn;
         let back = s.conjugate();
         let begin = (factor * n + i) * n;
         let (first, second) = self.entries[begin..begin + 2 * n].split_at_mut(n);
@@ -81,8 +81,8 @@ impl<T: ComplexField<RealField = f64> + Copy> Chain<T> {
     }
 
     /// Turns rows of a factor, which are zero before a column, so that the lower one is zero there, too.
-    fn level(&mut self, factor: usize, row: usize, column: usize) -> Turn<T> {
-        let turn = Turn::onto_first(
+    fn level(&mut self, factor: usize, row: usize, column: usize) -> PlaneRotation<T> {
+        let turn = PlaneRotation::onto_first(
             self.at(factor, row, column),
             self.at(factor, row + 1, column),
         );
@@ -93,7 +93,7 @@ impl<T: ComplexField<RealField = f64> + Copy> Chain<T> {
 
     /// A turn of rows of the last factor goes through all others, which stay triangular, to its columns, which are zero
     /// from a row on.
-    fn pass(&mut self, i: usize, mut turn: Turn<T>, to: usize) {
+    fn pass(&mut self, i: usize, mut turn: PlaneRotation<T>, to: usize) {
         let last = self.count - 1;
         for factor in 0..last {
             self.turn_columns(factor, i, turn, i + 2);
@@ -148,7 +148,7 @@ impl Chain<Number> {
     /// A sweep without shift, which puts larger eigenvalues before smaller ones whatever is singular.
     fn sort(&mut self, low: usize, high: usize) {
         let last = self.count - 1;
-        let level = |chain: &mut Self, factor: usize| -> Vec<Turn<Number>> {
+        let level = |chain: &mut Self, factor: usize| -> Vec<PlaneRotation<Number>> {
             (low..high).map(|i| chain.level(factor, i, i)).collect()
         };
         let mut turns = level(self, last);
@@ -185,7 +185,7 @@ impl Chain<Number> {
         // columns of the Hessenberg form end one row below the diagonal
         let n = self.n;
         let end = |i: usize| (i + 3).min(n);
-        let turn = Turn::onto_first(begin - relative, below);
+        let turn = PlaneRotation::onto_first(begin - relative, below);
         self.turn_rows(last, low, turn, low);
         self.pass(low, turn, end(low));
         for column in low..high - 1 {

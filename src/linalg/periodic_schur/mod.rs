@@ -27,7 +27,7 @@ use vectors::Diagonals;
 
 /// An eigenvalue z·2ᵉ: products of many factors leave the range of numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Eigenvalue {
+pub struct ProductEigenvalue {
     /// z, of modulus 1 to 2, or 0.
     pub mantissa: Number,
     /// e.
@@ -36,7 +36,7 @@ pub struct Eigenvalue {
     pub log_error: f64,
 }
 
-impl Eigenvalue {
+impl ProductEigenvalue {
     /// Its value, 0 or infinite where that is no number.
     pub fn value(&self) -> Number {
         times_power(self.mantissa, self.exponent)
@@ -52,10 +52,10 @@ impl Eigenvalue {
         self.log_error.exp()
     }
 
-    fn new(number: Number, exponent: i64) -> Eigenvalue {
+    fn new(number: Number, exponent: i64) -> ProductEigenvalue {
         let mut product = Product { number, exponent };
         product.normalise();
-        Eigenvalue {
+        ProductEigenvalue {
             mantissa: product.number,
             exponent: product.exponent,
             log_error: f64::NEG_INFINITY,
@@ -81,7 +81,7 @@ fn begun_after_the_fullest(factors: &[Factor], n: usize) -> Vec<&Factor> {
 
 /// Eigenvalues of the product of square factors, the first of which acts first; the largest first, of a conjugate pair
 /// that above the real axis. Those of no factor or of no dimension are none.
-pub fn eigenvalues(factors: &[Factor]) -> Vec<Eigenvalue> {
+pub fn eigenvalues(factors: &[Factor]) -> Vec<ProductEigenvalue> {
     /// What a turn leaves in a factor relative to its norm.
     const TURN: f64 = 2.0 * f64::EPSILON;
     let Some(n) = factors
@@ -130,15 +130,15 @@ pub fn eigenvalues(factors: &[Factor]) -> Vec<Eigenvalue> {
         })
         .collect();
     let logs: Vec<f64> = products.iter().map(Product::log_modulus).collect();
-    let all: Vec<Eigenvalue> = (0..n)
+    let all: Vec<ProductEigenvalue> = (0..n)
         .map(|j| {
             let [right, left] = chain.vectors(j, &logs, &diagonals);
             let moved = |k: usize| errors[k] * right[k] * left[(k + 1) % chain.count];
             let log_error = radius(&own[j], moved);
             let Product { number, exponent } = products[j];
-            Eigenvalue {
+            ProductEigenvalue {
                 log_error,
-                ..Eigenvalue::new(number, exponent)
+                ..ProductEigenvalue::new(number, exponent)
             }
         })
         .collect();
@@ -167,10 +167,14 @@ fn radius(diagonal: &[Number], moved: impl Fn(usize) -> f64) -> f64 {
 
 /// Where eigenvalues are so near to one another that those of their vectors tell nothing, the norms of the factors in graded
 /// units bound them all: where they are very small, by what is very small, too.
-fn bounded(chain: &Chain<Number>, errors: &[f64], mut all: Vec<Eigenvalue>) -> Vec<Eigenvalue> {
+fn bounded(
+    chain: &Chain<Number>,
+    errors: &[f64],
+    mut all: Vec<ProductEigenvalue>,
+) -> Vec<ProductEigenvalue> {
     /// Units of one component in those of the one before.
     const GRADES: [f64; 9] = [1.0, 1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8];
-    let told = |one: &Eigenvalue| one.log_error < one.log_modulus();
+    let told = |one: &ProductEigenvalue| one.log_error < one.log_modulus();
     if all.iter().all(told) {
         return all;
     }

@@ -1,14 +1,15 @@
 //! Eigenvalues of a real product as they are without rounding: real or in conjugate pairs, the largest first.
 
-use super::Eigenvalue;
+use super::ProductEigenvalue;
 use super::product::{Number, times_power};
 
 /// Eigenvalues of a real product are real or come in pairs: what rounding made of that is undone. Two that may be
 /// conjugate are those of a real matrix of two dimensions with their trace and determinant.
-pub(super) fn resolved(mut all: Vec<Eigenvalue>) -> Vec<Eigenvalue> {
+pub(super) fn resolved(mut all: Vec<ProductEigenvalue>) -> Vec<ProductEigenvalue> {
     let mut found = Vec::with_capacity(all.len());
-    let off_axis =
-        |one: &Eigenvalue| one.mantissa.im.abs() / one.mantissa.norm().max(f64::MIN_POSITIVE);
+    let off_axis = |one: &ProductEigenvalue| {
+        one.mantissa.im.abs() / one.mantissa.norm().max(f64::MIN_POSITIVE)
+    };
     while !all.is_empty() {
         let order =
             |one: &usize, other: &usize| off_axis(&all[*one]).total_cmp(&off_axis(&all[*other]));
@@ -18,9 +19,10 @@ pub(super) fn resolved(mut all: Vec<Eigenvalue>) -> Vec<Eigenvalue> {
         let one = all.swap_remove(index);
         // in units of this one
         let unit = one.exponent;
-        let of = |other: &Eigenvalue| times_power(other.mantissa, other.exponent - unit);
-        let error =
-            |other: &Eigenvalue| (other.log_error - unit as f64 * std::f64::consts::LN_2).exp();
+        let of = |other: &ProductEigenvalue| times_power(other.mantissa, other.exponent - unit);
+        let error = |other: &ProductEigenvalue| {
+            (other.log_error - unit as f64 * std::f64::consts::LN_2).exp()
+        };
         let off = |other: &usize| (of(&all[*other]) - one.mantissa.conj()).norm();
         let nearest = (0..all.len()).min_by(|a, b| off(a).total_cmp(&off(b)));
         let is_real = one.mantissa.im.abs() <= error(&one);
@@ -29,9 +31,9 @@ pub(super) fn resolved(mut all: Vec<Eigenvalue>) -> Vec<Eigenvalue> {
         });
         let Some(other) = pair else {
             let real = Number::new(one.mantissa.re, 0.0);
-            found.push(Eigenvalue {
+            found.push(ProductEigenvalue {
                 log_error: one.log_error,
-                ..Eigenvalue::new(real, unit)
+                ..ProductEigenvalue::new(real, unit)
             });
             continue;
         };
@@ -47,17 +49,17 @@ pub(super) fn resolved(mut all: Vec<Eigenvalue>) -> Vec<Eigenvalue> {
             [Number::new(middle + by, 0.0), Number::new(middle - by, 0.0)]
         };
         let log_error = one.log_error.max(other.log_error);
-        found.extend(values.map(|value| Eigenvalue {
+        found.extend(values.map(|value| ProductEigenvalue {
             log_error,
-            ..Eigenvalue::new(value, unit)
+            ..ProductEigenvalue::new(value, unit)
         }));
     }
     found
 }
 
 /// The largest first; of a pair that above the axis.
-pub(super) fn ordered(mut all: Vec<Eigenvalue>) -> Vec<Eigenvalue> {
-    let key = |one: &Eigenvalue| one.log_modulus();
+pub(super) fn ordered(mut all: Vec<ProductEigenvalue>) -> Vec<ProductEigenvalue> {
+    let key = |one: &ProductEigenvalue| one.log_modulus();
     all.sort_by(|one, other| {
         key(other)
             .total_cmp(&key(one))

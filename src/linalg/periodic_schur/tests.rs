@@ -48,7 +48,7 @@ fn planted(triangular: &[Matrix], numbers: &mut Numbers) -> Vec<Matrix> {
 
 /// Every eigenvalue is one of those expected, by logarithm of its modulus and by its argument, within its own error and
 /// within `allowed` of its size.
-fn compare(found: &[Eigenvalue], expected: &[(f64, f64)], allowed: f64) {
+fn compare(found: &[ProductEigenvalue], expected: &[(f64, f64)], allowed: f64) {
     assert_eq!(found.len(), expected.len());
     let mut left = expected.to_vec();
     for one in found {
@@ -215,7 +215,7 @@ fn balancing_undoes_bad_units() {
     let mut numbers = Numbers(4);
     let n = 4;
     let all: Vec<Matrix> = (0..6).map(|_| numbers.matrix(n)).collect();
-    let compare_in_units = |all: &[Matrix], truth: &[Eigenvalue], units: [f64; 4]| {
+    let compare_in_units = |all: &[Matrix], truth: &[ProductEigenvalue], units: [f64; 4]| {
         let other: Vec<Matrix> = all
             .iter()
             .map(|one| Matrix::from_fn(n, n, |i, j| one[(i, j)] * units[j] / units[i]))
@@ -340,7 +340,7 @@ fn what_singular_factors_take_away_is_exactly_zero() {
     assert_eq!((both.1, both.0.len()), (2, 2));
     // the trace of the product is the sum of what is left
     let product = project(1, &other) * &flow * project(0, &along);
-    let sum: Number = both.0.iter().map(Eigenvalue::value).sum();
+    let sum: Number = both.0.iter().map(ProductEigenvalue::value).sum();
     assert!((sum.re - product.trace()).abs() < 1e-13 && sum.im == 0.0);
 }
 

@@ -14,7 +14,7 @@ use crate::output::render::{
     Shape, VERMILLION, range,
 };
 use crate::output::store::{Store, StoreError, refused, unfinished};
-use crate::problem::{Scan, ScanValues, Section, SystemProblem};
+use crate::problem::{SampleSection, Scan, ScanValues, SystemProblem};
 use crate::table::Table;
 
 /// Radius of a dot.
@@ -165,7 +165,7 @@ fn exponents(scan: &Scan, table: &Table) -> Vec<Layer> {
 /// Where samples are taken, in words.
 fn taken(scan: &Scan) -> String {
     match &scan.section {
-        Section::Phase(phase) => format!("at phase {phase}"),
-        Section::Zero(expression) => format!("where {expression} rises to 0"),
+        SampleSection::Phase(phase) => format!("at phase {phase}"),
+        SampleSection::Zero(expression) => format!("where {expression} rises to 0"),
     }
 }

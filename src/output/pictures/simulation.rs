@@ -17,7 +17,7 @@ use crate::output::simulation::columns;
 use crate::output::store::StoreError;
 use crate::output::{npy, vtk};
 use crate::problem::Problem;
-use crate::simulation::line::Regime;
+use crate::simulation::line::LineRegime;
 use crate::simulation::task::Body;
 use crate::table::Table;
 use crate::tube::model::signature;
@@ -122,7 +122,7 @@ fn length(line: &Table) -> f64 {
 }
 
 /// A regime of a simulation among those of waves.
-fn of_waves(regime: Regime) -> Option<signature::Regime> {
+fn of_waves(regime: LineRegime) -> Option<signature::Regime> {
     signature::Regime::named(regime.name())
 }
 
@@ -143,7 +143,7 @@ impl Motion {
             let mut from = 0;
             for stretch in codes.chunk_by(|one, other| one == other) {
                 let to = from + stretch.len();
-                let regime = Regime::ALL.get(usize::from(stretch[0]));
+                let regime = LineRegime::ALL.get(usize::from(stretch[0]));
 
                 let place = |column: usize| length * column as f64 / columns as f64;
                 cells.push(Cell {
@@ -157,7 +157,7 @@ impl Motion {
         let x = Axis::new(self.place(), Extent::Fixed(0.0, length));
         let y = Axis::new(("time", "t", TIME), Extent::Fixed(0.0, last));
         let panel = Panel::new(x, y, vec![Layer::Cells(cells)]).high(420.0);
-        let regimes = Regime::ALL.map(of_waves);
+        let regimes = LineRegime::ALL.map(of_waves);
         Picture::new(vec![panel], Legend::default().with("", zone_keys(&regimes)))
     }
 

@@ -4,7 +4,7 @@ use super::super::error::{Flaw, excerpt};
 use super::super::explanation::known;
 use super::super::rules::{Check, Checks};
 use super::mistake::flaw_at;
-use super::{Beginning, OrbitStart, SystemProblem};
+use super::{BeginningSection, OrbitStart, SystemProblem};
 use crate::affine::closure::{PERIOD, Prescribed};
 use crate::affine::system::{Ordered, Source};
 
@@ -113,7 +113,7 @@ impl Checks<'_, SystemProblem> {
     }
 
     /// Refuses a beginning that names no mode, or not every state once, or a phase of nothing.
-    pub(super) fn start(&self, path: &str, start: &Beginning) -> Check {
+    pub(super) fn start(&self, path: &str, start: &BeginningSection) -> Check {
         let Source {
             states,
             modes,
@@ -159,7 +159,7 @@ impl Checks<'_, SystemProblem> {
     }
 
     /// Refuses a name that is none of a mode that contacts make.
-    fn product(&self, path: &str, start: &Beginning) -> Check {
+    fn product(&self, path: &str, start: &BeginningSection) -> Check {
         let system = &self.problem.system;
         if system.mode(&start.mode).is_some() {
             return Ok(());
@@ -182,7 +182,7 @@ impl Checks<'_, SystemProblem> {
     }
 
     /// Refuses a mode whose contacts contradict the state.
-    fn fits(&self, path: &str, start: &Beginning) -> Check {
+    fn fits(&self, path: &str, start: &BeginningSection) -> Check {
         let system = &self.problem.system;
         let Some(place) = start.place(system) else {
             return Ok(());

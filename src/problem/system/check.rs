@@ -5,10 +5,10 @@ use super::super::expectation::Expectation;
 use super::super::explanation::{known, unknown_field};
 use super::super::outline::{Outline, Subject};
 use super::super::rules::{Check, Checks, ORDER, lengths};
-use super::super::{Continuation, Curve, SystemCurve, SystemCurveEvent, fields};
+use super::super::{Continuation, CurveSection, SystemCurve, SystemCurveEvent, fields};
 use super::equilibrium::{COLUMNS, one_of_both};
 use super::mistake::flaw_at;
-use super::{Beginning, SystemPlot, SystemProblem};
+use super::{BeginningSection, SystemPlot, SystemProblem};
 use crate::affine::monitor::MONITOR;
 use crate::affine::system::{BadName, Mistake, Source, SystemError, is_name};
 use crate::affine::values::value;
@@ -290,7 +290,7 @@ impl Checks<'_, SystemProblem> {
             scan.and_then(|section| section.start.clone()),
         ];
         let of_map = self.problem.map.iter().flat_map(|section| &section.starts);
-        let starts: Vec<&Beginning> = starts.iter().flatten().chain(of_map).collect();
+        let starts: Vec<&BeginningSection> = starts.iter().flatten().chain(of_map).collect();
         let rests = self.problem.equilibrium.as_ref();
         let rests = rests.and_then(|section| section.start.mode());
         let begins =
@@ -362,7 +362,7 @@ impl Checks<'_, SystemProblem> {
     }
 
     fn curve(&self, section: &SystemCurve) -> Check {
-        let Curve {
+        let CurveSection {
             parameters, range, ..
         } = section;
         let names: Vec<&str> = self.source().parameters.names().collect();

@@ -8,15 +8,15 @@ use super::super::error::Flaw;
 use super::super::expectation::Expectation;
 use super::super::outline::Outline;
 use super::super::rules::{Check, Checks};
-use super::{Beginning, SystemPlot, SystemProblem};
+use super::{BeginningSection, SystemPlot, SystemProblem};
 use crate::affine::monitor::{MONITOR, MonitorSource};
 use crate::affine::system::{Ordered, Source};
 use crate::orbit::EventType;
 
 /// The equilibrium that a branch begins with.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Equilibrium {
+#[serde(rename = "Equilibrium", deny_unknown_fields)]
+pub struct EquilibriumSection {
     /// Where it comes from.
     pub start: EquilibriumStart,
 }
@@ -62,9 +62,9 @@ fn first() -> usize {
 
 impl EquilibriumStart {
     /// The mode and the state that are given.
-    pub fn beginning(&self) -> Option<Beginning> {
+    pub fn beginning(&self) -> Option<BeginningSection> {
         match self {
-            EquilibriumStart::Given { mode, state } => Some(Beginning {
+            EquilibriumStart::Given { mode, state } => Some(BeginningSection {
                 mode: mode.clone(),
                 state: state.clone(),
                 phase: 0.0,
@@ -117,7 +117,7 @@ pub(super) fn one_of_both(written: &SystemProblem<Source>, outline: &Outline) ->
 
 impl Checks<'_, SystemProblem> {
     /// Refuses a start that is none of the system, and what only orbits have.
-    pub(super) fn equilibrium(&self, section: &Equilibrium) -> Check {
+    pub(super) fn equilibrium(&self, section: &EquilibriumSection) -> Check {
         let source = &self.problem.system.source;
         if source.forcing.is_some() {
             let message = "a system with `forcing` has no equilibria";

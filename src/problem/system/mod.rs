@@ -13,7 +13,7 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
-pub use equilibrium::{Equilibrium, EquilibriumStart};
+pub use equilibrium::{EquilibriumSection, EquilibriumStart};
 
 use super::error::Flaw;
 use super::outline::{Outline, Subject};
@@ -44,14 +44,14 @@ pub struct SystemProblem<S = System> {
     /// What moves: affine at the values of the file, with parameters that are all used.
     pub system: S,
     /// The orbit to begin with.
-    #[serde(default, skip_serializing_if = "Orbit::is_none")]
-    pub orbit: Orbit,
+    #[serde(default, skip_serializing_if = "OrbitSection::is_none")]
+    pub orbit: OrbitSection,
     /// Numbers of orbits: columns of the results.
     #[serde(default, skip_serializing_if = "Ordered::is_empty")]
     pub monitor: Ordered<MonitorSource>,
     /// The equilibrium to begin with, in the place of the orbit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub equilibrium: Option<Equilibrium>,
+    pub equilibrium: Option<EquilibriumSection>,
     /// The branch to follow in a parameter of the system.
     #[serde(default)]
     pub continuation: Option<Continuation<String>>,
@@ -88,8 +88,8 @@ pub struct Multipliers {}
 
 /// The periodic orbit that a computation begins with.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Orbit {
+#[serde(rename = "Orbit", deny_unknown_fields)]
+pub struct OrbitSection {
     /// Where it comes from.
     pub start: OrbitStart,
     /// Periods of the forcing in one orbit, at least 1; found by `Simulate`: at most. 1 without forcing.
@@ -108,9 +108,9 @@ fn one() -> usize {
 }
 
 /// That of a problem without the section `orbit`.
-impl Default for Orbit {
-    fn default() -> Orbit {
-        Orbit {
+impl Default for OrbitSection {
+    fn default() -> OrbitSection {
+        OrbitSection {
             start: OrbitStart::Nowhere,
             periods: one(),
             period: None,
@@ -119,7 +119,7 @@ impl Default for Orbit {
     }
 }
 
-impl Orbit {
+impl OrbitSection {
     /// Whether the problem has no section `orbit`.
     pub(crate) fn is_none(&self) -> bool {
         self.start == OrbitStart::Nowhere
@@ -176,8 +176,8 @@ pub enum OrbitStart {
 
 /// Where a motion begins.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Beginning {
+#[serde(rename = "Beginning", deny_unknown_fields)]
+pub struct BeginningSection {
     /// The mode.
     pub mode: String,
     /// Every state, in the order of the file.
@@ -198,7 +198,7 @@ pub struct SystemSimulation {
     pub samples: usize,
     /// Where the motion begins; where the one of `orbit` does unless it is given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub start: Option<Beginning>,
+    pub start: Option<BeginningSection>,
 }
 
 fn samples() -> usize {
@@ -243,14 +243,14 @@ impl<S> SystemProblem<S> {
 
     /// Where a motion begins: as the section `simulation` says, or else `orbit`; nowhere where that names an
     /// earlier run.
-    pub fn beginning(&self) -> Option<Beginning> {
+    pub fn beginning(&self) -> Option<BeginningSection> {
         let own = self.simulation.as_ref();
         let own = own.and_then(|section| section.start.clone());
         own.or(self.start_of_motion())
     }
 
     /// The mode and the state that `orbit` or `equilibrium` gives.
-    pub fn start_of_motion(&self) -> Option<Beginning> {
+    pub fn start_of_motion(&self) -> Option<BeginningSection> {
         match &self.equilibrium {
             Some(section) => section.start.beginning(),
             None => self.orbit.start.beginning(),
@@ -268,14 +268,14 @@ impl<S> SystemProblem<S> {
 
 impl OrbitStart {
     /// The mode, the state and the phase that are given.
-    pub fn beginning(&self) -> Option<Beginning> {
+    pub fn beginning(&self) -> Option<BeginningSection> {
         match self {
             OrbitStart::Simulate {
                 mode, state, phase, ..
             }
             | OrbitStart::Given {
                 mode, state, phase, ..
-            } => Some(Beginning {
+            } => Some(BeginningSection {
                 mode: mode.clone(),
                 state: state.clone(),
                 phase: *phase,
@@ -293,7 +293,7 @@ impl OrbitStart {
     }
 }
 
-impl Beginning {
+impl BeginningSection {
     /// The place at time zero with the states in the order of the system; `None` where the system has no such
     /// mode, or another state.
     pub fn place(&self, system: &System) -> Option<Place> {

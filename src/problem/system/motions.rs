@@ -4,7 +4,7 @@ use super::super::error::Flaw;
 use super::super::map::{PARAMETER, STATE};
 use super::super::rules::{Check, Checks, ORDER};
 use super::super::scan::{MAX_SCANNED, MAX_VALUES};
-use super::super::{Scan, ScanValues, Section, Shares, Sweep, SystemMap};
+use super::super::{SampleSection, Scan, ScanValues, Shares, Sweep, SystemMap};
 use super::SystemProblem;
 use super::mistake::flaw_at;
 use crate::affine::system::Ordered;
@@ -99,7 +99,7 @@ impl Checks<'_, SystemProblem> {
         let holds = count.saturating_mul(section.keep) <= MAX_SCANNED;
         self.admit("scan.keep", section.keep, holds, &rule)?;
         self.exponents(section)?;
-        if let (Section::Phase(_), None) = (&section.section, &self.source().forcing) {
+        if let (SampleSection::Phase(_), None) = (&section.section, &self.source().forcing) {
             let message = "there is no `forcing` whose phase a section could be";
             let help = "write `section: Zero(\"..\")`: samples are taken where this expression rises to zero";
             return self.refuse("scan.section", message, help);

@@ -34,7 +34,7 @@ use rest::{alike, steady};
 
 /// Mesh, steps and numbers of an annulus.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Setup {
+pub struct TubeSetup {
     /// The tube.
     pub geometry: Geometry,
     /// Friction coefficient f.
@@ -60,7 +60,7 @@ pub(crate) const LARGEST_PART: f64 = 0.98;
 
 /// Why there is no annulus.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum SetupError {
+pub enum TubeSetupError {
     /// Too few elements.
     #[error("a mesh of {around} × {across} elements is too coarse; take at least 3 × 2")]
     Mesh {
@@ -111,7 +111,7 @@ pub struct State {
 /// A tube in motion.
 #[derive(Clone, Debug)]
 pub struct Annulus {
-    setup: Setup,
+    setup: TubeSetup,
     circles: Circles,
     state: State,
     /// Accelerations without contact, one pair of rows per circle; and those without damping for β > 0.
@@ -178,8 +178,8 @@ impl Annulus {
     /// A tube in the steady sliding of its mesh: the solution of K u = λ with u = δ and the shear f p
     /// on the inner circle, the same all round. It differs from the exact one by the error of the
     /// elements.
-    pub fn new(setup: Setup) -> Result<Annulus, SetupError> {
-        let Setup {
+    pub fn new(setup: TubeSetup) -> Result<Annulus, TubeSetupError> {
+        let TubeSetup {
             around,
             across,
             angle,
@@ -187,7 +187,7 @@ impl Annulus {
             ..
         } = setup;
         if around < 3 || across < 2 {
-            return Err(SetupError::Mesh { around, across });
+            return Err(TubeSetupError::Mesh { around, across });
         }
         let limit = LARGEST_PART
             * stable_step(
@@ -198,7 +198,7 @@ impl Annulus {
                 setup.stiffness_damping,
             );
         if !(dt > 0.0 && dt <= limit) {
-            return Err(SetupError::Step { step: dt, limit });
+            return Err(TubeSetupError::Step { step: dt, limit });
         }
         let circles = circles(&setup.geometry, across, angle / around as f64);
         let count = around * across;
@@ -242,7 +242,7 @@ impl Annulus {
     }
 
     /// Mesh and steps.
-    pub fn setup(&self) -> &Setup {
+    pub fn setup(&self) -> &TubeSetup {
         &self.setup
     }
 
@@ -280,7 +280,7 @@ impl Annulus {
     }
 
     /// Goes on from a state after `steps` steps.
-    pub(crate) fn resume(&mut self, state: State, steps: u64) -> Result<(), SetupError> {
+    pub(crate) fn resume(&mut self, state: State, steps: u64) -> Result<(), TubeSetupError> {
         let inner = self.setup.around;
         let all = inner * self.setup.across;
         let lists = [
@@ -300,7 +300,7 @@ impl Annulus {
             list.len() == *count && list.iter().all(|x| x.is_finite())
         };
         if !(lists.iter().all(fits) && state.work.iter().all(|x| x.is_finite())) {
-            return Err(SetupError::State);
+            return Err(TubeSetupError::State);
         }
         self.state = state;
         self.steps = steps;
@@ -351,7 +351,7 @@ impl Annulus {
 
     /// From the accelerations without contact to the next displacements.
     fn move_nodes(&mut self) {
-        let Setup {
+        let TubeSetup {
             friction,
             mismatch,
             mass_damping,
@@ -423,7 +423,7 @@ impl Annulus {
     /// Energy of the tube: kinetic, and elastic between the displacements of two steps, which leapfrog
     /// keeps exactly where no force acts.
     pub fn energy(&self) -> f64 {
-        let Setup {
+        let TubeSetup {
             around,
             across,
             time_step: dt,
@@ -483,7 +483,7 @@ impl Annulus {
 /// −M⁻¹K u/γ of all circles.
 fn accelerate(
     circles: &Circles,
-    setup: &Setup,
+    setup: &TubeSetup,
     fields: (&[f64], &[f64]),
     to: &mut (Vec<f64>, Vec<f64>),
 ) {
@@ -507,7 +507,7 @@ fn accelerate(
 #[inline(always)]
 fn accelerations(
     circles: &Circles,
-    setup: &Setup,
+    setup: &TubeSetup,
     fields: (&[f64], &[f64]),
     circle: usize,
     u: &mut [f64],

@@ -76,8 +76,8 @@ impl Order {
 
 /// The friction law.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub enum Law {
+#[serde(rename = "Law", deny_unknown_fields)]
+pub enum RingLaw {
     /// Set-valued, see [`Coulomb`].
     #[default]
     #[serde(rename = "SetValued")]
@@ -92,7 +92,7 @@ pub enum Law {
 
 /// Grid and steps of a ring.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Setup {
+pub struct RingSetup {
     /// Number of points N.
     pub points: usize,
     /// Length of the ring as an angle: 2π, or a wavelength; its ends are joined.
@@ -102,7 +102,7 @@ pub struct Setup {
     /// Time step Δt in units of 1/Ω.
     pub time_step: f64,
     /// Friction law.
-    pub law: Law,
+    pub law: RingLaw,
     /// What a landing does to V̇ for β = 0; with β > 0 there is no impact.
     pub impact: Impact,
     /// Whether account of work is kept.
@@ -118,7 +118,7 @@ pub const LARGEST_PART: f64 = 0.98;
 
 /// Why there is no ring.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum SetupError {
+pub enum RingSetupError {
     /// Too few points.
     #[error("a ring of {0} points is too coarse; take at least {LEAST_POINTS}")]
     Points(usize),
@@ -139,7 +139,7 @@ pub enum SetupError {
 #[derive(Clone, Debug)]
 pub struct Ring {
     parameters: Constants,
-    setup: Setup,
+    setup: RingSetup,
     constants: StepConstants,
     nodes: Nodes,
     steps: u64,
@@ -210,7 +210,7 @@ pub fn courant_step(parameters: &Constants, points: usize, angle: f64, courant: 
 }
 
 /// Numbers of a step whose rates are `kick` apart.
-fn constants(parameters: &Constants, setup: &Setup, kick: f64) -> StepConstants {
+fn constants(parameters: &Constants, setup: &RingSetup, kick: f64) -> StepConstants {
     let c = parameters.coefficients;
     let width = spacing(setup.points, setup.angle);
     let half = 0.5 * parameters.mass_damping * kick;
@@ -238,14 +238,14 @@ fn constants(parameters: &Constants, setup: &Setup, kick: f64) -> StepConstants 
 
 impl Ring {
     /// A ring at rest in steady sliding: U = δ, V = δfg/h, V̇ = 0.
-    pub fn new(parameters: &Constants, setup: Setup) -> Result<Ring, SetupError> {
+    pub fn new(parameters: &Constants, setup: RingSetup) -> Result<Ring, RingSetupError> {
         if setup.points < LEAST_POINTS {
-            return Err(SetupError::Points(setup.points));
+            return Err(RingSetupError::Points(setup.points));
         }
         let limit = LARGEST_PART * stable_step(parameters, setup.points, setup.angle, setup.order);
         let dt = setup.time_step;
         if !(dt > 0.0 && dt <= limit) {
-            return Err(SetupError::Step { step: dt, limit });
+            return Err(RingSetupError::Step { step: dt, limit });
         }
         let c = parameters.coefficients;
         let constants = constants(parameters, &setup, dt);
@@ -296,7 +296,7 @@ impl Ring {
     }
 
     /// Grid and steps.
-    pub fn setup(&self) -> &Setup {
+    pub fn setup(&self) -> &RingSetup {
         &self.setup
     }
 
@@ -335,9 +335,9 @@ impl Ring {
     ///
     /// # Errors
     /// When they are not as many as those of the ring, or not finite.
-    pub fn resume(&mut self, nodes: Nodes, steps: u64) -> Result<(), SetupError> {
+    pub fn resume(&mut self, nodes: Nodes, steps: u64) -> Result<(), RingSetupError> {
         if !nodes.fits(&self.nodes) {
-            return Err(SetupError::State);
+            return Err(RingSetupError::State);
         }
         self.nodes = nodes;
         self.steps = steps;
@@ -388,8 +388,8 @@ impl Ring {
         while left > 0 {
             let block = left.min(self.depth as u64);
             match self.setup.law {
-                Law::Coulomb => self.block(Coulomb, block as usize),
-                Law::Smoothed { epsilon } => self.block(Smoothed { epsilon }, block as usize),
+                RingLaw::Coulomb => self.block(Coulomb, block as usize),
+                RingLaw::Smoothed { epsilon } => self.block(Smoothed { epsilon }, block as usize),
             }
             left -= block;
         }
