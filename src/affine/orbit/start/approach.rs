@@ -88,7 +88,7 @@ impl<'a> Approach<'a> {
     }
 
     /// The orbit from the switch where it is, over the periods of the forcing, or this time without forcing.
-    pub fn from_switch(&mut self, time: f64) -> Result<OrbitGuess, NoStart> {
+    pub fn begun_at_switch(&mut self, time: f64) -> Result<OrbitGuess, NoStart> {
         let periods = self.periods();
         let time = self
             .forcing

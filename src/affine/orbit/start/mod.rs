@@ -123,7 +123,7 @@ fn found(
     let system = system.map_err(NoStart::System)?;
     let mut approach = Approach::settled(wanted, &system, beginning, search)?;
     let guess = match (search, approach.forcing) {
-        (Search::Guess(time), _) if approach.is_on_guard() => approach.from_switch(time)?,
+        (Search::Guess(time), _) if approach.is_on_guard() => approach.begun_at_switch(time)?,
         (_, Some(period)) => approach.over_periods(period, search)?,
         (Search::Guess(time), None) => {
             let begin = approach.motion.place().clone();
