@@ -16,7 +16,7 @@ pub struct Output<P = Plot> {
     /// and some in between, nine at most.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub labels: Vec<usize>,
-    /// Number of wave profiles to tabulate, at most [`MAX_PROFILES`]; 9 in a file that does not say so and has a plot
+    /// Number of wave profiles to tabulate, at most [`MAX_PROFILES`](super::MAX_PROFILES); 9 in a file that does not say so and has a plot
     /// of them, 0 else.
     pub profiles: usize,
     /// Whether to give the condition number and the expected error of every point.

@@ -18,7 +18,7 @@ pub(super) const FROM_A_GUESS: Settings = Settings {
     polish: 1,
 };
 
-/// The same from a motion that has nearly returned: within [`NEARLY`] of an orbit it is quadratic at once, or there is none.
+/// The same from a motion that has nearly returned: within [`NEARLY`](super::returns::NEARLY) of an orbit it is quadratic at once, or there is none.
 const FROM_NEARBY: Settings = Settings {
     most_iterations: 12,
     halvings: 2,
