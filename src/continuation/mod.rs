@@ -2,12 +2,14 @@
 //!
 //! - [`newton`]: a system, a constraint that closes it, Newton's method;
 //! - [`arclength`]: one step of pseudo-arclength;
+//! - [`branching`]: tangents of the curves that pass through one point;
 //! - [`locate`]: points within a step;
 //! - [`limit`]: a point that steps come near and do not reach;
 //! - [`walk`]: the driver that follows a curve, event by event, to its end;
 //! - [`zero`]: zeros of functions of one variable.
 
 pub mod arclength;
+pub mod branching;
 #[cfg(test)]
 mod circle;
 #[cfg(test)]

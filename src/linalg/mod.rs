@@ -78,23 +78,33 @@ pub fn kernel(matrix: &Matrix) -> Option<Kernel> {
     })
 }
 
-/// An orthonormal basis of the directions that a matrix shrinks below a part of its largest singular value,
-/// columns of at least as many dimensions as it has fewer rows than columns. `None` if the decomposition fails.
-pub fn null_space(matrix: &Matrix, part: f64) -> Option<Matrix> {
+/// Orthonormal bases of what a matrix nearly takes to zero, from either side.
+#[derive(Clone, Debug)]
+pub struct NullSpaces {
+    /// Columns x with Jx = 0.
+    pub right: Matrix,
+    /// Columns y with Jᵀy = 0.
+    pub left: Matrix,
+}
+
+/// Bases of the directions that a matrix with at least as many columns as rows shrinks below a part of its largest
+/// singular value. `None` if the decomposition fails.
+pub fn null_spaces(matrix: &Matrix, part: f64) -> Option<NullSpaces> {
     let (rows, columns) = matrix.shape();
     if rows > columns || rows == 0 || !matrix.iter().all(|x| x.is_finite()) {
         return None;
     }
     let view = faer::MatRef::from_column_major_slice(matrix.as_slice(), rows, columns);
     let decomposition = view.svd().ok()?;
-    let right = decomposition.V();
+    let (right, left) = (decomposition.V(), decomposition.U());
     let values = decomposition.S().column_vector();
     let rank = (0..rows)
         .filter(|index| values[*index] > part * values[0])
         .count();
-    Some(Matrix::from_fn(columns, columns - rank, |i, j| {
-        right[(i, rank + j)]
-    }))
+    Some(NullSpaces {
+        right: Matrix::from_fn(columns, columns - rank, |i, j| right[(i, rank + j)]),
+        left: Matrix::from_fn(rows, rows - rank, |i, j| left[(i, rank + j)]),
+    })
 }
 
 /// Right vector of the least singular value of a matrix with at least as many rows as columns, real or complex.

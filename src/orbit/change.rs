@@ -3,6 +3,7 @@
 use super::special::{Refusal, StepRefused, Stop, Tried};
 use super::{AtZero, Candidate, Examined, Orbit, Verdict};
 use crate::continuation::Node;
+use crate::continuation::branching::Branching;
 use crate::continuation::walk::{self, Refused};
 use crate::continuation::{arclength, newton};
 use crate::linalg::{self, Matrix, Vector};
@@ -292,9 +293,25 @@ pub fn beyond_both<O: Orbit>(
     None
 }
 
+/// Where its own equations are singular, as where several zones vanish at once, an event is known to the root of rounding
+/// only: the equations of a candidate that hold to this are corrected once, by no more than this.
+const SINGULAR_EVENT: f64 = 1e-6;
+
 /// The node of an event that is an orbit of these equations.
 fn solved<O: Orbit>(orbit: &O, point: &Vector) -> Option<Node> {
-    Node::within(orbit, point.clone(), RESIDUAL_AT_EVENT)
+    let known = Node::within(orbit, point.clone(), RESIDUAL_AT_EVENT);
+    known.or_else(|| {
+        let mut residual = Vector::zeros(orbit.unknowns() - 1);
+        let mut matrix = Matrix::zeros(residual.len(), orbit.unknowns());
+        let evaluated = orbit.evaluate(point, residual.as_mut_slice(), &mut matrix);
+        evaluated.ok()?;
+        if residual.amax() > SINGULAR_EVENT {
+            return None;
+        }
+        let correction = linalg::pseudo_inverse(&matrix, NULL)? * residual;
+        let is_near = correction.amax() <= SINGULAR_EVENT;
+        is_near.then(|| Node::within(orbit, point - correction, RESIDUAL_AT_EVENT))?
+    })
 }
 
 /// Why a candidate is not entered.
@@ -315,35 +332,41 @@ struct Entry<'a, O: Orbit> {
     node: Node,
     /// Signs of that along which an admissible branch may set out: where a zone opens its duration is negative on the way back.
     signs: &'static [f64],
-    /// Whether margins tell that no branch sets out; the shortest step decides.
+    /// Whether margins or durations tell that no branch sets out; the shortest step decides.
     leads_nowhere: bool,
 }
 
 impl<'a, O: Orbit> Entry<'a, O> {
-    /// The entry into a candidate; `None` where the event does not solve its equations.
-    fn new(candidate: &'a Candidate<O>) -> Option<Entry<'a, O>> {
+    /// The entries into a candidate, one for each tangent that a branch may have there; none where the event does not
+    /// solve its equations.
+    fn all(candidate: &'a Candidate<O>) -> Vec<Entry<'a, O>> {
         let orbit = &candidate.orbit;
-        let mut node = solved(orbit, &candidate.point)?;
-        let common = alike(candidate);
-        let is_only = common.is_none();
-        if let Some(tangent) = common {
-            node.tangent = tangent;
-        }
+        let Some(node) = solved(orbit, &candidate.point) else {
+            return Vec::new();
+        };
         let examination = orbit.examination(&candidate.point).ok();
         let watched = examination.as_ref().map_or(&[][..], Examined::margins);
-        if growth(candidate, watched, &node.tangent) < 0.0 {
-            node.tangent.neg_mut();
-        }
-        let opens = |zone: &usize| node.tangent[orbit.duration_index(*zone)] >= TOLD;
-        let is_one_way = candidate.nascent.iter().any(opens);
-        Some(Entry {
-            signs: &walk::EITHER_WAY[..if is_one_way { 1 } else { 2 }],
-            leads_nowhere: is_only
-                && !orbit.is_layered()
-                && leads_nowhere(orbit, watched, &node.tangent),
-            candidate,
-            node,
-        })
+        let tangents = tangents(candidate).unwrap_or_else(|| vec![node.tangent.clone()]);
+        let entries = tangents.into_iter().map(|mut tangent| {
+            if growth(candidate, watched, &tangent) < 0.0 {
+                tangent.neg_mut();
+            }
+            let growths = candidate.nascent.iter();
+            let growths = growths.map(|zone| tangent[orbit.duration_index(*zone)]);
+            let opens = growths.clone().any(|growth| growth >= TOLD);
+            let closes = opens && growths.clone().any(|growth| growth <= -TOLD);
+            let falls = !orbit.is_layered() && leads_nowhere(orbit, watched, &tangent);
+            Entry {
+                signs: &walk::EITHER_WAY[..if opens { 1 } else { 2 }],
+                leads_nowhere: closes || falls,
+                candidate,
+                node: Node {
+                    tangent,
+                    ..node.clone()
+                },
+            }
+        });
+        entries.collect()
     }
 
     /// The first admissible step, tried from `ds` down.
@@ -352,7 +375,7 @@ impl<'a, O: Orbit> Entry<'a, O> {
         enter_along(&self.candidate.orbit, from, ds, tries, tolerance)
     }
 
-    /// The shortest step, where margins tell that there is none.
+    /// The shortest step, where there seems to be none.
     fn shortest(&self, ds: f64, tolerance: f64) -> Result<(), NotEntered<O>> {
         if self.leads_nowhere {
             let shortest = ds * walk::SHORTER.powi(TRIES as i32 - 1);
@@ -375,7 +398,7 @@ pub fn nearest_beyond<O: Orbit>(
     if candidates.iter().any(|one| one.orbit.is_layered()) {
         return beyond(orbit, point, margin, ds, tolerance).beyond;
     }
-    let entries: Vec<Entry<O>> = candidates.iter().filter_map(Entry::new).collect();
+    let entries: Vec<Entry<O>> = candidates.iter().flat_map(Entry::all).collect();
     let lengths = std::iter::successors(Some(ds), |ds| Some(ds * walk::SHORTER)).take(TRIES);
     let tries = lengths.flat_map(|length| entries.iter().map(move |entry| (length, entry)));
     let mut admitted = tries.filter_map(|(length, entry)| {
@@ -394,8 +417,25 @@ pub fn enter<O: Orbit>(
     ds: f64,
     tolerance: f64,
 ) -> Result<Beyond<O>, NotEntered<O>> {
+    let mut entered = Err(NotEntered::NoSolution);
+    for entry in Entry::all(candidate) {
+        let along = enter_by(&entry, ds, tolerance);
+        let length = |one: &Result<Beyond<O>, _>| one.as_ref().map_or(0.0, |beyond| beyond.ds);
+        if entered.is_err() || length(&along) > length(&entered) {
+            entered = along;
+        }
+    }
+    entered
+}
+
+/// The first admissible step by one of the entries into a candidate.
+fn enter_by<O: Orbit>(
+    entry: &Entry<O>,
+    ds: f64,
+    tolerance: f64,
+) -> Result<Beyond<O>, NotEntered<O>> {
+    let candidate = entry.candidate;
     let orbit = &candidate.orbit;
-    let entry = Entry::new(candidate).ok_or(NotEntered::NoSolution)?;
     // the shortest of the steps says why
     entry.shortest(ds, tolerance)?;
     let direct = entry.along(ds, TRIES, tolerance);
@@ -511,9 +551,11 @@ fn enter_along<O: Orbit>(
 /// to 1e-13.
 const NULL: f64 = 1e-9;
 
-/// Where several zones open at once like square roots, each may do so by itself to first order. The branch is the one
-/// on which all of them do: the direction in which they grow alike. `None` where there is only one direction.
-fn alike<O: Orbit>(candidate: &Candidate<O>) -> Option<Vector> {
+/// The tangents that a branch may have where several zones open at once: those zeros of the algebraic branching equation
+/// that are found from where all of them grow alike and from where each grows alone. `None` where there is one tangent.
+fn tangents<O: Orbit>(candidate: &Candidate<O>) -> Option<Vec<Vector>> {
+    /// Two unit vectors are one where they agree, but for the sign, to this.
+    const SAME: f64 = 1e-6;
     let Candidate {
         orbit,
         point,
@@ -522,14 +564,27 @@ fn alike<O: Orbit>(candidate: &Candidate<O>) -> Option<Vector> {
     if nascent.len() < 2 {
         return None;
     }
-    let (matrix, _) = newton::jacobian(orbit, point).ok()?;
-    let space = linalg::null_space(&matrix, NULL).filter(|space| space.ncols() > 1)?;
+    let branching = Branching::new(orbit, point, NULL)?;
+    let space = &branching.null_space;
     let growths = Matrix::from_fn(nascent.len(), space.ncols(), |row, column| {
         space[(orbit.duration_index(nascent[row]), column)]
     });
-    let ones = Vector::repeat(nascent.len(), 1.0);
-    let direction = space * (linalg::pseudo_inverse(&growths, NULL)? * ones);
-    (direction.norm() > 0.0).then(|| direction.normalize())
+    let from_growth = linalg::pseudo_inverse(&growths, NULL)?;
+    let alike = &from_growth * Vector::repeat(nascent.len(), 1.0);
+    let alone = from_growth.column_iter().map(|column| column.clone_owned());
+    let mut found: Vec<Vector> = Vec::new();
+    for start in std::iter::once(alike).chain(alone) {
+        let Some(tangent) = branching.tangent_from(&start) else {
+            continue;
+        };
+        if found
+            .iter()
+            .all(|known| known.dot(&tangent).abs() < 1.0 - SAME * SAME)
+        {
+            found.push(tangent);
+        }
+    }
+    Some(found)
 }
 
 /// How much nascent zones grow along a direction, or else margins that are zero.

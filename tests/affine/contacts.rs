@@ -370,6 +370,27 @@ fn springs_on_one_side() {
     assert!((entry.state[0] - 0.5).abs() < 1e-12 && entry.state[1] > 0.0);
 }
 
+/// A damped spring is touched where the slip of a friction changes its sign. Of the zones that open there the one up to
+/// the peak lasts like the speed of the touch, the one in which the spring gives back like its square, so that they do
+/// not grow alike. The branch meets the same events from either side.
+#[test]
+fn zones_open_each_at_a_rate_of_its_own() {
+    let text = r#"(states: ["u", "v"], parameters: {"w": 0.53, "k": 50.0, "c": 0.2, "N": 0.1}, forcing: "w",
+        contacts: {"p": Spring(gap: "0.5 - u", stiffness: "k", damping: "c"), "q": Friction(slip: "v", bound: "N")},
+        rates: {"u": "v", "v": "cos(phase) - u - 0.05*v - p + q"})"#;
+    let from: From = ("open.forward", &[0.0, 0.1], 300.0);
+    let range = ("w", (0.45, 0.53));
+    let without = met(text, from, range);
+    let touching = met(&text.replace("0.53", "0.46"), from, range);
+    let kinds = |seen: &[Seen]| seen.iter().map(|one| one.kind).collect::<Vec<_>>();
+    assert_eq!(kinds(&without), [SL, CO, LP, LP]);
+    assert_eq!(kinds(&touching), [LP, LP, CO, SL]);
+    let values: Vec<_> = touching.iter().map(|one| (one.kind, one.value)).collect();
+    meets(&without, &values);
+    // just before the touch the peak is below the gap, just after it above: u = 1/2 and v = 0 at one instant
+    assert!((without[1].value - 0.478_122_834_989_434).abs() < 1e-14);
+}
+
 /// An inelastic ball rests on its table until that falls faster than it, and leaves it with g, ġ and g̈ zero.
 #[test]
 fn an_inelastic_ball() {

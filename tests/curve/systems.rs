@@ -7,7 +7,7 @@ use brakewave::continuation::newton::System as _;
 use brakewave::curve::start::{NoCurve, Start, find_of_system};
 use brakewave::curve::{Curve, Orbits, Point, PointType, Region, Run};
 use brakewave::hybrid::Runner;
-use brakewave::linalg::{Matrix, Vector, null_space};
+use brakewave::linalg::{Matrix, Vector, null_spaces};
 use brakewave::problem::{Any, SystemProblem, parse_any};
 
 use crate::curve::observed;
@@ -389,7 +389,9 @@ fn derivatives_of_a_torus_are_slopes_of_its_equation() {
             (residual, jacobian)
         };
         let (_, jacobian) = evaluate(&point);
-        let orbits = null_space(&jacobian.rows(0, last).into_owned(), 1e-9).unwrap();
+        let orbits = null_spaces(&jacobian.rows(0, last).into_owned(), 1e-9)
+            .unwrap()
+            .right;
         assert_eq!(orbits.ncols(), 2);
         for direction in orbits.column_iter() {
             let at = |step: f64| evaluate(&(&point + direction * step)).0[last];
