@@ -9,7 +9,7 @@ use brakewave::affine::orbit::start::{Beginning, Search, Wanted, first};
 use brakewave::orbit::follow::Found;
 use brakewave::orbit::special::Special;
 
-use crate::affine::branches::{follow, meets, settled};
+use crate::affine::branches::{Seen, follow, meets, settled};
 use crate::affine::counts::rows;
 use crate::affine::systems::{BRAKE_BY_HAND, TWO_MASSES, system, values};
 
@@ -100,6 +100,33 @@ fn a_jump_of_the_return_map_is_an_end() {
         kinds.contains(&GR) && kinds.last() == Some(&EP),
         "{kinds:?}"
     );
+}
+
+/// Where slip only just stops and goes on, static friction above the kinetic one holds the mass until the pull has grown from
+/// the one to the other: a jump, of 3e-3 here. With both the same the branch goes on through the same graze.
+#[test]
+fn slip_that_grazes_rest_is_held_by_static_friction() {
+    let text = |bound: &str| {
+        r#"(states: ["x", "v"], parameters: {"w": 1.441, "N": 0.303, "g": 0.313, "r": 0.63}, forcing: "w",
+            contacts: {"p": Stop(gap: "g - x", restitution: "r"), "q": Friction(slip: "v", bound: "N"STATIC)},
+            rates: {"x": "v", "v": "cos(phase) - x - 0.05*v - p + q"})"#
+            .replace("STATIC", bound)
+    };
+    let down = |bound: &str| {
+        let (orbit, point) = settled(&text(bound), &[], "w", "open.forward", &[0.0, 0.1], 400.0);
+        follow(&orbit, &point, false, (0.9, 1.5), 2000)
+    };
+    let (held, all) = down(", static: \"1.4*N\"");
+    let (passed, _) = down("");
+    let kinds = |seen: &[Seen]| seen.iter().map(|one| one.kind).collect::<Vec<_>>();
+    assert_eq!(kinds(&held), [GR]);
+    let reason = why(&all);
+    assert!(reason.contains("return map is discontinuous"), "{reason}");
+    assert_eq!(
+        (kinds(&passed)[0], *kinds(&passed).last().unwrap()),
+        (GR, EP)
+    );
+    assert!((held[0].value - graze.value).abs() < 1e-12);
 }
 
 /// A clock: a pendulum with dry friction, kicked as it comes back through x = 0, in which nobody has written down stick.

@@ -18,15 +18,16 @@ use crate::orbit::Orbit;
 const BESIDE: [f64; 3] = [1e-5, 1e-7, 1e-9];
 
 /// A motion has come back where it is off by less than this at the least δ, as a part of the range of each state, and by
-/// less than the second part of what it is off at the largest, or by nothing but rounding: √δ falls to a hundredth.
+/// less than the second part of what it is off at the δ before, or by nothing but rounding: √δ falls to a tenth from one δ
+/// to the next, and its third root to a fifth.
 const NEAR: f64 = 1e-3;
-const FALLS: f64 = 0.1;
+const FALLS: f64 = 0.3;
 const ROUNDING: f64 = 1e-8;
 
-/// It has gone elsewhere where it is off by more than this whatever δ is, and at the least by half of what it is off at
-/// the largest: what grows with δ, or with its root, falls to a hundredth at most.
-const FAR: f64 = 1e-2;
-const STAYS: f64 = 0.5;
+/// It has gone elsewhere where it is off by more than this whatever δ is, and at the least by this much of what it is off
+/// at the δ before: what grows with δ from there on is a hundredth of 1e-7 by then.
+const FAR: f64 = 1e-6;
+const STAYS: f64 = 0.9;
 
 /// Most switches of a period.
 const MOST_SWITCHES: usize = 10_000;
@@ -72,11 +73,11 @@ impl AffineOrbit {
         let [first, between, last] = offs;
         match (first?, last?) {
             (Ok(first), Ok(last)) => {
-                let between = between.and_then(Result::ok).unwrap_or(0.0);
-                let least = first.min(between).min(last);
-                if last <= NEAR && last <= (FALLS * first).max(ROUNDING) {
+                let before = between.and_then(Result::ok)?;
+                let least = first.min(before).min(last);
+                if last <= NEAR && last <= (FALLS * before).max(ROUNDING) {
                     Some(Fate::Returns)
-                } else if least >= FAR && last >= STAYS * first {
+                } else if least >= FAR && last >= STAYS * before {
                     Some(Fate::Elsewhere(last))
                 } else {
                     None
@@ -140,7 +141,8 @@ impl AffineOrbit {
                     return Some(Ok(offs.fold(0.0, f64::max)));
                 }
                 Ok(Step::Switched(_) | Step::Section) => {}
-                Err(halt) => return Some(Err(halt)),
+                // not of a motion that has not begun
+                Err(halt) => return (motion.place().time > begin.time).then_some(Err(halt)),
             }
         }
         None

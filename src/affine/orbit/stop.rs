@@ -187,7 +187,7 @@ impl fmt::Display for OrbitStop {
                 formatter,
                 "the return map is discontinuous there: motions beside its orbit on the one side of the event come back \
                  to it after a period, on the other they jump to {apart:.1e} of the range of the states away, however \
-                 near they begin, and no orbit is near"
+                 near they begin: the orbits there are others"
             ),
             OrbitStop::LosesDigits { mode, growth } => write!(
                 formatter,
