@@ -6,8 +6,8 @@ use crate::affine::equilibrium::EquilibriumCurve;
 use crate::affine::motion::Halt;
 use crate::affine::orbit::{self as affine, AffineOrbit};
 use crate::affine::system::System;
-use crate::branch::Reason;
-use crate::branch::special::{Change, Inadmissible, Note, OfWaves, WaveMargin, WaveStop};
+use crate::branch::VerdictReason;
+use crate::branch::special::{Change, InadmissibleWave, OfWaves, WaveMargin, WaveNote, WaveStop};
 use crate::continuation::walk::End;
 use crate::curve::{self, Gone, PointType, What};
 use crate::hybrid;
@@ -20,7 +20,7 @@ use crate::tube::model::signature::Regime;
 use crate::tube::model::{Impact, Landing};
 use crate::tube::stability::track::Remark;
 use crate::tube::wave::Wave;
-use crate::tube::wave::admissibility::Watch;
+use crate::tube::wave::admissibility::RegimeInequality;
 
 /// What is left of a wave where D = 0.
 const D_ZERO: &str = "D = 0: nothing drives a wave here; what is left is steady sliding with a linear wave \
@@ -261,7 +261,7 @@ impl Told for Wave {
     fn event(change: &Change) -> String {
         let regime = change.before.zone(change.margin.zone).regime;
         let name = regime.name();
-        let closes = change.margin.watch == Watch::Duration;
+        let closes = change.margin.watch == RegimeInequality::Duration;
         match change.kind {
             EventType::GR if closes => "the separation zone closes".into(),
             EventType::GR => {
@@ -280,12 +280,18 @@ impl Told for Wave {
                 }
             }
             _ => match change.margin.watch {
-                Watch::Gap => "the separated surface touches the shaft".into(),
-                Watch::Rate => format!("V̇ = 1 is touched inside a {name} zone"),
-                Watch::LandingRate => "landing passes through V̇ = 1".into(),
-                Watch::LandingPressure => "the pressure after landing reaches zero".into(),
-                Watch::Tension => "the tension after a touch reaches zero: contact begins".into(),
-                Watch::Impulse => "the impulse of landing no longer arrests the surface".into(),
+                RegimeInequality::Gap => "the separated surface touches the shaft".into(),
+                RegimeInequality::Rate => format!("V̇ = 1 is touched inside a {name} zone"),
+                RegimeInequality::LandingRate => "landing passes through V̇ = 1".into(),
+                RegimeInequality::LandingPressure => {
+                    "the pressure after landing reaches zero".into()
+                }
+                RegimeInequality::Tension => {
+                    "the tension after a touch reaches zero: contact begins".into()
+                }
+                RegimeInequality::Impulse => {
+                    "the impulse of landing no longer arrests the surface".into()
+                }
                 _ => "two switching points coalesce".into(),
             },
         }
@@ -348,30 +354,36 @@ impl Display for Remark {
     }
 }
 
-impl Display for Inadmissible {
+impl Display for InadmissibleWave {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        let Inadmissible::Margin {
+        let InadmissibleWave::Margin {
             regime,
             watch,
             value,
         } = self
         else {
             return f.write_str(match self {
-                Inadmissible::Undecided => "an inequality is closer to zero than rounding can tell",
+                InadmissibleWave::Undecided => {
+                    "an inequality is closer to zero than rounding can tell"
+                }
                 _ => "a switching condition is crossed the wrong way",
             });
         };
         let what = match watch {
-            Watch::Duration => "would have a negative length",
-            Watch::Pressure | Watch::LandingPressure => "would have a negative pressure",
-            Watch::Rate | Watch::LandingRate => "would pass through V̇ = 1",
-            Watch::Gap => "would penetrate the shaft",
-            Watch::LandingSpeed => "would land from below",
-            Watch::Tension => "would stay in contact",
-            Watch::LowerForce | Watch::UpperForce => "would violate the friction law",
-            Watch::Impulse => "would land with too small an impulse",
-            Watch::Release => "would be released into reverse slip",
-            Watch::Coupling => {
+            RegimeInequality::Duration => "would have a negative length",
+            RegimeInequality::Pressure | RegimeInequality::LandingPressure => {
+                "would have a negative pressure"
+            }
+            RegimeInequality::Rate | RegimeInequality::LandingRate => "would pass through V̇ = 1",
+            RegimeInequality::Gap => "would penetrate the shaft",
+            RegimeInequality::LandingSpeed => "would land from below",
+            RegimeInequality::Tension => "would stay in contact",
+            RegimeInequality::LowerForce | RegimeInequality::UpperForce => {
+                "would violate the friction law"
+            }
+            RegimeInequality::Impulse => "would land with too small an impulse",
+            RegimeInequality::Release => "would be released into reverse slip",
+            RegimeInequality::Coupling => {
                 return f.write_str("D = 0 is passed: waves run in the direction of D");
             }
         };
@@ -379,20 +391,20 @@ impl Display for Inadmissible {
     }
 }
 
-impl<O: Orbit> Display for orbit::special::Refusal<O> {
+impl<O: Orbit> Display for orbit::special::OrbitRefusal<O> {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        use orbit::special::Refusal;
+        use orbit::special::OrbitRefusal;
         match self {
-            Refusal::Flow(error) => error.fmt(f),
-            Refusal::Inadmissible(reason) => reason.fmt(f),
-            Refusal::NotFound => {
+            OrbitRefusal::Flow(error) => error.fmt(f),
+            OrbitRefusal::Inadmissible(reason) => reason.fmt(f),
+            OrbitRefusal::NotFound => {
                 f.write_str("a fold or a user point inside the step was not found")
             }
-            Refusal::NotLocated(count) => write!(
+            OrbitRefusal::NotLocated(count) => write!(
                 f,
                 "{count} inequalities fail within the step and none is located"
             ),
-            Refusal::Uncertain {
+            OrbitRefusal::Uncertain {
                 parameter,
                 value,
                 error,
@@ -401,22 +413,22 @@ impl<O: Orbit> Display for orbit::special::Refusal<O> {
                 "what happens near {} = {value:.6} is known to {error:.0e} only",
                 O::column(parameter)
             ),
-            Refusal::Order => f.write_str("the order of two events is not resolved"),
-            Refusal::NoSolution => {
+            OrbitRefusal::Order => f.write_str("the order of two events is not resolved"),
+            OrbitRefusal::NoSolution => {
                 f.write_str("the orbit of the event does not solve its equations")
             }
         }
     }
 }
 
-impl<O: Orbit> Display for orbit::special::Stop<O> {
+impl<O: Orbit> Display for orbit::special::BranchStop<O> {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        use orbit::special::Stop;
+        use orbit::special::BranchStop;
         match self {
-            Stop::NoSignature => {
+            BranchStop::NoSignature => {
                 f.write_str("no sequence of regimes solves the equations beyond this event")
             }
-            Stop::NoneAdmissible(tried) => {
+            BranchStop::NoneAdmissible(tried) => {
                 f.write_str("no admissible signature continues beyond this event; tried ")?;
                 let (no_solutions, refused): (Vec<_>, Vec<_>) =
                     tried.iter().partition(|tried| tried.is_no_solution());
@@ -435,7 +447,7 @@ impl<O: Orbit> Display for orbit::special::Stop<O> {
                     list(&signatures, ", ")
                 )
             }
-            Stop::Converges {
+            BranchStop::Converges {
                 kind,
                 changes,
                 ratio,
@@ -448,8 +460,8 @@ impl<O: Orbit> Display for orbit::special::Stop<O> {
                  their values fall by {ratio:.3} from one to the next; they converge at {} = {limit:.9} ± {error:.0e}",
                 O::column(parameter)
             ),
-            Stop::Flow(error) => error.fmt(f),
-            Stop::Own(stop) => stop.fmt(f),
+            BranchStop::Flow(error) => error.fmt(f),
+            BranchStop::Own(stop) => stop.fmt(f),
         }
     }
 }
@@ -521,12 +533,12 @@ impl<R: Display, E: Display> Display for End<R, E> {
     }
 }
 
-impl<O: Orbit> Display for orbit::special::Failure<O> {
+impl<O: Orbit> Display for orbit::special::BranchFailure<O> {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        use orbit::special::Failure;
+        use orbit::special::BranchFailure;
         match self {
-            Failure::Ended(end) => end.fmt(f),
-            Failure::NoLeg(reason) => reason.fmt(f),
+            BranchFailure::Ended(end) => end.fmt(f),
+            BranchFailure::NoLeg(reason) => reason.fmt(f),
         }
     }
 }
@@ -547,53 +559,57 @@ impl Display for WaveMargin {
         let WaveMargin { regime, watch } = self;
         let regime = regime.name();
         match watch {
-            Watch::Duration => write!(f, "the length of a {regime} zone"),
-            Watch::Pressure => write!(f, "the least pressure in a {regime} zone"),
-            Watch::LandingPressure | Watch::Tension => f.write_str("the pressure after a landing"),
-            Watch::Rate => write!(f, "|1 − V̇| inside a {regime} zone"),
-            Watch::LandingRate => f.write_str("|1 − V̇| after a landing"),
-            Watch::Gap => f.write_str("the gap inside a separation zone"),
-            Watch::LandingSpeed => f.write_str("the speed of a landing"),
-            Watch::Impulse => f.write_str("what the impulse of a landing can arrest"),
-            Watch::LowerForce | Watch::UpperForce | Watch::Release => {
+            RegimeInequality::Duration => write!(f, "the length of a {regime} zone"),
+            RegimeInequality::Pressure => write!(f, "the least pressure in a {regime} zone"),
+            RegimeInequality::LandingPressure | RegimeInequality::Tension => {
+                f.write_str("the pressure after a landing")
+            }
+            RegimeInequality::Rate => write!(f, "|1 − V̇| inside a {regime} zone"),
+            RegimeInequality::LandingRate => f.write_str("|1 − V̇| after a landing"),
+            RegimeInequality::Gap => f.write_str("the gap inside a separation zone"),
+            RegimeInequality::LandingSpeed => f.write_str("the speed of a landing"),
+            RegimeInequality::Impulse => f.write_str("what the impulse of a landing can arrest"),
+            RegimeInequality::LowerForce
+            | RegimeInequality::UpperForce
+            | RegimeInequality::Release => {
                 f.write_str("the distance of the friction force from its limit")
             }
-            Watch::Coupling => f.write_str("D"),
+            RegimeInequality::Coupling => f.write_str("D"),
         }
     }
 }
 
-impl Display for Note {
+impl Display for WaveNote {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         match self {
-            Note::CrossingLeftOut { parameter, value } => write!(
+            WaveNote::CrossingLeftOut { parameter, value } => write!(
                 f,
                 "{} = {value:.12}: the wave at a crossing of the imaginary axis before this point could \
                  not be examined, and the crossing is left out",
                 parameter.column()
             ),
-            Note::Spectrum {
+            WaveNote::Spectrum {
                 parameter,
                 value,
                 remark,
             } => write!(f, "{} = {value:.12}: {remark}", parameter.column()),
-            Note::Spent { points, allowance } => write!(
+            WaveNote::Spent { points, allowance } => write!(
                 f,
                 "after point {points}: {} at {:.0e} a run; take a smaller `max_frequency`, fewer \
                  sectors or fewer points",
-                Reason::Spent,
+                VerdictReason::Spent,
                 *allowance as f64
             ),
-            Note::Incomplete { point, reason } => write!(
+            WaveNote::Incomplete { point, reason } => write!(
                 f,
                 "point {point}: the spectrum is {reason}; see the column `why` for others"
             ),
-            Note::Close {
+            WaveNote::Close {
                 parameter,
                 value,
                 what,
             } => near_zero(f, parameter.column(), *value, what),
-            Note::NotConverged {
+            WaveNote::NotConverged {
                 point,
                 parameter,
                 value,
@@ -742,17 +758,17 @@ impl Display for Missing {
     }
 }
 
-impl Display for curve::Name {
+impl Display for curve::RegionName {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         match self {
-            curve::Name::Pair { grows: true } => f.write_str("the pair grows"),
-            curve::Name::Pair { grows: false } => f.write_str("the pair decays"),
-            curve::Name::Outside(0) | curve::Name::Growing(0) => f.write_str("stable"),
-            curve::Name::Growing(1) => f.write_str("1 eigenvalue grows"),
-            curve::Name::Growing(count) => write!(f, "{count} eigenvalues grow"),
-            curve::Name::Outside(1) => f.write_str("1 multiplier outside"),
-            curve::Name::Outside(count) => write!(f, "{count} multipliers outside"),
-            curve::Name::Orbits { count, regimes } => {
+            curve::RegionName::Pair { grows: true } => f.write_str("the pair grows"),
+            curve::RegionName::Pair { grows: false } => f.write_str("the pair decays"),
+            curve::RegionName::Outside(0) | curve::RegionName::Growing(0) => f.write_str("stable"),
+            curve::RegionName::Growing(1) => f.write_str("1 eigenvalue grows"),
+            curve::RegionName::Growing(count) => write!(f, "{count} eigenvalues grow"),
+            curve::RegionName::Outside(1) => f.write_str("1 multiplier outside"),
+            curve::RegionName::Outside(count) => write!(f, "{count} multipliers outside"),
+            curve::RegionName::Orbits { count, regimes } => {
                 match count {
                     None => {}
                     Some((count, orbits)) => write!(f, "{count} {orbits} ")?,
@@ -763,27 +779,29 @@ impl Display for curve::Name {
     }
 }
 
-impl<P: curve::Plane> Display for curve::Refusal<P> {
+impl<P: curve::ParameterPlane> Display for curve::CurveRefusal<P> {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         match self {
-            curve::Refusal::Flow(error) => error.fmt(f),
-            curve::Refusal::Posed => f.write_str("an inequality fails as soon as it is posed"),
-            curve::Refusal::NotLocated => f.write_str("a point of codimension two was not located"),
-            curve::Refusal::Gone(gone) => gone.fmt(f),
+            curve::CurveRefusal::Flow(error) => error.fmt(f),
+            curve::CurveRefusal::Posed => f.write_str("an inequality fails as soon as it is posed"),
+            curve::CurveRefusal::NotLocated => {
+                f.write_str("a point of codimension two was not located")
+            }
+            curve::CurveRefusal::Gone(gone) => gone.fmt(f),
         }
     }
 }
 
-impl<P: curve::Plane> Display for curve::Reason<P> {
+impl<P: curve::ParameterPlane> Display for curve::CurveEndReason<P> {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         match self {
-            curve::Reason::There | curve::Reason::Unknown => Ok(()),
-            curve::Reason::Gone(gone) => gone.fmt(f),
-            curve::Reason::Closed => f.write_str("the curve closes on its start"),
-            curve::Reason::MaxPoints { most } => {
+            curve::CurveEndReason::There | curve::CurveEndReason::Unknown => Ok(()),
+            curve::CurveEndReason::Gone(gone) => gone.fmt(f),
+            curve::CurveEndReason::Closed => f.write_str("the curve closes on its start"),
+            curve::CurveEndReason::MaxPoints { most } => {
                 write!(f, "`max_points`, {most} in either direction, are reached")
             }
-            curve::Reason::Creeps {
+            curve::CurveEndReason::Creeps {
                 steps,
                 longest,
                 beside: (zone, length),
@@ -792,12 +810,12 @@ impl<P: curve::Plane> Display for curve::Reason<P> {
                 "the last {steps} steps are all shorter than {longest:.0e}: Newton's method hardly \
                  converges beside a {zone} zone of length {length:.1e}"
             ),
-            curve::Reason::Stands { points, moved } => write!(
+            curve::CurveEndReason::Stands { points, moved } => write!(
                 f,
                 "over the last {points} points the parameters move by no more than {moved:.0e} of their ranges: its steps \
                  do not lead on"
             ),
-            curve::Reason::NoStep { ds_min, reason } => {
+            curve::CurveEndReason::NoStep { ds_min, reason } => {
                 write!(
                     f,
                     "no step of at least ds_min = {ds_min:e} succeeds: {reason}"

@@ -6,11 +6,11 @@ use std::time::{Duration, Instant};
 
 use clap::Args;
 
-use super::failure::{Exit, Failure, Usage};
+use super::failure::{Usage, VerbExit, VerbFailure};
 use super::motion;
 use super::options::{Task, Threads, cores, read_any};
 use super::prepare::ready;
-use super::progress::{Progress, drive};
+use super::progress::{ProgressLine, drive};
 use super::{interrupt, stopped, titled, warn};
 use crate::branch::run::RunError;
 use crate::output::layout::{END, GROWTH, MEASURES, START, profile_file};
@@ -18,7 +18,7 @@ use crate::output::pictures;
 use crate::output::render::Format;
 use crate::output::run::{PROFILE_RESOLUTION, RESTART};
 use crate::output::simulation::{SimulationCheckpoint, SimulationFolder, columns};
-use crate::output::store::{Checkpoint, Kind, Store, VERSION, damaged};
+use crate::output::store::{Checkpoint, FolderKind, Store, VERSION, damaged};
 use crate::output::waves::Waves;
 use crate::problem::{self, Any, Continuation, Problem, Start};
 use crate::simulation::course::{Course, NoCourse, Piece};
@@ -52,7 +52,7 @@ fn beginning(
     problem: &Problem,
     text: &str,
     section: &Simulation,
-) -> Result<(Model, Option<Profile>), Failure> {
+) -> Result<(Model, Option<Profile>), VerbFailure> {
     let model = problem.model;
     let (dir, label) = match &section.start {
         SimulationStart::SteadySliding => return Ok((model, None)),
@@ -86,7 +86,7 @@ fn beginning(
 }
 
 /// The wave that the branch of the problem begins with, at the same points as in the table of its profile.
-fn first_wave(task: &Task, problem: &Problem, text: &str) -> Result<(Model, Profile), Failure> {
+fn first_wave(task: &Task, problem: &Problem, text: &str) -> Result<(Model, Profile), VerbFailure> {
     let mut problem = problem.clone();
     problem.stability = None;
     // a wave in closed form is the beginning of any branch
@@ -119,12 +119,12 @@ fn remark(found: &Model, wanted: &Model) {
     }
 }
 
-pub(crate) fn simulate(arguments: &SimulateArguments) -> Result<Exit, Failure> {
+pub(crate) fn simulate(arguments: &SimulateArguments) -> Result<VerbExit, VerbFailure> {
     let (threads, task) = (&arguments.threads, &arguments.task);
     threads.install(cores(), cores(), || simulate_with(task))
 }
 
-fn simulate_with(task: &Task) -> Result<Exit, Failure> {
+fn simulate_with(task: &Task) -> Result<VerbExit, VerbFailure> {
     let (problem, text) = read_any(&task.problem)?;
     match problem {
         Any::Tube(problem) => simulate_tube(task, *problem, text),
@@ -132,7 +132,7 @@ fn simulate_with(task: &Task) -> Result<Exit, Failure> {
     }
 }
 
-fn simulate_tube(task: &Task, problem: Problem, text: String) -> Result<Exit, Failure> {
+fn simulate_tube(task: &Task, problem: Problem, text: String) -> Result<VerbExit, VerbFailure> {
     let name = task.name();
     let section = problem.simulation(&text, &name)?;
     let (model, wave) = beginning(task, &problem, &text, section)?;
@@ -143,12 +143,12 @@ fn simulate_tube(task: &Task, problem: Problem, text: String) -> Result<Exit, Fa
             let (path, help) = error.about();
             problem::refuse_at(&text, &name, path, error.to_string(), help).into()
         }
-        reason => Failure::from(Usage::Simulation {
+        reason => VerbFailure::from(Usage::Simulation {
             file: name.clone(),
             reason,
         }),
     })?;
-    let store = task.open(&out, Kind::Simulation, &problem)?;
+    let store = task.open(&out, FolderKind::Simulation, &problem)?;
     let mut folder = open(store, &problem, &mut course)?;
     interrupt::progress_is_kept();
     let bytes = disk_space(course.motion(), course.count(), section.snapshots);
@@ -194,7 +194,7 @@ fn simulate_tube(task: &Task, problem: Problem, text: String) -> Result<Exit, Fa
     let measures = course.measures();
     folder.table(MEASURES, &measures)?;
     let (mut eigenvalues, mut unresolved) = (Vec::new(), Vec::new());
-    let progress = Progress::new(task.quiet);
+    let progress = ProgressLine::new(task.quiet);
     let mut done = 0.0;
     for (perturbations, parameters, wave) in course.perturbations() {
         let found = perturbations.growth(parameters, wave, &mut |part| {
@@ -240,11 +240,15 @@ fn simulate_tube(task: &Task, problem: Problem, text: String) -> Result<Exit, Fa
         );
     }
     task.say(&titled(problem.title.as_deref(), &text), "results", &out)?;
-    Ok(Exit::Done)
+    Ok(VerbExit::Done)
 }
 
 /// The folder of a simulation that begins, or of one that goes on.
-fn open(store: Store, problem: &Problem, course: &mut Course) -> Result<SimulationFolder, Failure> {
+fn open(
+    store: Store,
+    problem: &Problem,
+    course: &mut Course,
+) -> Result<SimulationFolder, VerbFailure> {
     let points = course.motion().line().radial.len();
     let Some(saved) = SimulationFolder::interrupted(&store, problem)? else {
         let mut folder = SimulationFolder::create(store, problem, points)?;

@@ -1,7 +1,7 @@
 //! The curve of an event beyond a point at which another inequality fails.
 
 use super::event::{EventCurve, INTO, OWN, Stage};
-use super::plane::{Condition, FailureOf, MarginOf, Plane};
+use super::plane::{EventCondition, FailureOf, MarginOf, ParameterPlane};
 use super::system::EventSystem;
 use crate::continuation::Node;
 use crate::continuation::walk::{self, Beginning};
@@ -17,7 +17,7 @@ const AT_SECOND: f64 = 1e-8;
 /// Lengths of the first step tried into a candidate.
 const TRIES: usize = 8;
 
-impl<P: Plane> EventCurve<P> {
+impl<P: ParameterPlane> EventCurve<P> {
     /// The change of regime where another margin vanishes.
     pub(super) fn second(
         &self,
@@ -40,7 +40,7 @@ impl<P: Plane> EventCurve<P> {
         node: &Node,
         second: &MarginOf<P>,
     ) -> Option<Beginning<EventCurve<P>>> {
-        let Condition::Margin(first) = &self.system.condition else {
+        let EventCondition::Margin(first) = &self.system.condition else {
             return None;
         };
         let first_key = P::key(first);
@@ -93,7 +93,9 @@ impl<P: Plane> EventCurve<P> {
         vanish: &[MarginOf<P>],
     ) -> Option<(EventSystem<P>, Node, f64, Vec<(P::Watch, usize)>)> {
         let signature = candidate.orbit.signature().clone();
-        let system = self.system.of(signature, Condition::Margin(margin.clone()));
+        let system = self
+            .system
+            .of(signature, EventCondition::Margin(margin.clone()));
         let count = system.orbit_unknowns();
         let parameters = node.point.len() - 2;
         let point = Vector::from_fn(count + 2, |row, _| match row {
@@ -128,13 +130,13 @@ impl<P: Plane> EventCurve<P> {
 }
 
 /// Whether a margin is the duration of a zone, which says most about what comes next.
-fn is_duration<P: Plane>(margin: &MarginOf<P>) -> bool {
+fn is_duration<P: ParameterPlane>(margin: &MarginOf<P>) -> bool {
     P::Orbit::precedence(margin) == 0
 }
 
 /// Which of the margins that vanish at the beginning of a step vanish at its end too; `None` where that
 /// is not admissible.
-fn vanishing<P: Plane>(
+fn vanishing<P: ParameterPlane>(
     system: &EventSystem<P>,
     to: &Node,
     vanish: &[MarginOf<P>],

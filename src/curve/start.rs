@@ -2,19 +2,19 @@
 
 use std::fmt::Display;
 
-use super::equilibria::{CriticalEquilibrium, Equilibria};
-use super::orbits::{Critical, Orbits};
-use super::plane::{Condition, MarginOf, Plane};
+use super::equilibria::{CriticalEquilibrium, EquilibriaInPlane};
+use super::orbits::{MultiplierEvent, OrbitsInPlane};
+use super::plane::{EventCondition, MarginOf, ParameterPlane};
 use super::system::EventSystem;
-use super::tube::{Hopf, Tube};
-use super::{Limits, Singular};
+use super::tube::{BlochPair, WavesInPlane};
+use super::{CurveLimits, Singular};
 use crate::affine::equilibrium::EquilibriumCurve;
 use crate::affine::equilibrium::start::EquilibriumRequest;
 use crate::affine::monitor::Monitor;
 use crate::affine::orbit::AffineOrbit;
 use crate::affine::orbit::start::saved as posed;
 use crate::branch::SavedWave;
-use crate::branch::run::{Item, RunError, Runner};
+use crate::branch::run::{RunError, WaveItem, WaveRunner};
 use crate::continuation::newton;
 use crate::hybrid::{self, LabelledOrbit};
 use crate::linalg::{self, Vector};
@@ -39,7 +39,7 @@ const BEGINS: newton::Settings = newton::Settings {
 
 /// Why there is no curve.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum NoCurve<P: Plane = Tube> {
+pub enum NoCurve<P: ParameterPlane = WavesInPlane> {
     /// The branch does not begin.
     #[error("{0}")]
     Run(P::NoBranch),
@@ -106,7 +106,7 @@ pub enum NoCurve<P: Plane = Tube> {
     Singular(Singular<P>),
 }
 
-impl<P: Plane> From<Singular<P>> for NoCurve<P> {
+impl<P: ParameterPlane> From<Singular<P>> for NoCurve<P> {
     fn from(reason: Singular<P>) -> NoCurve<P> {
         NoCurve::Singular(reason)
     }
@@ -124,7 +124,7 @@ fn list(kinds: &[EventType]) -> String {
 
 /// An event ready to be followed.
 #[derive(Clone, Debug)]
-pub struct Start<P: Plane = Tube> {
+pub struct CurveStart<P: ParameterPlane = WavesInPlane> {
     /// Its type.
     pub event: EventType,
     /// Its equations.
@@ -132,7 +132,7 @@ pub struct Start<P: Plane = Tube> {
     /// Their solution on the branch.
     pub point: Vector,
     /// How far to follow.
-    pub limits: Limits,
+    pub limits: CurveLimits,
 }
 
 /// A scaled margin below this vanishes at a located event.
@@ -140,7 +140,7 @@ const VANISHED: f64 = 1e-9;
 
 /// Follows a branch to the event of this type and number, which `wanted` names. `watch` sees the branch after every
 /// step.
-pub(super) fn event<P: Plane, R: Run<Orbit = P::Orbit>>(
+pub(super) fn event<P: ParameterPlane, R: Run<Orbit = P::Orbit>>(
     mut branch: R,
     (kind, index): (Option<EventType>, usize),
     wanted: String,
@@ -148,7 +148,7 @@ pub(super) fn event<P: Plane, R: Run<Orbit = P::Orbit>>(
     watch: &mut dyn FnMut(&R),
 ) -> Result<R::Item, NoCurve<P>>
 where
-    crate::orbit::special::Failure<P::Orbit>: Display,
+    crate::orbit::special::BranchFailure<P::Orbit>: Display,
 {
     let mut found = 0;
     while branch.progress().end.is_none() {
@@ -167,7 +167,7 @@ where
         index,
         found,
         end: match &branch.progress().end {
-            Some(legs::End::Failed(reason)) => format!("; it ended before its range: {reason}"),
+            Some(legs::RunEnd::Failed(reason)) => format!("; it ended before its range: {reason}"),
             _ => String::new(),
         },
     })
@@ -182,9 +182,9 @@ where
 pub fn find(
     problem: &Problem,
     curve: &problem::Curve,
-    begin: impl FnOnce(&Problem) -> Result<Runner, RunError>,
-    watch: &mut dyn FnMut(&Runner),
-) -> Result<Start, NoCurve> {
+    begin: impl FnOnce(&Problem) -> Result<WaveRunner, RunError>,
+    watch: &mut dyn FnMut(&WaveRunner),
+) -> Result<CurveStart, NoCurve> {
     let mut plain = problem.clone();
     plain.output.profiles = 0;
     plain.output.conditioning = false;
@@ -202,8 +202,8 @@ pub fn find(
     if kind == Some(EventType::HB) {
         wanted.push_str(&format!(" of sector {}", curve.sector));
     }
-    let of = |item: &Item| item.point.kind;
-    let item = event::<Tube, Runner>(branch, (kind, curve.index), wanted, of, watch)?;
+    let of = |item: &WaveItem| item.point.kind;
+    let item = event::<WavesInPlane, WaveRunner>(branch, (kind, curve.index), wanted, of, watch)?;
     of_branch(&item, curve)
 }
 
@@ -214,9 +214,9 @@ pub fn find(
 pub fn find_of_system(
     problem: &SystemProblem,
     curve: &SystemCurve,
-    begin: impl FnOnce(&SystemProblem) -> Result<hybrid::Runner, hybrid::NoStart>,
-    watch: &mut dyn FnMut(&hybrid::Runner),
-) -> Result<Start<Orbits>, NoCurve<Orbits>> {
+    begin: impl FnOnce(&SystemProblem) -> Result<hybrid::OrbitRunner, hybrid::NoFirstPoint>,
+    watch: &mut dyn FnMut(&hybrid::OrbitRunner),
+) -> Result<CurveStart<OrbitsInPlane>, NoCurve<OrbitsInPlane>> {
     let item = found(problem, curve, begin, watch)?;
     let (orbit, point) = item.orbit();
     let kept = match &curve.event {
@@ -237,9 +237,9 @@ pub fn find_of_system(
 pub fn find_connection(
     problem: &SystemProblem,
     curve: &SystemCurve,
-    begin: impl FnOnce(&SystemProblem) -> Result<hybrid::Runner, hybrid::NoStart>,
-    watch: &mut dyn FnMut(&hybrid::Runner),
-) -> Result<Start<Equilibria>, NoCurve<Orbits>> {
+    begin: impl FnOnce(&SystemProblem) -> Result<hybrid::OrbitRunner, hybrid::NoFirstPoint>,
+    watch: &mut dyn FnMut(&hybrid::OrbitRunner),
+) -> Result<CurveStart<EquilibriaInPlane>, NoCurve<OrbitsInPlane>> {
     let item = found(problem, curve, begin, watch)?;
     let (orbit, point) = item.orbit();
     pose_connection(orbit, point, curve)
@@ -249,9 +249,9 @@ pub fn find_connection(
 fn found(
     problem: &SystemProblem,
     curve: &SystemCurve,
-    begin: impl FnOnce(&SystemProblem) -> Result<hybrid::Runner, hybrid::NoStart>,
-    watch: &mut dyn FnMut(&hybrid::Runner),
-) -> Result<hybrid::Item, NoCurve<Orbits>> {
+    begin: impl FnOnce(&SystemProblem) -> Result<hybrid::OrbitRunner, hybrid::NoFirstPoint>,
+    watch: &mut dyn FnMut(&hybrid::OrbitRunner),
+) -> Result<hybrid::OrbitItem, NoCurve<OrbitsInPlane>> {
     let mut plain = problem.clone();
     plain.output.profiles = 0;
     let kind = curve.event.kind();
@@ -266,14 +266,14 @@ fn found(
     if let Some(name) = kept {
         wanted.push_str(&format!(" of {name}"));
     }
-    let of = |item: &hybrid::Item| match (kept, &item.special) {
+    let of = |item: &hybrid::OrbitItem| match (kept, &item.special) {
         (None, _) => item.point.kind,
         (Some(name), Some(Special::Monitor(known, _))) if known == name => Some(EventType::UZ),
         // a value that nothing asks for is that of the first point
         (Some(name), Some(Special::Start)) if !asks_for(problem, name) => Some(EventType::UZ),
         _ => None,
     };
-    event::<Orbits, hybrid::Runner>(branch, (kind, curve.index), wanted, of, watch)
+    event::<OrbitsInPlane, hybrid::OrbitRunner>(branch, (kind, curve.index), wanted, of, watch)
 }
 
 /// Whether the branch of a problem asks for a value of a monitor.
@@ -287,13 +287,13 @@ fn asks_for(problem: &SystemProblem, name: &str) -> bool {
 }
 
 /// A monitor with the value that it keeps.
-struct Kept {
+struct FixedMonitor {
     monitor: Monitor,
     value: f64,
 }
 
 /// The monitor of this name with its value at a point of a branch: the one that was asked for, if any was.
-fn kept_at(item: &hybrid::Item, name: &str) -> Result<Kept, NoCurve<Orbits>> {
+fn kept_at(item: &hybrid::OrbitItem, name: &str) -> Result<FixedMonitor, NoCurve<OrbitsInPlane>> {
     let (orbit, _) = item.orbit();
     let mut monitors = orbit.setting.system.monitors().iter();
     let monitor = monitors.find(|one| one.name == name).cloned();
@@ -307,7 +307,7 @@ fn kept_at(item: &hybrid::Item, name: &str) -> Result<Kept, NoCurve<Orbits>> {
         }
     };
     let kept = monitor.zip(value);
-    let kept = kept.map(|(monitor, value)| Kept { monitor, value });
+    let kept = kept.map(|(monitor, value)| FixedMonitor { monitor, value });
     kept.ok_or(NoCurve::Singular(Singular::NoValue))
 }
 
@@ -320,9 +320,9 @@ pub fn labelled_of_system(
     saved: &LabelledOrbit,
     kind: EventType,
     curve: &SystemCurve,
-) -> Result<Start<Orbits>, NoCurve<Orbits>> {
+) -> Result<CurveStart<OrbitsInPlane>, NoCurve<OrbitsInPlane>> {
     let label = saved.label;
-    if !Orbits::FOLLOWED.contains(&kind) {
+    if !OrbitsInPlane::FOLLOWED.contains(&kind) {
         return Err(NoCurve::Kind { label, kind });
     }
     let (orbit, point) = posed_in_first(problem, saved, curve)?;
@@ -337,7 +337,7 @@ pub fn labelled_connection(
     problem: &SystemProblem,
     saved: &LabelledOrbit,
     curve: &SystemCurve,
-) -> Result<Start<Equilibria>, NoCurve<Orbits>> {
+) -> Result<CurveStart<EquilibriaInPlane>, NoCurve<OrbitsInPlane>> {
     let (orbit, point) = posed_in_first(problem, saved, curve)?;
     pose_connection(&orbit, &point, curve)
 }
@@ -347,12 +347,12 @@ fn posed_in_first(
     problem: &SystemProblem,
     saved: &LabelledOrbit,
     curve: &SystemCurve,
-) -> Result<(AffineOrbit, Vector), NoCurve<Orbits>> {
+) -> Result<(AffineOrbit, Vector), NoCurve<OrbitsInPlane>> {
     let first = &curve.parameters.0;
     let (low, high) = curve.range.0;
-    let none = |reason| NoCurve::Run(hybrid::NoStart::NoOrbit(reason));
+    let none = |reason| NoCurve::Run(hybrid::NoFirstPoint::NoOrbit(reason));
     let parameter = problem.system.source.parameters.index(first);
-    let parameter = parameter.ok_or(NoCurve::Run(hybrid::NoStart::Unknown))?;
+    let parameter = parameter.ok_or(NoCurve::Run(hybrid::NoFirstPoint::Unknown))?;
     let prescribed = problem.prescribed();
     let posed = posed(
         &problem.system,
@@ -369,14 +369,14 @@ fn pose_connection(
     orbit: &AffineOrbit,
     point: &Vector,
     section: &SystemCurve,
-) -> Result<Start<Equilibria>, NoCurve<Orbits>> {
-    let limits = Limits::of(section);
+) -> Result<CurveStart<EquilibriaInPlane>, NoCurve<OrbitsInPlane>> {
+    let limits = CurveLimits::of(section);
     let (connection, connected) = orbit.homoclinic(point).ok_or(NoCurve::NoConnection)?;
     let setting = &orbit.setting;
     let parameters = &setting.system.source.parameters;
     let (first, second) = &section.parameters;
     let pair = parameters.index(first).zip(parameters.index(second));
-    let (one, other) = pair.ok_or(NoCurve::Run(hybrid::NoStart::Unknown))?;
+    let (one, other) = pair.ok_or(NoCurve::Run(hybrid::NoFirstPoint::Unknown))?;
     let saddle = &connection.ends()[0];
     let values = setting.values_at(connected.value * setting.scales.parameter);
     let request = EquilibriumRequest {
@@ -388,14 +388,14 @@ fn pose_connection(
     };
     let none = |_| NoCurve::NoConnection;
     let (curve, at) = EquilibriumCurve::at(&request, &saddle.state).map_err(none)?;
-    let plane = Equilibria::new(&curve, &at, [one, other], limits.widths(), None);
+    let plane = EquilibriaInPlane::new(&curve, &at, [one, other], limits.widths(), None);
     let plane = plane.map_err(none)?;
     within(&plane, &limits)?;
     let posed = plane.orbit(curve.signature(), plane.values(), 0);
     let posed = posed.map_err(none)?;
     let point = posed.pack(&saddle.state, plane.values()[0]);
     let spectral = CriticalEquilibrium::Connection(Box::new(connection));
-    let condition = Condition::Spectral(spectral);
+    let condition = EventCondition::Spectral(spectral);
     let system = EventSystem::new(plane, curve.signature().clone(), condition);
     // what is asked of a branch at one value of the other parameter stays there
     let guess = system.pack(&point, &connected.turns);
@@ -405,7 +405,7 @@ fn pose_connection(
         value: guess[index],
     };
     let solved = newton::solve(&system, &mut kept, &guess, &BEGINS);
-    Ok(Start {
+    Ok(CurveStart {
         event: EventType::HC,
         point: solved.map_or(guess, |solution| solution.point),
         system,
@@ -417,20 +417,20 @@ fn pose_connection(
 fn pose_orbit(
     orbit: &AffineOrbit,
     point: &Vector,
-    (kind, kept): (EventType, Option<Kept>),
+    (kind, kept): (EventType, Option<FixedMonitor>),
     curve: &SystemCurve,
-) -> Result<Start<Orbits>, NoCurve<Orbits>> {
-    let limits = Limits::of(curve);
+) -> Result<CurveStart<OrbitsInPlane>, NoCurve<OrbitsInPlane>> {
+    let limits = CurveLimits::of(curve);
     let parameters = &orbit.setting.system.source.parameters;
     let index = |name: &String| parameters.index(name).unwrap_or(0);
     let pair = [index(&curve.parameters.0), index(&curve.parameters.1)];
-    let plane = Orbits::new(orbit, point, pair, limits.widths());
-    if let Some(Kept { monitor, value }) = kept {
+    let plane = OrbitsInPlane::new(orbit, point, pair, limits.widths());
+    if let Some(FixedMonitor { monitor, value }) = kept {
         within(&plane, &limits)?;
-        let constant = Condition::Constant(MonitorStop { monitor: 0, value });
+        let constant = EventCondition::Constant(MonitorStop { monitor: 0, value });
         let plane = plane.keeping(&monitor);
         let system = EventSystem::new(plane, orbit.signature().clone(), constant);
-        return Ok(Start {
+        return Ok(CurveStart {
             event: kind,
             point: system.pack(point, &[]),
             system,
@@ -444,9 +444,9 @@ fn pose_orbit(
             let square = twice.columns(0, twice.nrows()).clone_owned();
             let least = linalg::least(&square).ok_or(Singular::NoNullVector)?;
             let null = least.right.as_slice().to_vec();
-            Some((Critical::PeriodDoubling, null))
+            Some((MultiplierEvent::PeriodDoubling, null))
         }
-        EventType::NS => Some((Critical::Torus, Vec::new())),
+        EventType::NS => Some((MultiplierEvent::Torus, Vec::new())),
         EventType::BP => {
             let kept = orbit.symmetry(point).ok_or(NoCurve::NotSymmetric)?;
             for index in [0, 1] {
@@ -459,7 +459,7 @@ fn pose_orbit(
                     return Err(NoCurve::Unfolds { parameter });
                 }
             }
-            Some((Critical::Branching { kept }, Vec::new()))
+            Some((MultiplierEvent::Branching { kept }, Vec::new()))
         }
         _ => None,
     };
@@ -478,7 +478,7 @@ pub struct Labelled {
 }
 
 /// The event of a branch.
-fn of_branch(item: &Item, curve: &problem::Curve) -> Result<Start, NoCurve> {
+fn of_branch(item: &WaveItem, curve: &problem::Curve) -> Result<CurveStart, NoCurve> {
     let (wave, point) = item.wave();
     let event = item.event.as_ref();
     let labelled = Labelled {
@@ -499,8 +499,8 @@ pub fn labelled(
     saved: &SavedWave,
     event: Labelled,
     curve: &problem::Curve,
-) -> Result<Start, NoCurve> {
-    if !Tube::FOLLOWED.contains(&event.kind) {
+) -> Result<CurveStart, NoCurve> {
+    if !WavesInPlane::FOLLOWED.contains(&event.kind) {
         return Err(NoCurve::Kind {
             label: saved.label,
             kind: event.kind,
@@ -523,8 +523,8 @@ fn pose_wave(
     point: &Vector,
     event: Labelled,
     curve: &problem::Curve,
-) -> Result<Start, NoCurve> {
-    let limits = Limits::of(curve);
+) -> Result<CurveStart, NoCurve> {
+    let limits = CurveLimits::of(curve);
     let parameters = [curve.parameters.0, curve.parameters.1];
     let material = wave.material || parameters.contains(&Parameter::StiffnessDamping);
     let layered;
@@ -534,20 +534,23 @@ fn pose_wave(
     } else {
         (wave, point)
     };
-    let plane = Tube::new(wave, point, parameters, limits.widths());
+    let plane = WavesInPlane::new(wave, point, parameters, limits.widths());
     let spectral = (event.kind == EventType::HB).then(|| {
         let scaled = event.omega.unwrap_or(f64::NAN) / plane.frequency();
         let sector = event.sector;
-        (Hopf { sector }, vec![scaled])
+        (BlochPair { sector }, vec![scaled])
     });
     pose(plane, wave, point, (event.kind, spectral), limits)
 }
 
 /// What of the spectrum makes an event, and its further unknowns.
-pub(super) type OfSpectrum<P> = Option<(<P as Plane>::Spectral, Vec<f64>)>;
+pub(super) type OfSpectrum<P> = Option<(<P as ParameterPlane>::Spectral, Vec<f64>)>;
 
 /// Refuses an event outside the ranges.
-fn within<P: Plane, Q: Plane>(plane: &P, limits: &Limits) -> Result<(), NoCurve<Q>> {
+fn within<P: ParameterPlane, Q: ParameterPlane>(
+    plane: &P,
+    limits: &CurveLimits,
+) -> Result<(), NoCurve<Q>> {
     let named = plane.parameters().into_iter().zip(plane.values());
     for ((parameter, value), (low, high)) in named.zip(limits.ranges) {
         if !(value >= low && value <= high) {
@@ -563,22 +566,22 @@ fn within<P: Plane, Q: Plane>(plane: &P, limits: &Limits) -> Result<(), NoCurve<
 }
 
 /// The equations of an event.
-pub(super) fn pose<P: Plane>(
+pub(super) fn pose<P: ParameterPlane>(
     plane: P,
     orbit: &P::Orbit,
     point: &Vector,
     (event, spectral): (EventType, OfSpectrum<P>),
-    limits: Limits,
-) -> Result<Start<P>, NoCurve<P>> {
+    limits: CurveLimits,
+) -> Result<CurveStart<P>, NoCurve<P>> {
     within(&plane, &limits)?;
     let (condition, further) = match (event, spectral) {
-        (_, Some((spectral, further))) => (Condition::Spectral(spectral), further),
+        (_, Some((spectral, further))) => (EventCondition::Spectral(spectral), further),
         (EventType::LP, None) => {
             let (matrix, _) = newton::jacobian(orbit, point).map_err(Singular::flow)?;
             let count = matrix.nrows();
             let least = linalg::least(&matrix.columns(0, count).clone_owned())
                 .ok_or(Singular::NoNullVector)?;
-            (Condition::Fold, least.right.as_slice().to_vec())
+            (EventCondition::Fold, least.right.as_slice().to_vec())
         }
         _ => {
             let examination = orbit.examination(point).map_err(Singular::flow)?;
@@ -591,11 +594,11 @@ pub(super) fn pose<P: Plane>(
             // a zone without length says most, as on the branch
             margins.sort_by_key(P::Orbit::precedence);
             let margin = margins.first().cloned().ok_or(Singular::NoMargin)?;
-            (Condition::Margin(margin), Vec::new())
+            (EventCondition::Margin(margin), Vec::new())
         }
     };
     let system = EventSystem::new(plane, orbit.signature().clone(), condition);
-    Ok(Start {
+    Ok(CurveStart {
         event,
         point: system.pack(point, &further),
         system,

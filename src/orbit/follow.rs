@@ -9,11 +9,13 @@ use serde::{Deserialize, Serialize};
 
 use super::cascade::Cascade;
 use super::change::{self, Beyond, Both};
-use super::crossings::{Told, outside};
+use super::crossings::{OutsideCount, outside};
 use super::events;
-use super::located::{Event, Located};
+use super::located::{BranchEvent, LocatedEvent};
 use super::monitor::MonitorStop;
-use super::special::{Change, Close, Ending, Failure, NoFollower, Refusal, Special, Stop};
+use super::special::{
+    BranchFailure, BranchStop, Change, Close, Ending, NoFollower, OrbitRefusal, Special,
+};
 use super::switch::is_in_family;
 use super::{EventType, Examined, Orbit, find, retrace};
 use crate::continuation::arclength::NODES_BEFORE;
@@ -53,7 +55,7 @@ impl Limits {
 
 /// A point found, in order along the branch.
 #[derive(Clone, Debug)]
-pub struct Found<O: Orbit> {
+pub struct LocatedPoint<O: Orbit> {
     /// Boundary-value problem before the point.
     pub orbit: Arc<O>,
     /// Arclength from the beginning of the step.
@@ -74,15 +76,15 @@ pub struct Found<O: Orbit> {
     pub close: Option<Close<O::Held>>,
 }
 
-impl<O: Orbit> Found<O> {
+impl<O: Orbit> LocatedPoint<O> {
     /// A point without an event.
     pub(crate) fn new(
         orbit: &Arc<O>,
         s: f64,
         node: &Node,
         examination: &O::Examination,
-    ) -> Found<O> {
-        Found {
+    ) -> LocatedPoint<O> {
+        LocatedPoint {
             orbit: orbit.clone(),
             s,
             entered: None,
@@ -114,7 +116,7 @@ impl<O: Orbit> Found<O> {
 
 /// The state of a branch between two steps: all that its continuation depends on.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct State<S> {
+pub struct BranchState<S> {
     /// Signature.
     pub signature: S,
     /// Scaled unknowns.
@@ -140,7 +142,7 @@ pub struct State<S> {
     pub cascade: Cascade,
     /// Where the number of multipliers outside the unit circle was last told, if it is not at the point.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub told: Option<Told>,
+    pub told: Option<OutsideCount>,
 }
 
 fn is_zero(count: &usize) -> bool {
@@ -160,7 +162,7 @@ pub struct Track<O> {
     /// Changes of signature in a row that are alike.
     cascade: Cascade,
     /// Where the number of multipliers outside the unit circle was last told.
-    told: Option<Told>,
+    told: Option<OutsideCount>,
 }
 
 /// A branch being followed.
@@ -203,7 +205,7 @@ impl<O: Orbit> Walker<Track<O>> {
     /// When the state does not fit, or its inequalities cannot be evaluated.
     pub fn resume(
         orbit: &O,
-        state: State<O::Signature>,
+        state: BranchState<O::Signature>,
         limits: Limits,
     ) -> Result<Follower<O>, NoFollower<O>> {
         let of = |signature: &O::Signature, point: Vec<f64>, tangent: Vec<f64>| {
@@ -251,10 +253,10 @@ impl<O: Orbit> Walker<Track<O>> {
     }
 
     /// The state to resume from.
-    pub fn state(&self) -> State<O::Signature> {
+    pub fn state(&self) -> BranchState<O::Signature> {
         let list = |vector: &Vector| vector.iter().copied().collect::<Vec<f64>>();
         let (signature, first) = &self.origin;
-        State {
+        BranchState {
             signature: self.curve.orbit.signature().clone(),
             point: list(&self.node.point),
             tangent: list(&self.node.tangent),
@@ -280,10 +282,10 @@ impl<O: Orbit> Curve for Track<O> {
     type System = O;
     type Name = O::Signature;
     type Watched = O::Examination;
-    type Event = Located<O>;
-    type Found = Found<O>;
-    type Refusal = Refusal<O>;
-    type End = Stop<O>;
+    type Event = LocatedEvent<O>;
+    type Found = LocatedPoint<O>;
+    type Refusal = OrbitRefusal<O>;
+    type End = BranchStop<O>;
     type Close = Close<O::Held>;
 
     const CREEP: (usize, f64) = (40, 1e-5);
@@ -296,8 +298,14 @@ impl<O: Orbit> Curve for Track<O> {
         self.orbit.signature()
     }
 
-    fn watch(&self, node: &Node, _: Option<&O::Examination>) -> Result<O::Examination, Refusal<O>> {
-        self.orbit.examination(&node.point).map_err(Refusal::Flow)
+    fn watch(
+        &self,
+        node: &Node,
+        _: Option<&O::Examination>,
+    ) -> Result<O::Examination, OrbitRefusal<O>> {
+        self.orbit
+            .examination(&node.point)
+            .map_err(OrbitRefusal::Flow)
     }
 
     fn may_hide_a_pair(&self, step: &Segment<O::Examination>) -> bool {
@@ -307,13 +315,13 @@ impl<O: Orbit> Curve for Track<O> {
     fn within(
         &self,
         step: &Segment<O::Examination>,
-        located: &[(Place, Located<O>)],
+        located: &[(Place, LocatedEvent<O>)],
     ) -> Within<Close<O::Held>> {
         events::within(self.orbit.as_ref(), step, located)
     }
 
-    fn doubted(&self, found: Found<O>, close: Close<O::Held>) -> Found<O> {
-        Found {
+    fn doubted(&self, found: LocatedPoint<O>, close: Close<O::Held>) -> LocatedPoint<O> {
+        LocatedPoint {
             close: Some(close),
             ..found
         }
@@ -322,7 +330,7 @@ impl<O: Orbit> Curve for Track<O> {
     fn locate(
         &self,
         step: &Segment<O::Examination>,
-    ) -> Result<Vec<(Place, Located<O>)>, Refusal<O>> {
+    ) -> Result<Vec<(Place, LocatedEvent<O>)>, OrbitRefusal<O>> {
         events::located(
             self.orbit.as_ref(),
             self.limits.range,
@@ -336,18 +344,22 @@ impl<O: Orbit> Curve for Track<O> {
         &self,
         step: &Segment<O::Examination>,
         place: &Place,
-        together: &[Located<O>],
-    ) -> Result<Outcome<Track<O>>, Refusal<O>> {
-        let Located { event, uncertainty } = &together[0];
+        together: &[LocatedEvent<O>],
+    ) -> Result<Outcome<Track<O>>, OrbitRefusal<O>> {
+        let LocatedEvent { event, uncertainty } = &together[0];
         let orbit = self.orbit.as_ref();
-        if let Event::Shrinks(special, stop) = event {
+        if let BranchEvent::Shrinks(special, stop) = event {
             let examination = orbit.examination(&place.node.point);
-            let found = Found {
+            let found = LocatedPoint {
                 uncertainty: *uncertainty,
                 special: Some(Special::Own(special.clone())),
-                ..self.point(place.s, &place.node, &examination.map_err(Refusal::Flow)?)
+                ..self.point(
+                    place.s,
+                    &place.node,
+                    &examination.map_err(OrbitRefusal::Flow)?,
+                )
             };
-            let end = walk::End::Own(Stop::Own(stop.clone()));
+            let end = walk::End::Own(BranchStop::Own(stop.clone()));
             return Ok(Outcome::Ended(vec![found], end));
         }
         if let Some(ended) = self.vanished(step, place) {
@@ -355,13 +367,13 @@ impl<O: Orbit> Curve for Track<O> {
         }
         let mut examination = orbit.examination(&place.node.point);
         let sharper = match (&examination, event) {
-            (Ok(examination), Event::Change(_)) => self.at_once(step, place, examination),
+            (Ok(examination), BranchEvent::Change(_)) => self.at_once(step, place, examination),
             _ => None,
         };
         if let Some((place, _)) = &sharper {
             examination = orbit.examination(&place.node.point);
         }
-        let examination = examination.map_err(Refusal::Flow)?;
+        let examination = examination.map_err(OrbitRefusal::Flow)?;
         let (place, uncertainty) = sharper
             .as_ref()
             .map_or((place, uncertainty), |(place, uncertainty)| {
@@ -369,28 +381,28 @@ impl<O: Orbit> Curve for Track<O> {
             });
         // nothing may have failed before: another event would have come first
         if !events::holds(orbit, place, &examination) {
-            return Err(Refusal::Order);
+            return Err(OrbitRefusal::Order);
         }
-        let mut found = Found {
+        let mut found = LocatedPoint {
             uncertainty: *uncertainty,
             ..self.point(place.s, &place.node, &examination)
         };
         // an inequality that fails by no more than rounding
         let mut fails = examination.margins().iter();
         let fails = fails.find(|margin| O::value(margin) <= 0.0);
-        if !matches!(event, Event::Change(_)) {
+        if !matches!(event, BranchEvent::Change(_)) {
             found.close = fails.map(|margin| Close::Margin(orbit.held(margin)));
         }
         match event {
-            Event::Shrinks(..) => {}
-            Event::Fold => {
+            BranchEvent::Shrinks(..) => {}
+            BranchEvent::Fold => {
                 if let Some(ended) = self.repeated(&found) {
                     return Ok(ended);
                 }
                 found.special = Some(Special::Fold(orbit.parameter()));
                 found = self.moved(found, orbit.fold_near(&place.node));
             }
-            Event::Image(special, stop) => {
+            BranchEvent::Image(special, stop) => {
                 // the halves of an orbit traversed twice are images, too
                 if let Some(ended) = self.repeated(&found) {
                     return Ok(ended);
@@ -402,18 +414,18 @@ impl<O: Orbit> Curve for Track<O> {
                     found.uncertainty = REPEATS * found.parameter.abs().max(orbit.unit());
                 }
                 found.special = Some(Special::Own(special.clone()));
-                let end = walk::End::Own(Stop::Own(stop.clone()));
+                let end = walk::End::Own(BranchStop::Own(stop.clone()));
                 return Ok(Outcome::Ended(vec![self.moved(found, sharper)], end));
             }
-            Event::User(value) => {
+            BranchEvent::User(value) => {
                 found.parameter = *value;
                 found.special = Some(Special::User(orbit.parameter(), *value));
             }
-            Event::Monitor(MonitorStop { monitor, value }) => {
+            BranchEvent::Monitor(MonitorStop { monitor, value }) => {
                 let name = orbit.monitor_name(*monitor).to_owned();
                 found.special = Some(Special::Monitor(name, *value));
             }
-            Event::Edge(value) => {
+            BranchEvent::Edge(value) => {
                 found.parameter = *value;
                 found.special = Some(match orbit.edge(*value) {
                     Some(special) => Special::Own(special),
@@ -421,29 +433,29 @@ impl<O: Orbit> Curve for Track<O> {
                 });
                 return Ok(Outcome::Ended(vec![found], walk::End::Edge));
             }
-            Event::Crossing(test) => {
+            BranchEvent::Crossing(test) => {
                 if let Some(ended) = self.repeated(&found) {
                     return Ok(ended);
                 }
                 found.special = orbit.crossing(*test, &place.node).map(Special::Own);
             }
-            Event::Passing { outside, between } => {
+            BranchEvent::Passing { outside, between } => {
                 if let Some(ended) = self.repeated(&found) {
                     return Ok(ended);
                 }
                 let special = orbit.passing(&place.node, *outside, *between);
                 found.special = special.map(Special::Own);
             }
-            Event::Change(margin) => {
+            BranchEvent::Change(margin) => {
                 if let Some(stop) = orbit.barred(margin) {
-                    let end = walk::End::Own(Stop::Own(stop));
+                    let end = walk::End::Own(BranchStop::Own(stop));
                     found.special = Some(failed(&end));
                     return Ok(Outcome::Ended(vec![found], end));
                 }
                 // several margins may vanish at one event: the table is asked for each. At the stiff
                 // end rounding keeps their zeros apart, or one of them from being located
                 let seen = together.iter().filter_map(|located| match &located.event {
-                    Event::Change(margin) => Some(margin),
+                    BranchEvent::Change(margin) => Some(margin),
                     _ => None,
                 });
                 let vanished = examination.margins().iter().filter(|margin| {
@@ -471,7 +483,7 @@ impl<O: Orbit> Curve for Track<O> {
         &mut self,
         node: &mut Node,
         examination: &O::Examination,
-        passed: &[(Place, Located<O>)],
+        passed: &[(Place, LocatedEvent<O>)],
     ) {
         if node.tangent[node.tangent.len() - 1] * self.heading < 0.0 {
             self.heading = -self.heading;
@@ -479,40 +491,40 @@ impl<O: Orbit> Curve for Track<O> {
         let value = self.orbit.value_at(&node.point);
         let told = self.told.take();
         let kept = || told.filter(|_| passed.iter().all(|(_, one)| one.keeps_stability()));
-        self.told = Told::at(value, examination).or_else(kept);
+        self.told = OutsideCount::at(value, examination).or_else(kept);
     }
 
-    fn point(&self, s: f64, node: &Node, examination: &O::Examination) -> Found<O> {
-        Found::new(&self.orbit, s, node, examination)
+    fn point(&self, s: f64, node: &Node, examination: &O::Examination) -> LocatedPoint<O> {
+        LocatedPoint::new(&self.orbit, s, node, examination)
     }
 
-    fn closing(&self, s: f64, first: &Node, reached: Found<O>) -> Found<O> {
+    fn closing(&self, s: f64, first: &Node, reached: LocatedPoint<O>) -> LocatedPoint<O> {
         let examination = self.orbit.examination(&first.point);
         let examination = examination.unwrap_or(reached.examination);
-        Found {
+        LocatedPoint {
             special: Some(Special::Closed),
             ..self.point(s, first, &examination)
         }
     }
 
-    fn exhausted(&self, node: &Node) -> Option<Stop<O>> {
+    fn exhausted(&self, node: &Node) -> Option<BranchStop<O>> {
         let stop = self.orbit.exhausted(node, self.limits.range);
-        stop.map(Stop::Own)
+        stop.map(BranchStop::Own)
     }
 
-    fn ends_at(&self, node: &Node) -> Option<Stop<O>> {
+    fn ends_at(&self, node: &Node) -> Option<BranchStop<O>> {
         let repeats = self.orbit.repeats(node).map(|(_, stop)| stop);
         let stop = repeats.or_else(|| self.orbit.gives_out(node));
-        stop.map(Stop::Own)
+        stop.map(BranchStop::Own)
     }
 
-    fn last(&self, end: &Ending<O>, here: Found<O>) -> Option<Found<O>> {
+    fn last(&self, end: &Ending<O>, here: LocatedPoint<O>) -> Option<LocatedPoint<O>> {
         let own = match end {
-            walk::End::Own(Stop::Own(stop)) => Some(stop),
+            walk::End::Own(BranchStop::Own(stop)) => Some(stop),
             _ => None,
         };
         if let Some(limit) = own.and_then(|stop| self.orbit.limit(stop, &here.node)) {
-            return Some(Found {
+            return Some(LocatedPoint {
                 parameter: limit.parameter,
                 uncertainty: limit.uncertainty,
                 special: Some(Special::Own(limit.special)),
@@ -523,12 +535,12 @@ impl<O: Orbit> Curve for Track<O> {
         let unit = self.orbit.unit();
         let short = own.map_or(0.0, |stop| self.orbit.short_of(stop, &here.node));
         Some(match repeats {
-            Some((special, _)) => self.sharpened(Found {
+            Some((special, _)) => self.sharpened(LocatedPoint {
                 uncertainty: REPEATS * here.parameter.abs().max(unit),
                 special: Some(Special::Own(special)),
                 ..here
             }),
-            None => Found {
+            None => LocatedPoint {
                 uncertainty: here.uncertainty + short * unit,
                 special: Some(failed(end)),
                 ..here
@@ -538,7 +550,7 @@ impl<O: Orbit> Curve for Track<O> {
 }
 
 fn failed<O: Orbit>(end: &Ending<O>) -> Special<O> {
-    Special::Failed(Failure::Ended(Box::new(end.clone())))
+    Special::Failed(BranchFailure::Ended(Box::new(end.clone())))
 }
 
 /// Where a branch that comes to an orbit traversed several times finds no step any more, its parameter is off by
@@ -547,13 +559,13 @@ const REPEATS: f64 = 1e-6;
 
 impl<O: Orbit> Track<O> {
     /// The end of a branch where it would retrace itself: whatever test sees it there.
-    fn repeated(&self, found: &Found<O>) -> Option<Outcome<Track<O>>> {
+    fn repeated(&self, found: &LocatedPoint<O>) -> Option<Outcome<Track<O>>> {
         let (special, stop) = self.orbit.repeats(&found.node)?;
-        let found = self.sharpened(Found {
+        let found = self.sharpened(LocatedPoint {
             special: Some(Special::Own(special)),
             ..found.clone()
         });
-        let end = walk::End::Own(Stop::Own(stop));
+        let end = walk::End::Own(BranchStop::Own(stop));
         Some(Outcome::Ended(vec![found], end))
     }
 
@@ -572,11 +584,11 @@ impl<O: Orbit> Track<O> {
 
     /// An orbit traversed twice where the branch of the single one says that it doubles, and one that shrinks where it
     /// has no size: both are known much better.
-    fn sharpened(&self, found: Found<O>) -> Found<O> {
+    fn sharpened(&self, found: LocatedPoint<O>) -> LocatedPoint<O> {
         let orbit = self.orbit.as_ref();
         let tolerance = self.limits.steps.tolerance;
         if let Some((parameter, uncertainty)) = orbit.vanishes(&found.node) {
-            return Found {
+            return LocatedPoint {
                 parameter,
                 uncertainty,
                 ..found
@@ -588,7 +600,7 @@ impl<O: Orbit> Track<O> {
     }
 
     /// A point found at a better place, if there is one, known with this error.
-    fn moved(&self, found: Found<O>, better: Option<(Vector, f64)>) -> Found<O> {
+    fn moved(&self, found: LocatedPoint<O>, better: Option<(Vector, f64)>) -> LocatedPoint<O> {
         let orbit = self.orbit.as_ref();
         let Some((point, uncertainty)) = better else {
             return found;
@@ -596,7 +608,7 @@ impl<O: Orbit> Track<O> {
         let Ok(examination) = orbit.examination(&point) else {
             return found;
         };
-        Found {
+        LocatedPoint {
             parameter: orbit.value_at(&point),
             node: Node {
                 point,
@@ -636,7 +648,7 @@ impl<O: Orbit> Track<O> {
     /// A change of regime: the event, and the branch beyond it.
     fn change(
         &self,
-        mut found: Found<O>,
+        mut found: LocatedPoint<O>,
         margins: &[O::Margin],
         step: &Segment<O::Examination>,
     ) -> Outcome<Track<O>> {
@@ -705,7 +717,7 @@ impl<O: Orbit> Track<O> {
             if completes {
                 return Outcome::Ended(vec![found], end);
             }
-            let failure = Found {
+            let failure = LocatedPoint {
                 special: Some(failed(&end)),
                 ..found.clone()
             };
@@ -716,18 +728,18 @@ impl<O: Orbit> Track<O> {
             Err(error) => {
                 found.special = Some(Special::Change(Box::new(change)));
                 passed.push(found);
-                return Outcome::Ended(passed, walk::End::Own(Stop::Flow(error)));
+                return Outcome::Ended(passed, walk::End::Own(BranchStop::Flow(error)));
             }
         };
         // an orbit of a part of the period: only where this one is none already
         let repeats = orbit.repeats(&node);
         let already = self.orbit.repeats(&found.node).is_some();
         if let Some((_, stop)) = repeats.filter(|_| !already) {
-            change.end = Some(Stop::Own(stop.clone()));
+            change.end = Some(BranchStop::Own(stop.clone()));
             found.special = Some(Special::Change(Box::new(change)));
             found.entered = Some((Arc::new(orbit), node));
             passed.push(found);
-            return Outcome::Ended(passed, walk::End::Own(Stop::Own(stop)));
+            return Outcome::Ended(passed, walk::End::Own(BranchStop::Own(stop)));
         }
         let tolerance = step.steps.tolerance;
         let image = || {
@@ -735,10 +747,10 @@ impl<O: Orbit> Track<O> {
             retrace::at_change(here, &found.node, (&orbit, &node), ds, tolerance)
         };
         if let Some((_, stop)) = image() {
-            change.end = Some(Stop::Own(stop.clone()));
+            change.end = Some(BranchStop::Own(stop.clone()));
             found.special = Some(Special::Change(Box::new(change)));
             passed.push(found);
-            return Outcome::Ended(passed, walk::End::Own(Stop::Own(stop)));
+            return Outcome::Ended(passed, walk::End::Own(BranchStop::Own(stop)));
         }
         let mut cascade = self.cascade.clone();
         let more = orbit.unknowns().saturating_sub(self.orbit.unknowns());
@@ -746,7 +758,7 @@ impl<O: Orbit> Track<O> {
         let (low, high) = self.limits.range;
         let limit = cascade.limit();
         if let Some(limit) = limit.filter(|limit| low < limit.value && limit.value < high) {
-            let stop = Stop::Converges {
+            let stop = BranchStop::Converges {
                 kind: change.kind,
                 changes: limit.changes,
                 ratio: limit.ratio,
@@ -788,7 +800,7 @@ impl<O: Orbit> Track<O> {
     }
 
     /// The second of two changes at the place of the first, which leads to the orbit in between.
-    fn second(&self, first: &mut Found<O>, both: &Both<O>) -> Found<O> {
+    fn second(&self, first: &mut LocatedPoint<O>, both: &Both<O>) -> LocatedPoint<O> {
         let between = Arc::new(both.between.clone());
         let after = Some(between.signature().clone());
         let change = Change::new(self.orbit.as_ref(), after, both.first.clone());
@@ -797,9 +809,9 @@ impl<O: Orbit> Track<O> {
         let examination = between.examination(&both.node.point);
         let examination = examination.unwrap_or_else(|_| first.examination.clone());
         let drift = first.node.tangent[first.node.tangent.len() - 1].abs();
-        Found {
+        LocatedPoint {
             uncertainty: first.uncertainty + both.distance * drift * between.unit(),
-            ..Found::new(&between, first.s, &both.node, &examination)
+            ..LocatedPoint::new(&between, first.s, &both.node, &examination)
         }
     }
 }

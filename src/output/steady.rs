@@ -3,9 +3,9 @@
 use nalgebra::Complex;
 
 use super::layout::{self, STEADY};
-use super::origin::Origin;
+use super::origin::ProblemOrigin;
 use super::render::Format;
-use super::store::{Kind, Store, StoreError};
+use super::store::{FolderKind, Store, StoreError};
 use crate::affine::steady::{Isolation, Place};
 use crate::affine::system::{System, SystemError};
 use crate::problem::{Problem, SystemProblem};
@@ -16,9 +16,9 @@ use crate::table::{line_of, number};
 /// # Errors
 /// When a file cannot be written.
 pub(crate) fn write(store: &Store, problem: &Problem, table: &str) -> Result<(), StoreError> {
-    let pictures = layout::pictures(Kind::Steady, problem, Format::Svg);
-    store.begin(&[STEADY, Origin::<Problem>::FILE], pictures, None)?;
-    Origin::keep(store, problem)?;
+    let pictures = layout::pictures(FolderKind::Steady, problem, Format::Svg);
+    store.begin(&[STEADY, ProblemOrigin::<Problem>::FILE], pictures, None)?;
+    ProblemOrigin::keep(store, problem)?;
     store.replace(STEADY, table.as_bytes())
 }
 
@@ -31,9 +31,9 @@ pub(crate) fn write_equilibria(
     problem: &SystemProblem,
     table: &str,
 ) -> Result<(), StoreError> {
-    let names = [STEADY, Origin::<SystemProblem>::FILE];
+    let names = [STEADY, ProblemOrigin::<SystemProblem>::FILE];
     store.begin(&names, Vec::new(), None)?;
-    Origin::keep(store, problem)?;
+    ProblemOrigin::keep(store, problem)?;
     store.replace(STEADY, table.as_bytes())
 }
 

@@ -10,7 +10,7 @@ use crate::affine::flow::{Expansion, MOST_PIECES, ModeFlow, Piece};
 use crate::affine::mode::{Guard, Row};
 use crate::linalg::{Vector, product};
 use crate::orbit::located::AT_ZERO;
-use crate::orbit::sign::Verdict;
+use crate::orbit::sign::SignVerdict;
 use crate::orbit::{Examined, Growth};
 
 /// What an examination found.
@@ -19,7 +19,7 @@ pub struct Examination {
     /// All margins, in the order of the zones.
     pub margins: Vec<Margin>,
     /// Whether every inequality holds everywhere.
-    pub verdict: Verdict,
+    pub verdict: SignVerdict,
     /// Least and largest value of every state.
     pub extremes: Vec<(f64, f64)>,
     /// ẋ at the first entry, in units of the states.
@@ -39,7 +39,7 @@ impl Examined for Examination {
         &self.margins
     }
 
-    fn verdict(&self) -> Verdict {
+    fn verdict(&self) -> SignVerdict {
         self.verdict
     }
 
@@ -263,7 +263,7 @@ impl OrbitAt<'_> {
         let parts = self.all_parts()?;
         let mut examination = Examination {
             margins: Vec::new(),
-            verdict: Verdict::Positive,
+            verdict: SignVerdict::Positive,
             extremes: self.extremes_of_ends(&passages, &parts),
             rate: self.first_rate(&passages[0]),
             tests: Vec::new(),
@@ -325,18 +325,18 @@ impl OrbitAt<'_> {
             extremes,
             ..
         } = examination;
-        let mut judge = |one: Verdict| *verdict = verdict.and(one);
+        let mut judge = |one: SignVerdict| *verdict = verdict.and(one);
         let first = margins.len();
         for watch in self.edges(zone) {
             let Some(margin) = self.edge(watch, zone, passage) else {
-                judge(Verdict::Negative);
+                judge(SignVerdict::Negative);
                 continue;
             };
             let positive = margin.value > 0.0;
             judge(if positive {
-                Verdict::Positive
+                SignVerdict::Positive
             } else {
-                Verdict::Negative
+                SignVerdict::Negative
             });
             margins.push(margin);
         }

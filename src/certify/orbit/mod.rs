@@ -33,21 +33,21 @@ mod zeros;
 
 use serde::{Deserialize, Serialize};
 
-pub use beyond::Seen;
-pub use open::{NotBeyond, Open, Unproven};
+pub use beyond::SequenceOrbit;
+pub use open::{OpenOrbit, OrbitNotBeyond, UnprovenOrbit};
 #[cfg(feature = "cli")]
-pub(crate) use requested::Requested;
-pub use system::{Condition, Near, Posed};
+pub(crate) use requested::RequestedOrbits;
+pub use system::{NearOrbit, OrbitCondition, PosedOrbit};
 
 use super::arc::{Broken, Moving};
-use super::certificate::{Point, Provable, Refused, Tally, begin_alike};
+use super::certificate::{CertifiedPoint, GrowthTally, Provable, RefusedProof, begin_alike};
 use super::{krawczyk, wider};
 use crate::affine::orbit::candidates::candidates;
 use crate::affine::orbit::{
     AffineOrbit, Critical, Margin, Scales, Sequence, Watch, Zone, ZonePoint,
 };
 use crate::affine::system::System;
-use crate::hybrid::Item;
+use crate::hybrid::OrbitItem;
 use crate::interval::{Decimal, Interval, Number, PI};
 use crate::linalg::Vector;
 use crate::orbit::special::{Change, Special};
@@ -77,7 +77,7 @@ pub struct Changed {
 /// What is proven of a point.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Statement {
+pub struct OrbitStatement {
     /// The continuation parameter lies in here.
     pub parameter: Interval,
     /// The period.
@@ -98,41 +98,44 @@ pub struct Statement {
 /// A statement, and what it takes to check it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Proof {
+pub struct OrbitProof {
     /// The system and its equations.
-    pub posed: Posed,
+    pub posed: PosedOrbit,
     /// What singles out the point.
-    pub condition: Condition,
+    pub condition: OrbitCondition,
     /// The change of the sequence, at one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub changed: Option<Changed>,
     /// The orbit in the sequences before and beyond a change, where it is proven in another.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub seen: Vec<Seen>,
+    pub seen: Vec<SequenceOrbit>,
     /// The orbit in doubles.
-    pub near: Near,
+    pub near: NearOrbit,
     /// What is proven.
-    pub statement: Statement,
+    pub statement: OrbitStatement,
 }
 
-impl Provable for Proof {
+impl Provable for OrbitProof {
     type Parameter = String;
-    type Unproven = Unproven;
-    type Beyond = NotBeyond;
+    type Unproven = UnprovenOrbit;
+    type Beyond = OrbitNotBeyond;
 
-    fn arc(from: &Proof, to: &Proof) -> Result<(), Broken<Unproven, NotBeyond>> {
+    fn arc(
+        from: &OrbitProof,
+        to: &OrbitProof,
+    ) -> Result<(), Broken<UnprovenOrbit, OrbitNotBeyond>> {
         arc::prove(from, to)
     }
 
-    fn is_event_of(&self, other: &Proof) -> bool {
+    fn is_event_of(&self, other: &OrbitProof) -> bool {
         let meet = |a: Interval, b: Interval| !a.intersection(b).is_empty();
         let (first, second) = (&self.statement, &other.statement);
         let angles = match (first.angle, second.angle) {
             (Some(a), Some(b)) => meet(a, b),
             _ => true,
         };
-        let is_value = |proof: &Proof| matches!(proof.condition, Condition::Value(_));
-        let entries = |proof: &Proof| -> Vec<Vec<f64>> {
+        let is_value = |proof: &OrbitProof| matches!(proof.condition, OrbitCondition::Value(_));
+        let entries = |proof: &OrbitProof| -> Vec<Vec<f64>> {
             let zones = proof.near.zones.iter();
             let entry = |zone: &ZonePoint| {
                 let states = zone.state.iter().copied();
@@ -148,19 +151,21 @@ impl Provable for Proof {
             && begin_alike(&entries(self), &entries(other))
     }
 
-    fn tally(point: &Point<Proof>) -> Tally {
+    fn tally(point: &CertifiedPoint<OrbitProof>) -> GrowthTally {
         let Some(proof) = point.proof() else {
-            return Tally::Unknown;
+            return GrowthTally::Unknown;
         };
         match (&proof.condition, proof.statement.outside) {
-            (Condition::Value(_), Some(growing)) => Tally::Known {
+            (OrbitCondition::Value(_), Some(growing)) => GrowthTally::Known {
                 growing,
                 neutral: 0,
             },
-            (Condition::Value(_), None) => Tally::Passes(0),
-            (Condition::Fold | Condition::Doubling | Condition::Branching, _) => Tally::Passes(1),
-            (Condition::Torus { .. }, _) => Tally::Passes(2),
-            (Condition::Margin { .. }, _) => Tally::Unknown,
+            (OrbitCondition::Value(_), None) => GrowthTally::Passes(0),
+            (OrbitCondition::Fold | OrbitCondition::Doubling | OrbitCondition::Branching, _) => {
+                GrowthTally::Passes(1)
+            }
+            (OrbitCondition::Torus { .. }, _) => GrowthTally::Passes(2),
+            (OrbitCondition::Margin { .. }, _) => GrowthTally::Unknown,
         }
     }
 
@@ -173,7 +178,7 @@ impl Provable for Proof {
     }
 }
 
-impl Proof {
+impl OrbitProof {
     /// The type of a change of the sequence by what vanishes there.
     fn change(&self) -> Option<EventType> {
         let (system, _) = OrbitSystem::new(&self.posed, &self.near, &self.condition).ok()?;
@@ -183,13 +188,13 @@ impl Proof {
 
 /// Proves a special point of a branch; `None` for points without an event, and for failures. `text` is that of the
 /// problem file, whose decimals are taken as they are written.
-pub fn certify(item: &Item, text: &str) -> Option<Point<Proof>> {
+pub fn certify(item: &OrbitItem, text: &str) -> Option<CertifiedPoint<OrbitProof>> {
     let (event, special) = (item.event.as_ref()?, item.special.as_ref()?);
     if event.kind == EventType::MX {
         return None;
     }
     let (orbit, _) = item.orbit();
-    Some(Point {
+    Some(CertifiedPoint {
         label: event.label,
         kind: event.kind,
         parameter: orbit.parameter(),
@@ -200,16 +205,20 @@ pub fn certify(item: &Item, text: &str) -> Option<Point<Proof>> {
     })
 }
 
-fn prepared(item: &Item, special: &Special<AffineOrbit>, text: &str) -> Result<Proof, Open> {
+fn prepared(
+    item: &OrbitItem,
+    special: &Special<AffineOrbit>,
+    text: &str,
+) -> Result<OrbitProof, OpenOrbit> {
     let (orbit, point) = item.orbit();
     let setting = &orbit.setting;
     if setting.prescribed.is_some() {
-        return Err(Open::Prescribed);
+        return Err(OpenOrbit::Prescribed);
     }
     let at = setting.parameter;
     let names = setting.system.source.parameters.names();
     let values = names.zip(setting.values.iter().copied());
-    let mut posed = Posed {
+    let mut posed = PosedOrbit {
         // monitors are no part of what is proven
         system: Some(setting.system.clone().with_monitors(Vec::new())),
         values: decimals(values, text),
@@ -225,44 +234,46 @@ fn prepared(item: &Item, special: &Special<AffineOrbit>, text: &str) -> Result<P
     let mut near = near(orbit, point)?;
     let condition = match special {
         Special::User(..) | Special::Edge(..) => {
-            Condition::Value(decimal_of(text, "continuation", value))
+            OrbitCondition::Value(decimal_of(text, "continuation", value))
         }
-        Special::Monitor(..) => return Err(Open::Monitor),
+        Special::Monitor(..) => return Err(OpenOrbit::Monitor),
         Special::Start | Special::Closed => {
             let name = orbit.parameter();
-            Condition::Value(decimal_of(
+            OrbitCondition::Value(decimal_of(
                 text,
                 &format!("system.parameters.{name}"),
                 value,
             ))
         }
-        Special::Fold(_) => Condition::Fold,
+        Special::Fold(_) => OrbitCondition::Fold,
         Special::Own(Critical::PeriodDoubling) => {
             // an orbit that is traversed several times is one of a part of its period
             let times = orbit.traversals(point).max(1);
             near.sequence.0.truncate(near.zones.len() / times);
             near.zones.truncate(near.zones.len() / times);
             posed.periods /= u32::try_from(times).unwrap_or(1);
-            Condition::Doubling
+            OrbitCondition::Doubling
         }
-        Special::Own(Critical::Torus { angle }) => Condition::Torus { angle: *angle },
-        Special::Own(Critical::Branching) => Condition::Branching,
-        Special::Own(Critical::Shrinking | Critical::Vanishing) => return Err(Open::Shrinking),
+        Special::Own(Critical::Torus { angle }) => OrbitCondition::Torus { angle: *angle },
+        Special::Own(Critical::Branching) => OrbitCondition::Branching,
+        Special::Own(Critical::Shrinking | Critical::Vanishing) => {
+            return Err(OpenOrbit::Shrinking);
+        }
         Special::Own(
             Critical::Homoclinic { .. }
             | Critical::SaddleNode { .. }
             | Critical::RestOnBoundary { .. },
         ) => {
-            return Err(Open::Homoclinic);
+            return Err(OpenOrbit::Homoclinic);
         }
         Special::Own(
             Critical::Doublings { .. }
             | Critical::Branchings { .. }
             | Critical::Several { .. }
             | Critical::Unlocated { .. },
-        ) => return Err(Open::Several),
+        ) => return Err(OpenOrbit::Several),
         Special::Change(change) => return changed(posed, orbit, point, change),
-        Special::Failed(_) => return Err(Open::Sequence),
+        Special::Failed(_) => return Err(OpenOrbit::Sequence),
     };
     prove(posed, near, condition)
 }
@@ -280,9 +291,9 @@ pub(super) fn decimals<'a>(
     parameters.map(written).collect()
 }
 
-fn near(orbit: &AffineOrbit, point: &Vector) -> Result<Near, Open> {
-    let at = orbit.at(point).map_err(|_| Open::NotEnclosed)?;
-    Ok(Near {
+fn near(orbit: &AffineOrbit, point: &Vector) -> Result<NearOrbit, OpenOrbit> {
+    let at = orbit.at(point).map_err(|_| OpenOrbit::NotEnclosed)?;
+    Ok(NearOrbit {
         sequence: orbit.sequence.clone(),
         zones: at.zones,
         parameter: orbit.parameter_at(point),
@@ -292,11 +303,11 @@ fn near(orbit: &AffineOrbit, point: &Vector) -> Result<Near, Open> {
 /// Proves a change of the sequence: in the sequence before or, where a zone of that has no duration, in one without
 /// it, where another margin vanishes. At a graze several do, all for one reason: they are tried in turn.
 fn changed(
-    posed: Posed,
+    posed: PosedOrbit,
     orbit: &AffineOrbit,
     point: &Vector,
     change: &Change<AffineOrbit>,
-) -> Result<Proof, Open> {
+) -> Result<OrbitProof, OpenOrbit> {
     let (before, after) = (&change.before, &change.after);
     // where several things happen at once, what was entered before has no duration yet
     let tiny = VANISHES * orbit.setting.scales.time;
@@ -314,7 +325,7 @@ fn changed(
             zone,
             ..change.margin.clone()
         };
-        let found = candidates(orbit, point, &margin).map_err(|_| Open::Duration)?;
+        let found = candidates(orbit, point, &margin).map_err(|_| OpenOrbit::Duration)?;
         list = found
             .into_iter()
             .filter(|candidate| candidate.nascent.is_empty())
@@ -348,7 +359,7 @@ fn changed(
             let near = near(&orbit, &point)?;
             match prove(posed.clone(), near, vanishing.into()) {
                 Ok(proof) if proof.change() != Some(change.kind) => {
-                    reason = reason.or(Some(Open::Kind));
+                    reason = reason.or(Some(OpenOrbit::Kind));
                 }
                 Ok(proof) => return Ok(completed(proof, branch, change)),
                 Err(other) => reason = reason.or(Some(other)),
@@ -358,7 +369,7 @@ fn changed(
     // two contacts that change their order have a zone between them on both sides, and no sequence without one
     if let Some(zone) = closed {
         let (orbit, point) = branch;
-        match prove(posed, near(orbit, point)?, Condition::closed(zone)) {
+        match prove(posed, near(orbit, point)?, OrbitCondition::closed(zone)) {
             Ok(proof) if proof.change() == Some(change.kind) => {
                 return Ok(completed(proof, branch, change));
             }
@@ -366,23 +377,25 @@ fn changed(
             Err(other) => reason = reason.or(Some(other)),
         }
     }
-    Err(reason.unwrap_or(Open::Duration))
+    Err(reason.unwrap_or(OpenOrbit::Duration))
 }
 
 /// A proof with the change of the sequence, and with the orbit in the sequences in which it is not proven itself: what is not
 /// proven there is not stated.
 fn completed(
-    mut proof: Proof,
+    mut proof: OrbitProof,
     (orbit, point): (&AffineOrbit, &Vector),
     change: &Change<AffineOrbit>,
-) -> Proof {
+) -> OrbitProof {
     let margin = &change.margin;
-    let own = Seen {
+    let own = SequenceOrbit {
         condition: proof.condition.clone(),
         near: proof.near.clone(),
     };
     let proven =
-        |sequence: &Sequence, list: &dyn Fn() -> Vec<Seen>| match own.near.sequence == *sequence {
+        |sequence: &Sequence, list: &dyn Fn() -> Vec<SequenceOrbit>| match own.near.sequence
+            == *sequence
+        {
             true => Some(own.clone()),
             false => {
                 let mut list = list().into_iter();
@@ -411,14 +424,18 @@ fn completed(
 ///
 /// # Errors
 /// It is not covered, or not proven.
-pub fn prove(posed: Posed, near: Near, condition: Condition) -> Result<Proof, Open> {
+pub fn prove(
+    posed: PosedOrbit,
+    near: NearOrbit,
+    condition: OrbitCondition,
+) -> Result<OrbitProof, OpenOrbit> {
     let (system, guess) = OrbitSystem::new(&posed, &near, &condition)?;
     let equations = |x: &[Interval]| system.evaluate(x);
-    let found = krawczyk::refined(&equations, &guess).ok_or(Open::NotEnclosed)?;
+    let found = krawczyk::refined(&equations, &guess).ok_or(OpenOrbit::NotEnclosed)?;
     let (near, condition) = system.near(&near, &found);
     // from what is stored, as a check does it
     let statement = statement(&posed, &near, &condition, None)?;
-    Ok(Proof {
+    Ok(OrbitProof {
         posed,
         condition,
         changed: None,
@@ -431,28 +448,28 @@ pub fn prove(posed: Posed, near: Near, condition: Condition) -> Result<Proof, Op
 /// What is proven of the point next to an orbit. The distance of uniqueness is looked for, or that of a stored
 /// statement, which is 0 where it does not hold.
 fn statement(
-    posed: &Posed,
-    near: &Near,
-    condition: &Condition,
+    posed: &PosedOrbit,
+    near: &NearOrbit,
+    condition: &OrbitCondition,
     stored: Option<f64>,
-) -> Result<Statement, Open> {
+) -> Result<OrbitStatement, OpenOrbit> {
     /// The orbit in doubles is known to this share of its units, or it is not that of the point.
     const KNOWN: f64 = 1e-7;
     let (mut system, middle) = OrbitSystem::new(posed, near, condition)?;
     let units = system.units(&middle);
     let equations = |x: &[Interval]| system.evaluate(x);
-    let zero = krawczyk::known(&equations, &middle, &units, KNOWN).ok_or(Open::NotIsolated)?;
+    let zero = krawczyk::known(&equations, &middle, &units, KNOWN).ok_or(OpenOrbit::NotIsolated)?;
     let parameter = system.parameter();
     let angle = match condition {
-        Condition::Torus { .. } => zero.at.last().copied(),
+        OrbitCondition::Torus { .. } => zero.at.last().copied(),
         _ => None,
     };
     // at 0 and π the equations of a pair are those of one multiplier, with any complex multiple of its vector
     if angle.is_some_and(|angle| !(angle.is_positive() && (PI - angle).is_positive())) {
-        return Err(Open::Angle);
+        return Err(OpenOrbit::Angle);
     }
     if !system.is_primitive(&zero.at) {
-        return Err(Open::Repeated);
+        return Err(OpenOrbit::Repeated);
     }
     let modes = system.enclosed(zero.at[parameter])?;
     let passings = system.passings(&modes, &zero.at);
@@ -461,7 +478,7 @@ fn statement(
         true => halved(&system, &zero.at),
         false => system
             .inequalities(&modes, &passings, &still, &system.closed)
-            .map_err(Open::from),
+            .map_err(OpenOrbit::from),
     };
     let inequalities = match checked {
         Ok(inequalities) => inequalities,
@@ -476,12 +493,12 @@ fn statement(
     let cycles = Interval::point(if system.half { 2.0 } else { 1.0 });
     let period = cycles * durations.fold(Interval::ZERO, |sum, duration| sum + duration);
     let monodromy = match condition {
-        Condition::Value(_) => system.monodromy(&modes, &passings, &zero.at),
+        OrbitCondition::Value(_) => system.monodromy(&modes, &passings, &zero.at),
         _ => None,
     };
-    Ok(Statement {
+    Ok(OrbitStatement {
         parameter: match condition {
-            Condition::Value(value) => value.interval(),
+            OrbitCondition::Value(value) => value.interval(),
             _ => wider(zero.at[parameter]),
         },
         period: wider(period),
@@ -493,14 +510,14 @@ fn statement(
 }
 
 /// Proves the inequalities of a symmetric orbit whose half is enclosed.
-fn halved(half: &OrbitSystem, x: &[Interval]) -> Result<usize, Open> {
-    let value = Condition::Value(Decimal::of(half.near.parameter));
+fn halved(half: &OrbitSystem, x: &[Interval]) -> Result<usize, OpenOrbit> {
+    let value = OrbitCondition::Value(Decimal::of(half.near.parameter));
     let layout = Layout {
         steps: half.steps.repeat(2),
         ..Layout::default()
     };
     let (system, _) = OrbitSystem::laid_out(half.posed, half.near, &value, &layout)?;
-    let whole = half.whole(x, &system).ok_or(Open::NotEnclosed)?;
+    let whole = half.whole(x, &system).ok_or(OpenOrbit::NotEnclosed)?;
     let modes = system.enclosed(whole[system.parameter()])?;
     let passings = system.passings(&modes, &whole);
     let still: Vec<Moving> = whole.iter().copied().map(Moving::constant).collect();
@@ -511,7 +528,7 @@ fn halved(half: &OrbitSystem, x: &[Interval]) -> Result<usize, Open> {
 ///
 /// # Errors
 /// The proof fails, or it proves something else.
-pub fn verify(point: &Point<Proof>, proof: &Proof) -> Result<(), Refused> {
+pub fn verify(point: &CertifiedPoint<OrbitProof>, proof: &OrbitProof) -> Result<(), RefusedProof> {
     proven_again(point, proof).map(|_| ())
 }
 
@@ -519,18 +536,21 @@ pub fn verify(point: &Point<Proof>, proof: &Proof) -> Result<(), Refused> {
 ///
 /// # Errors
 /// The proof fails, or it proves something else.
-pub(crate) fn proven_again(point: &Point<Proof>, proof: &Proof) -> Result<Proof, Refused> {
-    let Proof {
+pub(crate) fn proven_again(
+    point: &CertifiedPoint<OrbitProof>,
+    proof: &OrbitProof,
+) -> Result<OrbitProof, RefusedProof> {
+    let OrbitProof {
         posed,
         condition,
         near,
         statement: said,
         ..
     } = proof;
-    let open = |open: Open| Refused::NoProof(open.to_string());
+    let open = |open: OpenOrbit| RefusedProof::NoProof(open.to_string());
     let mut names = posed.system().map_err(open)?.source.parameters.names();
     if names.nth(posed.parameter) != Some(&point.parameter) {
-        return Err(Refused::Statement("the parameter"));
+        return Err(RefusedProof::Statement("the parameter"));
     }
     check_zones(proof)?;
     check_kind(proof, point.kind)?;
@@ -540,14 +560,14 @@ pub(crate) fn proven_again(point: &Point<Proof>, proof: &Proof) -> Result<Proof,
     match (said.angle, proven.angle) {
         (Some(said), Some(proven)) => super::compared("the angle", said, proven)?,
         (None, None) => {}
-        _ => return Err(Refused::Statement("the angle")),
+        _ => return Err(RefusedProof::Statement("the angle")),
     }
     super::compared_unique(said.unique, proven.unique)?;
     if said.inequalities != proven.inequalities {
-        return Err(Refused::Statement("the number of inequalities"));
+        return Err(RefusedProof::Statement("the number of inequalities"));
     }
     if said.outside.is_some() && said.outside != proven.outside {
-        return Err(Refused::Statement(
+        return Err(RefusedProof::Statement(
             "the number of multipliers outside the unit circle",
         ));
     }
@@ -561,8 +581,8 @@ pub(crate) fn proven_again(point: &Point<Proof>, proof: &Proof) -> Result<Proof,
 }
 
 /// Refuses zones that are no modes of the system, by their numbers and their names, or have labels that their switches do not give.
-fn check_zones(proof: &Proof) -> Result<(), Refused> {
-    let open = |open: Open| Refused::NoProof(open.to_string());
+fn check_zones(proof: &OrbitProof) -> Result<(), RefusedProof> {
+    let open = |open: OpenOrbit| RefusedProof::NoProof(open.to_string());
     let system = proof.posed.system().map_err(open)?;
     let seen = proof.seen.iter().map(|seen| &seen.near.sequence);
     let changed = proof.changed.iter();
@@ -572,7 +592,7 @@ fn check_zones(proof: &Proof) -> Result<(), Refused> {
         .chain(seen)
         .chain(changed);
     let zones: Vec<&Zone> = sequences.flat_map(|sequence| &sequence.0).collect();
-    let Posed {
+    let PosedOrbit {
         values,
         parameter,
         units,
@@ -590,20 +610,20 @@ fn check_zones(proof: &Proof) -> Result<(), Refused> {
     };
     match zones.into_iter().all(is_mode) {
         true => Ok(()),
-        false => Err(Refused::Statement("the name of a zone")),
+        false => Err(RefusedProof::Statement("the name of a zone")),
     }
 }
 
 /// Proves that the sequence changes from the one that is stated, by what is stated to vanish there, to the other, if there is one: in
 /// each of them the orbit of the event is proven.
-fn check_change(proof: &Proof, changed: &Changed) -> Result<(), Refused> {
+fn check_change(proof: &OrbitProof, changed: &Changed) -> Result<(), RefusedProof> {
     let Changed {
         watch,
         zone,
         before,
         after,
     } = changed;
-    let refused = || Refused::Statement("the change of the sequence");
+    let refused = || RefusedProof::Statement("the change of the sequence");
     let mut sides = [before].into_iter().chain(after);
     let is_none = |after: &Sequence| after.is_rotation_of(before);
     if !sides.clone().any(|one| *one == proof.near.sequence) || after.as_ref().is_some_and(is_none)
@@ -618,12 +638,12 @@ fn check_change(proof: &Proof, changed: &Changed) -> Result<(), Refused> {
             there.map(|seen| &seen.condition)
         }
     };
-    let vanishing = condition.and_then(Condition::watched);
+    let vanishing = condition.and_then(OrbitCondition::watched);
     if vanishing != Some((*watch, *zone)) {
         return Err(refused());
     }
     for seen in &proof.seen {
-        beyond::prove(proof, seen).map_err(|reason| Refused::NoProof(reason.to_string()))?;
+        beyond::prove(proof, seen).map_err(|reason| RefusedProof::NoProof(reason.to_string()))?;
     }
     let is_proven = |side: &Sequence| {
         let mut seen = proof.seen.iter();
@@ -636,35 +656,35 @@ fn check_change(proof: &Proof, changed: &Changed) -> Result<(), Refused> {
 }
 
 /// Whether the type of an event follows from what vanishes there.
-fn check_kind(proof: &Proof, said: EventType) -> Result<(), Refused> {
-    let Proof {
+fn check_kind(proof: &OrbitProof, said: EventType) -> Result<(), RefusedProof> {
+    let OrbitProof {
         posed,
         condition,
         changed,
         near,
         ..
     } = proof;
-    let open = |open: Open| Refused::NoProof(open.to_string());
+    let open = |open: OpenOrbit| RefusedProof::NoProof(open.to_string());
     if changed.is_none() && !proof.seen.is_empty() {
-        return Err(Refused::Statement("the change of the sequence"));
+        return Err(RefusedProof::Statement("the change of the sequence"));
     }
     let found = match (condition, changed.as_ref()) {
         // of a value the certificate does not say who asked for it
-        (Condition::Value(_), None) if said == EventType::EP => EventType::EP,
-        (Condition::Value(_), None) => EventType::UZ,
-        (Condition::Fold, None) => EventType::LP,
-        (Condition::Doubling, None) => EventType::PD,
-        (Condition::Branching, None) => EventType::BP,
-        (Condition::Torus { .. }, None) => EventType::NS,
-        (Condition::Margin { .. }, Some(changed)) => {
+        (OrbitCondition::Value(_), None) if said == EventType::EP => EventType::EP,
+        (OrbitCondition::Value(_), None) => EventType::UZ,
+        (OrbitCondition::Fold, None) => EventType::LP,
+        (OrbitCondition::Doubling, None) => EventType::PD,
+        (OrbitCondition::Branching, None) => EventType::BP,
+        (OrbitCondition::Torus { .. }, None) => EventType::NS,
+        (OrbitCondition::Margin { .. }, Some(changed)) => {
             check_change(proof, changed)?;
             let (system, _) = OrbitSystem::new(posed, near, condition).map_err(open)?;
-            system.change().ok_or_else(|| open(Open::Kind))?
+            system.change().ok_or_else(|| open(OpenOrbit::Kind))?
         }
-        _ => return Err(Refused::Statement("the change of the sequence")),
+        _ => return Err(RefusedProof::Statement("the change of the sequence")),
     };
     match found == said {
         true => Ok(()),
-        false => Err(Refused::Kind { said, found }),
+        false => Err(RefusedProof::Kind { said, found }),
     }
 }

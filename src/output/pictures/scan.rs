@@ -10,8 +10,8 @@ use super::view::View;
 use super::{Named, PlotError, put};
 use crate::output::layout::{SCAN, SCANNED, VIEW};
 use crate::output::render::{
-    Axis, BLACK, BLUE, Extent, Format, GREY, Key, Layer, Legend, Mark, Panel, Pen, Picture, Point,
-    Shape, VERMILLION, range,
+    Axis, BLACK, BLUE, Extent, Format, GREY, Key, Layer, Legend, Mark, MarkShape, Panel, Pen,
+    Picture, Point, VERMILLION, range,
 };
 use crate::output::store::{Store, StoreError, refused, unfinished};
 use crate::problem::{Scan, ScanValues, Section, SystemProblem};
@@ -102,8 +102,8 @@ pub(crate) fn picture(
             "down" => (VERMILLION, "from above"),
             _ => (BLACK, "each begun anew"),
         };
-        layers.push(Layer::Marks(points, Mark::new(Shape::Dot, DOT, colour)));
-        keys.push((Key::Mark(Mark::new(Shape::Disc, 2.5, colour)), words));
+        layers.push(Layer::Marks(points, Mark::new(MarkShape::Dot, DOT, colour)));
+        keys.push((Key::Mark(Mark::new(MarkShape::Disc, 2.5, colour)), words));
     }
     let mut legend = Legend::default().with("samples:", keys);
     let nothing = layers.is_empty();
@@ -156,7 +156,7 @@ fn exponents(scan: &Scan, table: &Table) -> Vec<Layer> {
         });
         let points = rows.filter(|(_, y)| y.is_finite()).collect();
         let colour = if number == 0 { BLACK } else { GREY };
-        Layer::Marks(points, Mark::new(Shape::Dot, EXPONENT_DOT, colour))
+        Layer::Marks(points, Mark::new(MarkShape::Dot, EXPONENT_DOT, colour))
     });
     let zero = Layer::Across(0.0, Pen::solid(GREY, 0.6));
     std::iter::once(zero).chain(marks).collect()

@@ -32,8 +32,8 @@ pub(crate) use admit::Existing;
 pub(crate) use checkpoint::Checkpoint;
 pub use error::{Offers, StoreError};
 pub(crate) use error::{READ, damaged, io_error, refused, resumable, unfinished};
-pub(crate) use file::{Growing, VERSION, bytes, decode, encode, hash, numbered, read, table};
-pub(crate) use manifest::{Kind, MANIFEST};
+pub(crate) use file::{GrowingFile, VERSION, bytes, decode, encode, hash, numbered, read, table};
+pub(crate) use manifest::{FolderKind, MANIFEST};
 
 use admit::admit;
 use file::{
@@ -68,7 +68,7 @@ impl Store {
     /// written by another process.
     pub(crate) fn open(
         path: &Path,
-        kind: Kind,
+        kind: FolderKind,
         problem: &impl Serialize,
         existing: Existing,
         inputs: &[PathBuf],
@@ -190,8 +190,8 @@ impl Store {
     }
 
     /// What the folder holds; none where another version has a word of its own for it.
-    pub(crate) fn kind(&self) -> Option<Kind> {
-        Kind::of(&self.header.kind)
+    pub(crate) fn kind(&self) -> Option<FolderKind> {
+        FolderKind::of(&self.header.kind)
     }
 
     /// Names of the files of the program, in alphabetical order.
@@ -424,16 +424,16 @@ impl Store {
     ///
     /// # Errors
     /// When something else has its name, or the system refuses.
-    pub(crate) fn create(&self, name: &str, head: &[u8]) -> Result<Growing, StoreError> {
-        Growing::create(self.place(name)?, head)
+    pub(crate) fn create(&self, name: &str, head: &[u8]) -> Result<GrowingFile, StoreError> {
+        GrowingFile::create(self.place(name)?, head)
     }
 
     /// A file of an earlier run, cut back to `length` bytes and open for more.
     ///
     /// # Errors
     /// When it is shorter, no file of the list, or the system refuses.
-    pub(crate) fn cut(&self, name: &str, length: usize) -> Result<Growing, StoreError> {
-        Growing::cut(self.unlinked(name)?, length)
+    pub(crate) fn cut(&self, name: &str, length: usize) -> Result<GrowingFile, StoreError> {
+        GrowingFile::cut(self.unlinked(name)?, length)
     }
 
     /// The first lines of a file of an earlier run, or all that are finished.
@@ -458,7 +458,7 @@ impl Store {
         name: &str,
         header: &str,
         kept: Option<usize>,
-    ) -> Result<Growing, StoreError> {
+    ) -> Result<GrowingFile, StoreError> {
         match kept {
             None => self.create(name, header.as_bytes()),
             Some(rows) => self.cut(name, self.lines(name, Some(rows + 1))?.len()),
@@ -582,7 +582,7 @@ mod tests {
     fn what_is_left_over_is_removed() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("out");
-        let open = |existing| Store::open(&path, Kind::Run, &1, existing, &[]).unwrap();
+        let open = |existing| Store::open(&path, FolderKind::Run, &1, existing, &[]).unwrap();
         let store = open(Existing::Refuse);
         store.begin(&["branch.ron"], Vec::new(), None).unwrap();
         store.replace("profiles/1.csv", b"1").unwrap();

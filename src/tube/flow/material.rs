@@ -30,7 +30,7 @@
 use crate::continuation::zero::{boundary, zero_by_slope};
 
 use super::contact::{ContactFlow, SHORT_TERMS, SHORT_ZONE};
-use super::jet::{DURATION, Dual, ENTRY_W, ENTRY_Y, EXCESS, Jet, LAYER, SOURCES};
+use super::jet::{DURATION, ENTRY_W, ENTRY_Y, EXCESS, Jet, LAYER, MultiDual, SOURCES};
 use super::{FlowError, Frame, Slide, Unsolved, ZoneEnd};
 
 /// Smallest positive root ρ of −d + mρ + s₁ρ² + hρ³ with d = βã ≥ 0 and h > 0: the reciprocal of the
@@ -111,7 +111,7 @@ pub struct MaterialFlow {
 
 /// V and its derivatives at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Motion {
+pub struct MaterialState {
     /// (Y, W) = (V − fgδ/h, V̇).
     pub state: [f64; 2],
     /// V̈, in units of RΩ².
@@ -166,13 +166,13 @@ impl MaterialFlow {
         let time = layer_time(d.value, m.value, s.value, h.value).unwrap_or(f64::NAN);
         let slope = m.value + time * (2.0 * s.value + time * (3.0 * h.value));
         let fixed = d - (m + (s + h * time) * time) * time;
-        let mut rho = Dual {
+        let mut rho = MultiDual {
             value: time,
             by: fixed.by.map(|by| by / slope),
         };
         let s_hat = s + rho * h;
         // term by term
-        let m_hat = Dual {
+        let m_hat = MultiDual {
             value: m.value + time * s_hat.value,
             by: std::array::from_fn(|i| m.by[i] + rho.by[i] * s_hat.value + time * s_hat.by[i]),
         };
@@ -190,7 +190,7 @@ impl MaterialFlow {
 
     /// ρ as a jet.
     fn rho_jet(&self) -> Jet {
-        Jet::lifted(Dual {
+        Jet::lifted(MultiDual {
             value: self.rho,
             by: self.rho_by,
         })
@@ -217,11 +217,11 @@ impl MaterialFlow {
     }
 
     /// The motion at a time t after the entry.
-    pub(crate) fn motion(&self, slide: &Slide, t: f64) -> Motion {
+    pub(crate) fn motion(&self, slide: &Slide, t: f64) -> MaterialState {
         let [y, w] = self.slow.state(self.slow_entry(slide), t);
         let [acceleration, jerk] = self.slow_rates([y, w]);
         let fast = slide.layer * decayed(ratio(slide.duration - t, self.rho));
-        Motion {
+        MaterialState {
             state: [y + self.rho * self.rho * fast, w + self.rho * fast],
             acceleration: acceleration + fast,
             jerk: if fast == 0.0 {
@@ -333,7 +333,7 @@ impl MaterialFlow {
             jerk
         } else {
             let (rho, by) = (self.rho, self.rho_by);
-            let inverse = Dual {
+            let inverse = MultiDual {
                 value: 1.0 / rho,
                 by: by.map(|by| -by / (rho * rho)),
             };

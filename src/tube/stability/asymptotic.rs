@@ -19,13 +19,13 @@
 
 use nalgebra::Complex;
 
-use super::perturbation::{Characteristic, Jump};
+use super::perturbation::{Characteristic, PerturbationJump};
 use crate::continuation::zero::boundary;
 use crate::tube::model::signature::Regime;
 
 /// One path: a e^{λ·advance} e^{−λT}.
 #[derive(Clone, Copy, Debug)]
-struct Path {
+struct EchoPath {
     branch: usize,
     factor: f64,
     advance: f64,
@@ -60,8 +60,8 @@ impl HighFrequency {
         let split = |slope: f64| [(slope - x[1]) / span, (x[0] - slope) / span];
         let period = characteristic.period;
         let mut determinant = (1.0, 2.0 * period);
-        let starts: Vec<Path> = (0..2)
-            .map(|branch| Path {
+        let starts: Vec<EchoPath> = (0..2)
+            .map(|branch| EchoPath {
                 branch,
                 factor: if characteristic.stick {
                     split(0.0)[branch]
@@ -71,7 +71,7 @@ impl HighFrequency {
                 advance: 0.0,
             })
             .collect();
-        let groups: Vec<Vec<Path>> = if characteristic.stick {
+        let groups: Vec<Vec<EchoPath>> = if characteristic.stick {
             vec![starts]
         } else {
             starts.into_iter().map(|path| vec![path]).collect()
@@ -106,7 +106,7 @@ impl HighFrequency {
                     determinant.0 *= ((y[0] + y[1]) * zone.duration).exp();
                     determinant.1 -= (x[0] + x[1]) * zone.duration;
                 }
-                if let Jump::Reversal(ratio) = zone.jump {
+                if let PerturbationJump::Reversal(ratio) = zone.jump {
                     paths = spread(&paths, |path| split(ratio * x[path.branch]));
                     paths = merge(&paths, false, period);
                     if start == 0 {
@@ -139,7 +139,7 @@ impl HighFrequency {
             unbounded: characteristic
                 .zones
                 .iter()
-                .any(|zone| matches!(zone.jump, Jump::StaticRelease(_))),
+                .any(|zone| matches!(zone.jump, PerturbationJump::StaticRelease(_))),
         }
     }
 
@@ -211,11 +211,11 @@ impl HighFrequency {
 }
 
 /// Paths that go on in both branches, with these parts of each.
-fn spread(paths: &[Path], parts: impl Fn(&Path) -> [f64; 2]) -> Vec<Path> {
+fn spread(paths: &[EchoPath], parts: impl Fn(&EchoPath) -> [f64; 2]) -> Vec<EchoPath> {
     let mut both = Vec::with_capacity(2 * paths.len());
     for path in paths {
         for (branch, part) in parts(path).into_iter().enumerate() {
-            both.push(Path {
+            both.push(EchoPath {
                 branch,
                 factor: path.factor * part,
                 advance: path.advance,
@@ -226,15 +226,15 @@ fn spread(paths: &[Path], parts: impl Fn(&Path) -> [f64; 2]) -> Vec<Path> {
 }
 
 /// Adds up paths of the same advance; of one branch, or of both where only η counts.
-fn merge(paths: &[Path], both: bool, period: f64) -> Vec<Path> {
-    let mut merged: Vec<Path> = Vec::new();
+fn merge(paths: &[EchoPath], both: bool, period: f64) -> Vec<EchoPath> {
+    let mut merged: Vec<EchoPath> = Vec::new();
     for path in paths {
         let branch = if both { 0 } else { path.branch };
         match merged.iter_mut().find(|known| {
             known.branch == branch && (known.advance - path.advance).abs() <= SAME_DELAY * period
         }) {
             Some(known) => known.factor += path.factor,
-            None => merged.push(Path { branch, ..*path }),
+            None => merged.push(EchoPath { branch, ..*path }),
         }
     }
     merged

@@ -23,7 +23,7 @@
 
 use nalgebra::{Matrix4, Vector4};
 
-use super::perturbation::{Characteristic, Perturbations, square_root};
+use super::perturbation::{Characteristic, PerturbationColumns, square_root};
 use super::{C64, ONE, ZERO};
 use crate::tube::flow::exponential::MatrixJet;
 
@@ -107,7 +107,13 @@ struct Residue {
 
 impl Characteristic {
     /// Carries `count` perturbations through the time s of a separation zone.
-    pub(super) fn separated(&self, lambda: C64, s: f64, state: &mut Perturbations, count: usize) {
+    pub(super) fn separated(
+        &self,
+        lambda: C64,
+        s: f64,
+        state: &mut PerturbationColumns,
+        count: usize,
+    ) {
         if s == 0.0 {
             return;
         }
@@ -151,7 +157,7 @@ impl Characteristic {
         lambda: C64,
         s: f64,
         reach: f64,
-        state: &mut Perturbations,
+        state: &mut PerturbationColumns,
         count: usize,
     ) {
         let mut terms = 4;
@@ -288,7 +294,7 @@ impl Characteristic {
         a: &Oscillator,
         b: &Oscillator,
         residues: &[Residue; 4],
-        state: &mut Perturbations,
+        state: &mut PerturbationColumns,
         count: usize,
     ) -> bool {
         let mut columns = [[ZERO; 4]; 2];
@@ -468,7 +474,7 @@ mod tests {
                         let lambda = C64::from_polar(size, angle);
                         let column =
                             Vector4::new(ZERO, C64::new(0.5, 0.2), ONE, C64::new(-1.0, 2.0));
-                        let mut state = Perturbations {
+                        let mut state = PerturbationColumns {
                             columns: [column; 2],
                             by: [Vector4::repeat(ZERO); 2],
                             exponent: 0.0,

@@ -15,9 +15,9 @@ use super::C64;
 use super::characteristic::Characteristic;
 use super::crossing::uncertainty;
 use super::spectrum::{
-    Eigenvalue, Request, Spectrum, beside_translation, margin, spectrum, symmetric,
+    Spectrum, SpectrumRequest, WaveEigenvalue, beside_translation, margin, spectrum, symmetric,
 };
-use super::verdict::Reason;
+use super::verdict::VerdictReason;
 use crate::continuation::Node;
 use crate::continuation::arclength::advance;
 use crate::continuation::locate::node_at;
@@ -27,7 +27,7 @@ use crate::tube::wave::Wave;
 
 /// Where an eigenvalue crosses the imaginary axis.
 #[derive(Clone, Debug)]
-pub struct Located {
+pub struct AxisCrossing {
     /// Arclength from the beginning of the step.
     pub s: f64,
     /// The solution there, with the tangent.
@@ -43,7 +43,7 @@ pub struct Located {
 }
 
 /// A crossing with the spectrum there.
-pub type Crossing = (Located, Spectrum);
+pub type Crossing = (AxisCrossing, Spectrum);
 
 /// What a step did to the spectrum.
 #[derive(Clone, Debug, Default)]
@@ -74,25 +74,25 @@ pub enum Remark {
 
 /// Growing eigenvalues of every sector within the window.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Growing {
+pub struct GrowingEigenvalues {
     /// (Bloch sector, growing eigenvalues in it).
     counts: Vec<(usize, usize)>,
     mode: u32,
 }
 
-impl Growing {
+impl GrowingEigenvalues {
     /// Those of a spectrum.
-    pub fn new(spectrum: &Spectrum) -> Growing {
+    pub fn new(spectrum: &Spectrum) -> GrowingEigenvalues {
         let sectors = spectrum.sectors.iter();
         let counts = sectors.map(|sector| (sector.sector, spectrum.unstable_in(sector)));
-        Growing {
+        GrowingEigenvalues {
             counts: counts.collect(),
             mode: spectrum.mode,
         }
     }
 
     /// Passes a crossing of the imaginary axis. A complex pair of a sector that is its own conjugate counts twice.
-    pub fn cross(&mut self, crossing: &Located) {
+    pub fn cross(&mut self, crossing: &AxisCrossing) {
         let pair = symmetric(crossing.sector, self.mode) && crossing.omega != 0.0;
         let members = if pair { 2 } else { 1 };
         let mut counts = self.counts.iter_mut();
@@ -106,10 +106,10 @@ impl Growing {
 
     /// What the located crossings leave unexplained in every sector at the next point: eigenvalues that pass the edge
     /// of the window, or, where `is_lost`, a crossing that was not located.
-    pub fn unexplained(&self, next: &Growing, is_lost: bool) -> Vec<Reason> {
+    pub fn unexplained(&self, next: &GrowingEigenvalues, is_lost: bool) -> Vec<VerdictReason> {
         let pairs = self.counts.iter().zip(&next.counts);
         let differ = pairs.filter(|(before, here)| before.1 != here.1);
-        let reasons = differ.map(|(&(sector, before), &(_, here))| Reason::Count {
+        let reasons = differ.map(|(&(sector, before), &(_, here))| VerdictReason::Count {
             sector,
             before,
             here,
@@ -121,7 +121,7 @@ impl Growing {
 
 /// A point that a step of the branch passes.
 #[derive(Clone, Copy, Debug)]
-pub struct Passed<'a> {
+pub struct PassedPoint<'a> {
     /// Arclength from the beginning of the step.
     pub s: f64,
     /// The boundary-value problem that it solves.
@@ -137,7 +137,7 @@ pub struct Passed<'a> {
 /// Follows the spectrum along a branch.
 #[derive(Clone, Debug)]
 pub struct Tracker {
-    request: Request,
+    request: SpectrumRequest,
     tolerance: f64,
     /// Spectrum at the point where the next step sets out.
     last: Option<Spectrum>,
@@ -200,7 +200,7 @@ const ROUNDING: f64 = 1e-14;
 
 /// One end of an interval.
 #[derive(Clone, Debug)]
-struct End {
+struct TrackEnd {
     s: f64,
     spectrum: Spectrum,
     /// Its wave, linearised; `None` where the step sets out, to which nothing is followed.
@@ -209,7 +209,7 @@ struct End {
 
 /// A pair of ends of one eigenvalue, whose real parts have different signs.
 #[derive(Clone, Copy, Debug)]
-struct Change {
+struct SignChange {
     sector: usize,
     from: C64,
     to: C64,
@@ -219,7 +219,7 @@ impl Tracker {
     /// A tracker that has seen nothing yet, or the spectrum `last`. `tolerance` is that of the waves,
     /// `allowance` the eigenvalues that may still be computed.
     pub fn new(
-        request: Request,
+        request: SpectrumRequest,
         last: Option<Spectrum>,
         tolerance: f64,
         allowance: usize,
@@ -279,9 +279,9 @@ impl Tracker {
     }
 
     /// The end of an interval at a node.
-    fn end(&self, wave: &Wave, s: f64, node: &Node, seeds: Option<&Spectrum>) -> Option<End> {
+    fn end(&self, wave: &Wave, s: f64, node: &Node, seeds: Option<&Spectrum>) -> Option<TrackEnd> {
         let (characteristic, spectrum) = self.linearised_near(wave, node, seeds)?;
-        Some(End {
+        Some(TrackEnd {
             s,
             spectrum,
             characteristic: Some(Arc::new(characteristic)),
@@ -312,14 +312,14 @@ impl Tracker {
     }
 
     /// The spectrum a little before a change of regime at an arclength from a node.
-    fn short_of(&self, wave: &Wave, from: &Node, s: f64) -> Option<End> {
+    fn short_of(&self, wave: &Wave, from: &Node, s: f64) -> Option<TrackEnd> {
         let s = (1.0 - BEYOND) * s;
         let node = node_at(wave, from, s, self.tolerance)?;
         self.end(wave, s, &node, self.last.as_ref())
     }
 
     /// The step from `from` through the points found.
-    pub fn step(&mut self, wave: &Wave, from: &Node, found: &[Passed]) -> Tracked {
+    pub fn step(&mut self, wave: &Wave, from: &Node, found: &[PassedPoint]) -> Tracked {
         let mut tracked = Tracked::default();
         // the last point bounds the interval, or a change of regime: folds and user points are inside
         let entered = found.iter().find(|point| point.entered.is_some());
@@ -336,13 +336,13 @@ impl Tracker {
             tracked.remark = Some(Remark::Lost);
         }
         if let (Some(before), Some(other), true) = (&self.last, &reached, end.s > 0.0) {
-            let one = End {
+            let one = TrackEnd {
                 s: 0.0,
                 spectrum: before.clone(),
                 characteristic: None,
             };
             let folds = found.iter().filter(|point| point.folds);
-            let mut search = Search {
+            let mut search = CrossingSearch {
                 tracker: self,
                 wave,
                 from,
@@ -389,13 +389,14 @@ impl Tracker {
         // a little way into the new signature
         self.last = self.beyond(wave, node, BEYOND * s.abs().max(1e-3));
         let (before, after) = (before.as_ref()?, self.last.as_ref()?);
-        let [before, after] = [before, after].map(|spectrum| Growing::new(spectrum).counts);
+        let [before, after] =
+            [before, after].map(|spectrum| GrowingEigenvalues::new(spectrum).counts);
         (before != after).then_some(Remark::Jump { before, after })
     }
 }
 
 /// The search for the crossings within one step.
-struct Search<'a> {
+struct CrossingSearch<'a> {
     tracker: &'a Tracker,
     wave: &'a Wave,
     /// Where the step sets out.
@@ -411,9 +412,9 @@ struct Search<'a> {
     crossings: Vec<Crossing>,
 }
 
-impl Search<'_> {
+impl CrossingSearch<'_> {
     /// Crossings between two ends of an interval.
-    fn between(&mut self, one: &End, other: &End, depth: u32) {
+    fn between(&mut self, one: &TrackEnd, other: &TrackEnd, depth: u32) {
         let left = |search: &Self| {
             search
                 .tracker
@@ -448,19 +449,25 @@ impl Search<'_> {
     }
 
     /// An end of an interval at an arclength; seeds of its spectrum are those of another end.
-    fn end_at(&self, s: f64, near: &End) -> Option<End> {
+    fn end_at(&self, s: f64, near: &TrackEnd) -> Option<TrackEnd> {
         let node = node_at(self.wave, self.from, s, self.tracker.tolerance)?;
         self.tracker.end(self.wave, s, &node, Some(&near.spectrum))
     }
 
     /// The crossings of these changes within the window, with their spectra; `None` if one is not located.
-    fn crossings(&self, one: &End, other: &End, changes: &[Change]) -> Option<Vec<Crossing>> {
+    fn crossings(
+        &self,
+        one: &TrackEnd,
+        other: &TrackEnd,
+        changes: &[SignChange],
+    ) -> Option<Vec<Crossing>> {
         // spectra only once all are located: one that fails has the interval halved
         let located = changes.iter().map(|change| self.locate(one, other, change));
-        let located: Vec<Located> = located.collect::<Option<_>>()?;
+        let located: Vec<AxisCrossing> = located.collect::<Option<_>>()?;
         let tracker = self.tracker;
-        let within = |crossing: &Located| crossing.omega.abs() <= tracker.request.max_frequency;
-        let with_spectrum = |located: Located| {
+        let within =
+            |crossing: &AxisCrossing| crossing.omega.abs() <= tracker.request.max_frequency;
+        let with_spectrum = |located: AxisCrossing| {
             let seeds = Some(&one.spectrum);
             let spectrum = tracker.spectrum_near(self.wave, &located.node, seeds)?;
             Some((located, spectrum))
@@ -474,7 +481,7 @@ impl Search<'_> {
 
     /// The eigenvalues that change the sign of their real part between two ends; `None` where
     /// following them does not account for the change of the count.
-    fn changes(&self, one: &End, other: &End) -> Option<Vec<Change>> {
+    fn changes(&self, one: &TrackEnd, other: &TrackEnd) -> Option<Vec<SignChange>> {
         let characteristic = other.characteristic.as_deref()?;
         let mut changes = Vec::new();
         let depth = (one.spectrum.left.max(other.spectrum.left)).max(-NEAR / characteristic.period);
@@ -486,12 +493,12 @@ impl Search<'_> {
         // by their signs alone: to count from any threshold would lose what crosses between it and the
         // axis; but rounding of what stays on the axis is no crossing
         let axis = one.spectrum.axis.max(other.spectrum.axis);
-        let crosses = |from: &Eigenvalue, to: &Eigenvalue| {
+        let crosses = |from: &WaveEigenvalue, to: &WaveEigenvalue| {
             (from.re > 0.0) != (to.re > 0.0) && from.re.abs().max(to.re.abs()) > axis
         };
         for (before, after) in one.spectrum.sectors.iter().zip(&other.spectrum.sectors) {
             let symmetric = one.spectrum.symmetric(before.sector);
-            let relevant = |eigenvalue: &&Eigenvalue| eigenvalue.re > depth;
+            let relevant = |eigenvalue: &&WaveEigenvalue| eigenvalue.re > depth;
             let mut taken = vec![false; after.eigenvalues.len()];
             let mut gone = Vec::new();
             for start in before.eigenvalues.iter().filter(relevant) {
@@ -513,7 +520,7 @@ impl Search<'_> {
                         // of a conjugate pair only the upper member is reported
                         let upper = !symmetric || start.im >= 0.0 || start.im.abs() < REAL * rate;
                         if crosses(start, end) && upper {
-                            changes.push(Change {
+                            changes.push(SignChange {
                                 sector: before.sector,
                                 from: start.value(),
                                 to: end.value(),
@@ -571,7 +578,12 @@ impl Search<'_> {
     }
 
     /// The zero of Re λ(s) between two ends.
-    fn locate(&self, one: &End, other: &End, change: &Change) -> Option<Located> {
+    fn locate(
+        &self,
+        one: &TrackEnd,
+        other: &TrackEnd,
+        change: &SignChange,
+    ) -> Option<AxisCrossing> {
         // places and eigenvalues on both sides
         let (mut low, mut high) = ((one.s, change.from), (other.s, change.to));
         let at = |s: f64| {
@@ -611,7 +623,7 @@ impl Search<'_> {
         let rounding = value.re.abs() + ROUNDING * size;
         let uncertainty = uncertainty(self.wave, &node.point, change.sector, value, rounding);
         let symmetric = one.spectrum.symmetric(change.sector);
-        Some(Located {
+        Some(AxisCrossing {
             s,
             uncertainty: uncertainty.unwrap_or(f64::NAN),
             node,

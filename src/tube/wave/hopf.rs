@@ -22,7 +22,7 @@ use crate::tube::flow::Slide;
 use crate::tube::model::signature::Signature;
 use crate::tube::model::{Model, Parameter};
 
-use super::{Scales, Wave};
+use super::{Wave, WaveScales};
 use crate::orbit::Candidate;
 
 /// Why there is no branch from a Hopf point.
@@ -168,7 +168,7 @@ pub fn family(
         parameter,
         mode,
         Signature::slip_alone(),
-        Scales::new(&model, mode, excess, 1.0, width),
+        WaveScales::new(&model, mode, excess, 1.0, width),
     );
     let period = std::f64::consts::TAU / frequency;
     let points = (0..count)

@@ -9,9 +9,9 @@
 
 use crate::linalg::Vector;
 use crate::tube::flow::{FlowError, Slide, SlidingFlow};
-use crate::tube::model::signature::{Entry, Regime, Signature, Zone, paths};
+use crate::tube::model::signature::{Regime, Signature, WaveZone, ZoneEntry, paths};
 
-use super::admissibility::{Margin, Watch};
+use super::admissibility::{RegimeInequality, RegimeMargin};
 use super::{Flows, Wave};
 use crate::orbit::Candidate;
 
@@ -22,14 +22,14 @@ const LONGEST_CHAIN: usize = 2;
 /// A zone of a cycle that may become a wave.
 #[derive(Clone, Copy)]
 struct CycleZone {
-    zone: Zone,
+    zone: WaveZone,
     slide: Slide,
     /// Whether it has no length yet.
     nascent: bool,
 }
 
 /// A wave cut open at one instant.
-struct Opened {
+struct CutWave {
     /// From just after the instant to just before it.
     zones: Vec<CycleZone>,
     /// (Y, W) at the instant.
@@ -44,7 +44,7 @@ struct Opened {
 pub fn candidates(
     wave: &Wave,
     point: &Vector,
-    margin: &Margin,
+    margin: &RegimeMargin,
 ) -> Result<Vec<Candidate<Wave>>, FlowError> {
     let Some(opened) = open(wave, point, margin)? else {
         return Ok(Vec::new());
@@ -99,7 +99,7 @@ pub fn candidates(
         }
         let inserted = chain.len() - 1;
         let entry = opened.instant;
-        let nascent = |zone: &Zone| {
+        let nascent = |zone: &WaveZone| {
             let [layer, radial] = nascent_layers(&flows, zone.regime, entry, opened.acceleration)?;
             Ok(CycleZone {
                 zone: *zone,
@@ -163,7 +163,7 @@ fn sectioned(wave: &Wave, flows: &Flows, mut zones: Vec<CycleZone>) -> Option<Ve
             nascent: false,
         }]);
     }
-    let section = |part: &CycleZone| part.zone.entry == Entry::Section;
+    let section = |part: &CycleZone| part.zone.entry == ZoneEntry::Section;
     if let Some(index) = zones.iter().position(section) {
         let before = (index + zones.len() - 1) % zones.len();
         if zones[before].zone.regime == zones[index].zone.regime {
@@ -191,7 +191,7 @@ fn from_beginning(mut zones: Vec<CycleZone>) -> Vec<CycleZone> {
 }
 
 /// Cuts a wave open where a margin is zero.
-fn open(wave: &Wave, point: &Vector, margin: &Margin) -> Result<Option<Opened>, FlowError> {
+fn open(wave: &Wave, point: &Vector, margin: &RegimeMargin) -> Result<Option<CutWave>, FlowError> {
     let zones = wave.signature.0.iter().zip(wave.unpack(point));
     let mut zones: Vec<CycleZone> = zones
         .map(|(&zone, slide)| CycleZone {
@@ -208,7 +208,7 @@ fn open(wave: &Wave, point: &Vector, margin: &Margin) -> Result<Option<Opened>, 
     let at_entry = |index: usize, mut zones: Vec<CycleZone>| {
         zones.rotate_left(index % count);
         let [_, acceleration] = at.entry_acceleration(index)?;
-        Ok::<_, FlowError>(Opened {
+        Ok::<_, FlowError>(CutWave {
             instant: zones[0].slide.entry,
             zones,
             acceleration: acceleration.value,
@@ -216,8 +216,8 @@ fn open(wave: &Wave, point: &Vector, margin: &Margin) -> Result<Option<Opened>, 
         })
     };
     Ok(Some(match margin.watch {
-        Watch::Coupling => return Ok(None),
-        Watch::Duration => {
+        RegimeInequality::Coupling => return Ok(None),
+        RegimeInequality::Duration => {
             if count < 2 {
                 return Ok(None);
             }
@@ -225,7 +225,7 @@ fn open(wave: &Wave, point: &Vector, margin: &Margin) -> Result<Option<Opened>, 
             opened.zones.remove(0);
             opened
         }
-        Watch::Pressure | Watch::Rate | Watch::Gap => {
+        RegimeInequality::Pressure | RegimeInequality::Rate | RegimeInequality::Gap => {
             // split: the second part keeps the regime, the first keeps the entry
             let zone = zones[index].zone;
             let slide = at.slide(index);
@@ -261,18 +261,20 @@ fn open(wave: &Wave, point: &Vector, margin: &Margin) -> Result<Option<Opened>, 
                 nascent: false,
             };
             zones.insert(0, second);
-            Opened {
+            CutWave {
                 zones,
                 instant,
                 acceleration,
                 joined: true,
             }
         }
-        Watch::LandingPressure
-        | Watch::Tension
-        | Watch::LandingRate
-        | Watch::LowerForce
-        | Watch::Release => at_entry(index, zones)?,
-        Watch::UpperForce | Watch::Impulse | Watch::LandingSpeed => at_entry(index + 1, zones)?,
+        RegimeInequality::LandingPressure
+        | RegimeInequality::Tension
+        | RegimeInequality::LandingRate
+        | RegimeInequality::LowerForce
+        | RegimeInequality::Release => at_entry(index, zones)?,
+        RegimeInequality::UpperForce
+        | RegimeInequality::Impulse
+        | RegimeInequality::LandingSpeed => at_entry(index + 1, zones)?,
     }))
 }

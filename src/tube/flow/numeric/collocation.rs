@@ -16,8 +16,8 @@
 
 use std::sync::OnceLock;
 
-use super::equations::Field;
-use crate::tube::flow::jet::{Dual, Jet};
+use super::equations::VectorField;
+use crate::tube::flow::jet::{Jet, MultiDual};
 use crate::tube::flow::method::MAX_DEGREE;
 use crate::tube::flow::{FlowError, Unsolved};
 
@@ -104,7 +104,7 @@ impl Gauss {
 }
 
 /// The same numbers for a degree known to the compiler, which unrolls the loops over Gauss points.
-struct Rule<const M: usize> {
+struct GaussRule<const M: usize> {
     a: [[f64; M]; M],
     /// A².
     squared: [[f64; M]; M],
@@ -114,13 +114,13 @@ struct Rule<const M: usize> {
     polynomials: [[f64; M]; M],
 }
 
-impl<const M: usize> Rule<M> {
-    fn new() -> Rule<M> {
+impl<const M: usize> GaussRule<M> {
+    fn new() -> GaussRule<M> {
         let gauss = Gauss::of_degree(M);
         let row = |from: &[f64]| -> [f64; M] { std::array::from_fn(|index| from[index]) };
         let a: [[f64; M]; M] = std::array::from_fn(|i| row(&gauss.a[i]));
         let squared = |i: usize, j: usize| (0..M).map(|l| a[i][l] * a[l][j]).sum();
-        Rule {
+        GaussRule {
             squared: std::array::from_fn(|i| std::array::from_fn(|j| squared(i, j))),
             a,
             b: row(&gauss.b),
@@ -288,7 +288,7 @@ fn solve<const N: usize>(columns: &[[f64; N]], pivots: &[usize], right: &mut [f6
 }
 
 /// LU factors of the linear system of a chain, in the slopes of x₁ alone.
-struct Chain<const M: usize> {
+struct ChainFactors<const M: usize> {
     columns: [[f64; M]; M],
     pivots: [usize; M],
     /// hq_i.
@@ -300,7 +300,7 @@ struct Chain<const M: usize> {
 /// The solution on the intervals of a mesh, one after the other.
 struct Solver<'a, const D: usize, const M: usize, F> {
     frozen: &'a F,
-    rule: &'a Rule<M>,
+    rule: &'a GaussRule<M>,
     /// x at the right end of the interval solved last.
     end: [f64; D],
     /// Slopes at its Gauss points.
@@ -310,10 +310,10 @@ struct Solver<'a, const D: usize, const M: usize, F> {
     /// Of the linear system of the last Newton iteration, where F is no chain.
     local: Local,
     /// The same where it is one.
-    chain: Chain<M>,
+    chain: ChainFactors<M>,
     trial: [[f64; D]; M],
     /// Rates at the Gauss points with their derivatives in x, and the residuals of the equations.
-    rates: [[Dual<D>; D]; M],
+    rates: [[MultiDual<D>; D]; M],
     right: [[f64; D]; M],
     step: [[f64; D]; M],
 }
@@ -327,8 +327,8 @@ fn square(numbers: &[f64]) -> f64 {
     numbers.iter().map(|number| number * number).sum()
 }
 
-impl<'a, const D: usize, const M: usize, F: Field<D, Dual<D>>> Solver<'a, D, M, F> {
-    fn new(frozen: &'a F, rule: &'a Rule<M>) -> Self {
+impl<'a, const D: usize, const M: usize, F: VectorField<D, MultiDual<D>>> Solver<'a, D, M, F> {
+    fn new(frozen: &'a F, rule: &'a GaussRule<M>) -> Self {
         Solver {
             frozen,
             rule,
@@ -336,14 +336,14 @@ impl<'a, const D: usize, const M: usize, F: Field<D, Dual<D>>> Solver<'a, D, M, 
             slopes: [[0.0; D]; M],
             length: 0.0,
             local: Local::new(if F::IS_CHAIN { 0 } else { M * D }),
-            chain: Chain {
+            chain: ChainFactors {
                 columns: [[0.0; M]; M],
                 pivots: [0; M],
                 coupling: [0.0; M],
                 slope: 0.0,
             },
             trial: [[0.0; D]; M],
-            rates: [[Dual::constant(0.0); D]; M],
+            rates: [[MultiDual::constant(0.0); D]; M],
             right: [[0.0; D]; M],
             step: [[0.0; D]; M],
         }
@@ -362,7 +362,7 @@ impl<'a, const D: usize, const M: usize, F: Field<D, Dual<D>>> Solver<'a, D, M, 
         for i in 0..M {
             let at = self.stage(from, h, &self.trial, i);
             let rate = self.frozen.rate(&std::array::from_fn(|row| {
-                let mut x = Dual::constant(at[row]);
+                let mut x = MultiDual::constant(at[row]);
                 x.by[row] = 1.0;
                 x
             }));
@@ -378,7 +378,7 @@ impl<'a, const D: usize, const M: usize, F: Field<D, Dual<D>>> Solver<'a, D, M, 
     fn interval(&mut self, h: f64, enough: f64) -> Result<(), Unsolved> {
         let from = self.end;
         if !self.carry_on(&from, h) {
-            let first = self.frozen.rate(&from.map(Dual::constant));
+            let first = self.frozen.rate(&from.map(MultiDual::constant));
             self.trial.fill(first.map(|rate| rate.value));
             self.evaluate(&from, h);
         }
@@ -423,7 +423,7 @@ impl<'a, const D: usize, const M: usize, F: Field<D, Dual<D>>> Solver<'a, D, M, 
 
     /// The same for the slopes of x₁ alone.
     fn factorise_chain(&mut self, h: f64) -> bool {
-        let Rule { a, squared, .. } = self.rule;
+        let GaussRule { a, squared, .. } = self.rule;
         let chain = &mut self.chain;
         chain.slope = h * self.rates[0][0].by[1];
         for i in 0..M {
@@ -513,7 +513,7 @@ impl<'a, const D: usize, const M: usize, F: Field<D, Dual<D>>> Solver<'a, D, M, 
 
     /// Carries the derivatives of the start and of the zone's unknowns over the interval solved last:
     /// K_i′ − h Σ a_ij J_i K_j′ = J_i x₀′ + ∂F/∂(zone).
-    fn derivatives(&mut self, field: &impl Field<D, Jet>, start: &[Jet; D]) -> [Jet; D] {
+    fn derivatives(&mut self, field: &impl VectorField<D, Jet>, start: &[Jet; D]) -> [Jet; D] {
         let h = self.length;
         let from = start.map(|jet| jet.value);
         let mut end: [Jet; D] = std::array::from_fn(|row| Jet {
@@ -541,9 +541,9 @@ impl<'a, const D: usize, const M: usize, F: Field<D, Dual<D>>> Solver<'a, D, M, 
 
 /// The mesh that equidistributes |x⁽ᵐ⁾|^{1/m}, as the solution on the mesh `points` shows it.
 fn adapted<const D: usize, const M: usize>(
-    frozen: &impl Field<D, Dual<D>>,
+    frozen: &impl VectorField<D, MultiDual<D>>,
     points: &[f64],
-    rule: &Rule<M>,
+    rule: &GaussRule<M>,
 ) -> Result<Vec<f64>, Unsolved> {
     let count = points.len() - 1;
     let mut solver = Solver::new(frozen, rule);
@@ -604,8 +604,8 @@ fn adapted<const D: usize, const M: usize>(
 /// x(1) of dx/dτ = F(x), x(0) = 0, with all derivatives of `field`; `frozen` is the same field
 /// without derivatives.
 pub(crate) fn jets<const D: usize>(
-    field: &impl Field<D, Jet>,
-    frozen: &impl Field<D, Dual<D>>,
+    field: &impl VectorField<D, Jet>,
+    frozen: &impl VectorField<D, MultiDual<D>>,
     mesh: Mesh,
     duration: f64,
 ) -> Result<[Jet; D], FlowError> {
@@ -614,11 +614,11 @@ pub(crate) fn jets<const D: usize>(
 }
 
 fn jets_of_degree<const D: usize, const M: usize>(
-    field: &impl Field<D, Jet>,
-    frozen: &impl Field<D, Dual<D>>,
+    field: &impl VectorField<D, Jet>,
+    frozen: &impl VectorField<D, MultiDual<D>>,
     mesh: Mesh,
 ) -> Result<[Jet; D], Unsolved> {
-    let rule = Rule::<M>::new();
+    let rule = GaussRule::<M>::new();
     let mut x = [Jet::default(); D];
     let mut solver = Solver::new(frozen, &rule);
     for pair in mesh_points(frozen, mesh, &rule)?.windows(2) {
@@ -629,9 +629,9 @@ fn jets_of_degree<const D: usize, const M: usize>(
 }
 
 fn mesh_points<const D: usize, const M: usize>(
-    frozen: &impl Field<D, Dual<D>>,
+    frozen: &impl VectorField<D, MultiDual<D>>,
     mesh: Mesh,
-    rule: &Rule<M>,
+    rule: &GaussRule<M>,
 ) -> Result<Vec<f64>, Unsolved> {
     let count = mesh.intervals.max(1);
     let mut points: Vec<f64> = (0..=count)
@@ -645,7 +645,7 @@ fn mesh_points<const D: usize, const M: usize>(
 
 /// The solution at the mesh points, with their τ.
 pub(crate) fn at_mesh_points<const D: usize>(
-    frozen: &impl Field<D, Dual<D>>,
+    frozen: &impl VectorField<D, MultiDual<D>>,
     mesh: Mesh,
     duration: f64,
 ) -> Result<Vec<(f64, [f64; D])>, FlowError> {
@@ -654,10 +654,10 @@ pub(crate) fn at_mesh_points<const D: usize>(
 }
 
 fn at_mesh_points_of_degree<const D: usize, const M: usize>(
-    frozen: &impl Field<D, Dual<D>>,
+    frozen: &impl VectorField<D, MultiDual<D>>,
     mesh: Mesh,
 ) -> Result<Vec<(f64, [f64; D])>, Unsolved> {
-    let rule = Rule::<M>::new();
+    let rule = GaussRule::<M>::new();
     let mut solver = Solver::new(frozen, &rule);
     let mut solution = vec![(0.0, solver.end)];
     for pair in mesh_points(frozen, mesh, &rule)?.windows(2) {
@@ -669,7 +669,7 @@ fn at_mesh_points_of_degree<const D: usize, const M: usize>(
 
 /// x(1) without derivatives.
 pub(crate) fn values<const D: usize>(
-    frozen: &impl Field<D, Dual<D>>,
+    frozen: &impl VectorField<D, MultiDual<D>>,
     mesh: Mesh,
     duration: f64,
 ) -> Result<[f64; D], FlowError> {

@@ -1,14 +1,14 @@
 //! The spectrum of a wave: from the window to the list and the verdict.
 
-use super::count::{Edge, Search, Window, right_edge};
+use super::count::{Edge, SearchWindow, ZeroSearch, right_edge};
 use super::find::SAME_ZERO;
 use super::translation::remove_translation;
 use super::verdict::verdict;
-use super::{C64, Eigenvalue, ON_AXIS, Request, Sector, Spectrum, margin, symmetric};
+use super::{C64, ON_AXIS, Sector, Spectrum, SpectrumRequest, WaveEigenvalue, margin, symmetric};
 use crate::orbit::Stability;
 use crate::tube::stability::asymptotic::HighFrequency;
 use crate::tube::stability::characteristic::Characteristic;
-use crate::tube::stability::verdict::Reason;
+use crate::tube::stability::verdict::VerdictReason;
 
 /// Most zeros expected in a window, over all sectors. Where c² → a one delay grows without bound
 /// and zeros lie that dense; beyond this number the window is cut and the answer left open.
@@ -26,7 +26,7 @@ const DEEPEST: f64 = 6.0;
 /// The spectrum of a linearised wave. `seeds` is that of a neighbouring wave, if known.
 pub fn spectrum(
     characteristic: &Characteristic,
-    request: &Request,
+    request: &SpectrumRequest,
     seeds: Option<&Spectrum>,
 ) -> Spectrum {
     let mode = characteristic.mode as usize;
@@ -42,7 +42,7 @@ pub fn spectrum(
     // about two grid points from zero to zero, also where c² → a makes one delay long
     let delay = high.longest_delay().max(characteristic.period);
     let spacing = (0.6 / characteristic.period).min(3.0 / delay);
-    let mut search = Search {
+    let mut search = ZeroSearch {
         characteristic,
         delay,
         spacing,
@@ -66,7 +66,7 @@ pub fn spectrum(
             top: cut * wanted,
         });
     }
-    let mut window = Window::symmetric(
+    let mut window = SearchWindow::symmetric(
         seeds.map_or(-search.spacing, |seeds| seeds.left),
         right,
         cut * wanted,
@@ -119,7 +119,7 @@ pub fn spectrum(
         translation_defect: None,
         limit: high.limit(),
         stable: Stability::Undecided,
-        reasons: vec![Reason::NoWindow],
+        reasons: vec![VerdictReason::NoWindow],
         counted: None,
         mode: characteristic.mode,
         max_frequency: request.max_frequency,
@@ -152,7 +152,7 @@ pub fn spectrum(
 }
 
 /// Zeros of a neighbouring wave as starts, half by half, the translation mode with them.
-fn starts(search: &Search, seeds: &Spectrum) -> Vec<Vec<C64>> {
+fn starts(search: &ZeroSearch, seeds: &Spectrum) -> Vec<Vec<C64>> {
     // zeros near the real axis may come out just below it
     let upper = |value: &C64| value.im > -1e-3 * search.rate;
     search
@@ -161,7 +161,7 @@ fn starts(search: &Search, seeds: &Spectrum) -> Vec<Vec<C64>> {
         .map(|half| {
             let mut starts = Vec::new();
             for sector in &seeds.sectors {
-                let values = sector.eigenvalues.iter().map(Eigenvalue::value);
+                let values = sector.eigenvalues.iter().map(WaveEigenvalue::value);
                 if sector.sector == *half {
                     starts.extend(values.filter(upper));
                 } else if search.conjugate(sector.sector) == *half {
