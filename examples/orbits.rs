@@ -7,7 +7,7 @@
 
 use std::time::Instant;
 
-use brakewave::curve::start::find_of_system;
+use brakewave::curve::search::find_of_system;
 use brakewave::curve::{CurvePoint, CurveRun, PointType};
 use brakewave::hybrid::OrbitRunner;
 use brakewave::orbit::legs::Run as _;

@@ -9,6 +9,7 @@ use super::prepare::{ProblemSource, named, named_equilibrium, ready, ready_syste
 use super::progress::{ProgressLine, drive};
 use super::{interrupt, summary, titled, warn};
 use crate::branch::run::WaveRunner;
+use crate::curve::search;
 use crate::curve::start::{self, CurveStart, NoCurve};
 use crate::curve::{
     CurveRun, EquilibriaInPlane, OrbitsInPlane, ParameterPlane, WholeCurve, find_of_equilibria,
@@ -106,7 +107,7 @@ fn of_system(
                     let (prepared, progress) = (ready()?, progress());
                     let mut watch = |branch: &hybrid::OrbitRunner| looking(&progress, branch);
                     let begun = |problem: &SystemProblem| prepared.start(problem);
-                    start::find_connection(problem, section, begun, &mut watch)
+                    search::find_connection(problem, section, begun, &mut watch)
                 }
             };
             begun.map_err(&refuse)
@@ -125,7 +126,7 @@ fn of_system(
                 let (prepared, progress) = (ready()?, progress());
                 let mut watch = |branch: &hybrid::OrbitRunner| looking(&progress, branch);
                 let begun = |problem: &SystemProblem| prepared.start(problem);
-                start::find_of_system(problem, section, begun, &mut watch)
+                search::find_of_system(problem, section, begun, &mut watch)
             }
         };
         begun.map_err(&refuse)
@@ -282,7 +283,7 @@ fn start(
     let progress = ProgressLine::new(task.quiet);
     let mut watch = |branch: &WaveRunner| looking(&progress, branch);
     let begun = |problem: &Problem| prepared.start(task.quiet, problem);
-    start::find(problem, section, begun, &mut watch).map_err(|error| match error {
+    search::find(problem, section, begun, &mut watch).map_err(|error| match error {
         NoCurve::Run(error) => prepared.source.place(error),
         error => error.into(),
     })

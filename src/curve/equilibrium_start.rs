@@ -4,7 +4,8 @@ use super::equilibria::{CriticalEquilibrium, EquilibriaInPlane};
 use super::plane::ParameterPlane;
 use super::point::CurveLimits;
 use super::run::Singular;
-use super::start::{CurveStart, NoCurve, event, pose};
+use super::search::event;
+use super::start::{CurveStart, NoCurve, pose};
 use crate::affine::equilibrium::start::EquilibriumRequest;
 use crate::affine::equilibrium::{EquilibriumCurve, EquilibriumScales};
 use crate::hybrid::equilibrium::{
@@ -18,7 +19,7 @@ use crate::problem::{SystemCurve, SystemProblem};
 /// sees the branch after every step.
 ///
 /// # Errors
-/// As [`super::start::find`].
+/// As [`super::search::find`].
 pub fn find_of_equilibria(
     problem: &SystemProblem,
     curve: &SystemCurve,

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::plane::{
     EventCondition, ExaminationOf, FailureOf, MarginOf, ParameterPlane, TestValues,
 };
-use super::point::{CurveLimits, CurvePoint, Gone};
+use super::point::{CurveLimits, CurvePoint, Gone, PointType, What};
 use super::system::EventSystem;
 use super::tube::WavesInPlane;
 use crate::continuation::Node;
@@ -55,6 +55,14 @@ pub struct Solved<P: ParameterPlane = WavesInPlane> {
     pub(super) point: CurvePoint,
     pub(super) system: EventSystem<P>,
     pub(super) unknowns: Vector,
+}
+
+impl<P: ParameterPlane> Solved<P> {
+    /// Makes it a special point of this type.
+    pub(super) fn say(&mut self, kind: PointType, what: &What<P::Orbit>) {
+        self.point.kind = Some(kind);
+        self.point.what = P::say(what);
+    }
 }
 
 /// Why an event refuses a step.

@@ -133,10 +133,6 @@ impl<P: ParameterPlane> Curve for EventCurve<P> {
         together: &[StepEvent<P>],
     ) -> Result<Outcome<EventCurve<P>>, CurveRefusal<P>> {
         let mut solved = self.point(place.s, &place.node, step.after);
-        let mut say = |kind: PointType, what: &What<P::Orbit>| {
-            solved.point.kind = Some(kind);
-            solved.point.what = P::say(what);
-        };
         let there = End::Own(CurveStop::There);
         // where a pair meets at ±1 there is a fold or a doubling, too: the end goes first
         let ends = |event: &&StepEvent<P>| matches!(event, StepEvent::Other(test) if test.ends);
@@ -145,41 +141,26 @@ impl<P: ParameterPlane> Curve for EventCurve<P> {
             StepEvent::Edge(index, value) => {
                 let (index, value) = (*index, *value);
                 let parameter = self.system.parameters()[index].clone();
-                say(PointType::One(EventType::EP), &What::Edge(parameter, value));
+                let what = What::Edge(parameter, value);
+                solved.say(PointType::One(EventType::EP), &what);
                 // exactly the value that was asked for
                 solved.point.parameters[index] = value;
                 Outcome::Ended(vec![solved], End::Edge)
             }
             StepEvent::Margin(_) => {
-                let margins = together.iter().filter_map(|event| match event {
-                    StepEvent::Margin(margin) => Some(margin.clone()),
-                    _ => None,
-                });
-                let mut margins: Vec<MarginOf<P>> = margins.collect();
-                // a zone without length says most about what comes next
-                margins.sort_by_key(P::Orbit::precedence);
-                let second = self.second(&place.node.point, &margins[0], step.steps.tolerance);
-                let second = second.map_err(CurveRefusal::Flow)?;
-                let mut entries = margins.iter();
-                let entry = entries.find_map(|margin| self.enter(step, &place.node, margin));
-                let kind = P::with_event(self.event, second.kind);
-                let what = What::Meeting {
-                    second: Box::new(second),
-                    may_go_on: matches!(self.system.condition, EventCondition::Margin(_)),
-                    next: entry.as_ref().map(|entry| entry.curve.name().clone()),
-                };
-                say(kind, &what);
+                let (kind, what, entry) = self.second_event(step, place, together)?;
+                solved.say(kind, &what);
                 match entry {
                     Some(entry) => Outcome::Entered(vec![solved], entry),
                     None => Outcome::Ended(vec![solved], there),
                 }
             }
             StepEvent::Fold => {
-                say(P::with_fold(self.event), &What::Fold);
+                solved.say(P::with_fold(self.event), &What::Fold);
                 Outcome::Passed(solved)
             }
             StepEvent::Cusp => {
-                say(PointType::CP, &What::Cusp);
+                solved.say(PointType::CP, &What::Cusp);
                 Outcome::Passed(solved)
             }
             StepEvent::Passing(outside) => {
@@ -187,18 +168,11 @@ impl<P: ParameterPlane> Curve for EventCurve<P> {
                 Outcome::Passed(solved)
             }
             StepEvent::Limit(point, error) => {
-                let (orbit, unknowns) = self
-                    .system
-                    .orbit(&place.node.point, 0)
-                    .map_err(CurveRefusal::Flow)?;
+                let orbit = self.system.orbit(&place.node.point, 0);
+                let (orbit, unknowns) = orbit.map_err(CurveRefusal::Flow)?;
                 let kind = P::at_limit(self.event, &self.system.condition, &orbit, &unknowns);
-                say(
-                    kind,
-                    &What::Limit {
-                        kind,
-                        error: *error,
-                    },
-                );
+                let error = *error;
+                solved.say(kind, &What::Limit { kind, error });
                 solved.point.parameters = self.system.values(point);
                 if let Ok((orbit, unknowns)) = self.system.orbit(point, 0) {
                     (solved.point.measure, _) = P::measure(&orbit, &unknowns);
@@ -211,7 +185,7 @@ impl<P: ParameterPlane> Curve for EventCurve<P> {
                     kind => kind,
                 };
                 if let Some(kind) = kind {
-                    say(kind, &What::Other(kind));
+                    solved.say(kind, &What::Other(kind));
                 }
                 match test.ends {
                     true => Outcome::Ended(vec![solved], there),

@@ -37,6 +37,7 @@ mod point;
 mod regions;
 mod run;
 mod saved;
+pub mod search;
 pub mod start;
 pub mod system;
 mod tube;

@@ -428,11 +428,6 @@ impl ParameterPlane for OrbitsInPlane {
             EventCondition::Spectral(MultiplierEvent::Torus) => 2,
             EventCondition::Fold | EventCondition::Spectral(_) => 1,
         };
-        let passed = |kind, value| Test {
-            kind,
-            value,
-            ends: false,
-        };
         let cosine = monodromy.cosine().unwrap_or(f64::NAN);
         let doubling = passed(Some(PointType::One(EventType::PD)), doubling);
         // beside a multiplier ±1 the pair may be that one and another; two real ones μ and 1/μ are no event
@@ -452,25 +447,7 @@ impl ParameterPlane for OrbitsInPlane {
             ..test
         };
         let tests = match condition {
-            EventCondition::Spectral(MultiplierEvent::Torus) => {
-                let met = |order, value| Test {
-                    kind: Some(PointType::Resonance(order)),
-                    value,
-                    ends: true,
-                };
-                let resonance = |order, value| passed(Some(PointType::Resonance(order)), value);
-                vec![
-                    met(1, 1.0 - cosine),
-                    met(2, 1.0 + cosine),
-                    resonance(3, cosine + 0.5),
-                    resonance(4, cosine),
-                    // without the pair itself
-                    Test {
-                        value: doubling.value / (2.0 + 2.0 * cosine),
-                        ..doubling
-                    },
-                ]
-            }
+            EventCondition::Spectral(MultiplierEvent::Torus) => tests_of_torus(cosine, doubling),
             // the multiplier of the event is a double one where the derivative of its own equations in the multiplier vanishes;
             // another pair with the product 1 is an event of its own
             EventCondition::Spectral(MultiplierEvent::PeriodDoubling) => double(-1.0).map_or_else(
@@ -511,4 +488,33 @@ impl ParameterPlane for OrbitsInPlane {
     fn say(what: &What<AffineOrbit>) -> String {
         what.to_string()
     }
+}
+
+/// A test that the curve passes.
+fn passed(kind: Option<PointType>, value: f64) -> Test {
+    Test {
+        kind,
+        value,
+        ends: false,
+    }
+}
+
+/// What is watched along a curve of NS with the cosine of its angle: the strong resonances, of which 1:1 and 1:2 end it, and
+/// a multiplier −1 other than the pair.
+fn tests_of_torus(cosine: f64, doubling: Test) -> Vec<Test> {
+    let met = |order, value| Test {
+        ends: true,
+        ..passed(Some(PointType::Resonance(order)), value)
+    };
+    let resonance = |order, value| passed(Some(PointType::Resonance(order)), value);
+    vec![
+        met(1, 1.0 - cosine),
+        met(2, 1.0 + cosine),
+        resonance(3, cosine + 0.5),
+        resonance(4, cosine),
+        Test {
+            value: doubling.value / (2.0 + 2.0 * cosine),
+            ..doubling
+        },
+    ]
 }

@@ -23,6 +23,7 @@ use super::plane::{EventCondition, ParameterPlane};
 use super::point::{CurveLimits, PointType, Region, RegionName};
 use super::system::EventSystem;
 use crate::continuation::Node;
+use crate::continuation::Steps;
 use crate::continuation::arclength::advance;
 use crate::continuation::locate::retangent;
 use crate::continuation::newton;
@@ -235,28 +236,7 @@ impl<P: ParameterPlane> RegionSection<P> {
             passages: BTreeMap::new(),
             complete: arms.len() == 2,
         };
-        let mut steps = limits.steps;
-        steps.ds_min = steps.ds_min.max(SHORTEST);
-        let (mut low, mut high) = limits.ranges[axis];
-        match &system.condition {
-            EventCondition::Spectral(_) => {
-                steps.ds_max = steps.ds_max.min(P::LONGEST_BESIDE);
-                steps.ds = steps.ds.min(P::LONGEST_BESIDE);
-            }
-            // orbits may come back from beyond an edge: they count
-            EventCondition::Fold => {
-                let width = high - low;
-                let further = |values: [f64; 2], edge: f64| {
-                    let mut values = values.into_iter();
-                    let admitted = values.find(|value| system.plane.admits(axis, *value));
-                    admitted.unwrap_or(edge)
-                };
-                low = further([low - width, TOWARDS_ZERO * low], low);
-                high = further([high + width, high], high);
-            }
-            EventCondition::Margin(_) | EventCondition::Constant(_) => {}
-        }
-        let range = (low, high);
+        let (range, steps) = Self::reach(system, axis, limits);
         let zones = MOST_ZONES.max(2 * P::zones(system.signature()));
         for (orbit, point, up) in arms {
             let limits = follow::Limits {
@@ -308,6 +288,32 @@ impl<P: ParameterPlane> RegionSection<P> {
             }
         }
         Some(section)
+    }
+
+    /// How far along the line its arms are followed, and in which steps.
+    fn reach(system: &EventSystem<P>, axis: usize, limits: &CurveLimits) -> ((f64, f64), Steps) {
+        let mut steps = limits.steps;
+        steps.ds_min = steps.ds_min.max(SHORTEST);
+        let (mut low, mut high) = limits.ranges[axis];
+        match &system.condition {
+            EventCondition::Spectral(_) => {
+                steps.ds_max = steps.ds_max.min(P::LONGEST_BESIDE);
+                steps.ds = steps.ds.min(P::LONGEST_BESIDE);
+            }
+            // orbits may come back from beyond an edge: they count
+            EventCondition::Fold => {
+                let width = high - low;
+                let further = |values: [f64; 2], edge: f64| {
+                    let mut values = values.into_iter();
+                    let admitted = values.find(|value| system.plane.admits(axis, *value));
+                    admitted.unwrap_or(edge)
+                };
+                low = further([low - width, TOWARDS_ZERO * low], low);
+                high = further([high + width, high], high);
+            }
+            EventCondition::Margin(_) | EventCondition::Constant(_) => {}
+        }
+        ((low, high), steps)
     }
 
     /// The name of a place.

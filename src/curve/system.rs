@@ -29,13 +29,15 @@ use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
 
 use super::plane::{
-    EventCondition, FailureOf, NotEvaluated, ParameterOf, ParameterPlane, SignatureOf, TestValues,
+    EventCondition, FailureOf, MarginOf, NotEvaluated, ParameterOf, ParameterPlane, SignatureOf,
+    TestValues,
 };
 use super::tube::WavesInPlane;
 use crate::continuation::Node;
 use crate::continuation::locate::retangent;
 use crate::continuation::newton::{Constraint, System};
 use crate::linalg::{self, Matrix, Vector};
+use crate::orbit::monitor::MonitorStop;
 use crate::orbit::{AtZero, Orbit};
 
 /// Step of central differences along a null vector in scaled unknowns of order one: as [`ParameterPlane::difference`].
@@ -424,6 +426,103 @@ impl NullPair {
     }
 }
 
+/// The equations that single out the event, behind those of the orbit.
+impl<P: ParameterPlane> EventSystem<P> {
+    /// A margin is zero.
+    fn margin_equation(
+        &self,
+        margin: &MarginOf<P>,
+        point: &Vector,
+        residual: &mut [f64],
+        jacobian: &mut Matrix,
+    ) -> Result<(), NotEvaluated<P>> {
+        let count = self.orbit_unknowns();
+        let last = self.unknowns() - 2;
+        for index in 0..2 {
+            let (orbit, own) = self.orbit(point, index).map_err(NotEvaluated::Flow)?;
+            let mut gradient = vec![0.0; count + 1];
+            let mut at = AtZero {
+                margin: margin.clone(),
+            };
+            let value = at.evaluate(&orbit, &own, &mut gradient);
+            residual[count] = value.map_err(NotEvaluated::Flow)?;
+            for (column, entry) in gradient.iter().take(count).enumerate() {
+                jacobian[(count, column)] = *entry;
+            }
+            jacobian[(count, last + index)] = gradient[count];
+        }
+        Ok(())
+    }
+
+    /// A monitor has its value, in the unit of its largest derivative.
+    fn constant_equation(
+        &self,
+        stop: &MonitorStop,
+        point: &Vector,
+        residual: &mut [f64],
+        jacobian: &mut Matrix,
+    ) -> Result<(), NotEvaluated<P>> {
+        let count = self.orbit_unknowns();
+        let last = self.unknowns() - 2;
+        let mut unit = None;
+        for index in 0..2 {
+            let (orbit, own) = self.orbit(point, index).map_err(NotEvaluated::Flow)?;
+            let measured = orbit.measured(stop.monitor, &own);
+            let Some(measured) = measured.map_err(NotEvaluated::Flow)? else {
+                residual[count] = f64::NAN;
+                break;
+            };
+            let unit = *unit.get_or_insert_with(|| measured.slope());
+            residual[count] = (measured.value - stop.value) / unit;
+            let columns = measured.gradient.iter().enumerate();
+            for (column, entry) in columns.take(count) {
+                jacobian[(count, column)] = entry / unit;
+            }
+            jacobian[(count, last + index)] = measured.gradient[count] / unit;
+        }
+        Ok(())
+    }
+
+    /// F_x v = 0 and |v|² = 1 for the null vector v; of a doubling F_x is linearised about the orbit traversed twice.
+    fn null_vector_equations(
+        &self,
+        point: &Vector,
+        by: &Matrix,
+        residual: &mut [f64],
+        jacobian: &mut Matrix,
+    ) -> Result<(), NotEvaluated<P>> {
+        let flow = NotEvaluated::Flow;
+        let count = self.orbit_unknowns();
+        let last = self.unknowns() - 2;
+        let null = point.rows(count, count).clone_owned();
+        let seen = self.linearised(point, by).map_err(flow)?;
+        let linear = seen.columns(0, count);
+        residual[count..2 * count].copy_from_slice((linear * &null).as_slice());
+        residual[2 * count] = 0.5 * (null.norm_squared() - 1.0);
+        // ∂(F_x v)/∂(x, p) is the derivative of (F_x, F_p) along v
+        let mut there = point.clone();
+        for index in 0..count {
+            there[index] += ALONG * null[index];
+        }
+        let (_, moved) = self.orbit_equations(&there).map_err(flow)?;
+        let moved = self.linearised(&there, &moved).map_err(flow)?;
+        let second = (moved - &seen) / ALONG;
+        jacobian
+            .view_mut((count, 0), (count, count))
+            .copy_from(&second.columns(0, count));
+        jacobian
+            .view_mut((count, count), (count, count))
+            .copy_from(&linear);
+        jacobian
+            .view_mut((count, last), (count, 2))
+            .copy_from(&second.columns(count, 2));
+        for index in 0..count {
+            jacobian[(2 * count, count + index)] = null[index];
+        }
+        Ok(())
+    }
+}
+
 impl<P: ParameterPlane> System for EventSystem<P> {
     type Failure = NotEvaluated<P>;
 
@@ -461,38 +560,10 @@ impl<P: ParameterPlane> System for EventSystem<P> {
             .copy_from(&by.columns(count, 2));
         match &self.condition {
             EventCondition::Margin(margin) => {
-                for index in 0..2 {
-                    let (orbit, own) = self.orbit(point, index).map_err(NotEvaluated::Flow)?;
-                    let mut gradient = vec![0.0; count + 1];
-                    let mut at = AtZero {
-                        margin: margin.clone(),
-                    };
-                    let value = at.evaluate(&orbit, &own, &mut gradient);
-                    residual[count] = value.map_err(NotEvaluated::Flow)?;
-                    for (column, entry) in gradient.iter().take(count).enumerate() {
-                        jacobian[(count, column)] = *entry;
-                    }
-                    jacobian[(count, last + index)] = gradient[count];
-                }
+                self.margin_equation(margin, point, residual, jacobian)
             }
             EventCondition::Constant(stop) => {
-                // in the unit of its largest derivative
-                let mut unit = None;
-                for index in 0..2 {
-                    let (orbit, own) = self.orbit(point, index).map_err(NotEvaluated::Flow)?;
-                    let measured = orbit.measured(stop.monitor, &own);
-                    let Some(measured) = measured.map_err(NotEvaluated::Flow)? else {
-                        residual[count] = f64::NAN;
-                        break;
-                    };
-                    let unit = *unit.get_or_insert_with(|| measured.slope());
-                    residual[count] = (measured.value - stop.value) / unit;
-                    let columns = measured.gradient.iter().enumerate();
-                    for (column, entry) in columns.take(count) {
-                        jacobian[(count, column)] = entry / unit;
-                    }
-                    jacobian[(count, last + index)] = measured.gradient[count] / unit;
-                }
+                self.constant_equation(stop, point, residual, jacobian)
             }
             EventCondition::Spectral(spectral) if !P::is_doubling(spectral) => {
                 let value = self.spectral(spectral, point)?;
@@ -506,36 +577,9 @@ impl<P: ParameterPlane> System for EventSystem<P> {
                         jacobian[(count + row, column)] = *entry;
                     }
                 }
+                Ok(())
             }
-            _ => {
-                let flow = NotEvaluated::Flow;
-                let null = point.rows(count, count).clone_owned();
-                let seen = self.linearised(point, &by).map_err(flow)?;
-                let linear = seen.columns(0, count);
-                residual[count..2 * count].copy_from_slice((linear * &null).as_slice());
-                residual[2 * count] = 0.5 * (null.norm_squared() - 1.0);
-                // ∂(F_x v)/∂(x, p) is the derivative of (F_x, F_p) along v
-                let mut there = point.clone();
-                for index in 0..count {
-                    there[index] += ALONG * null[index];
-                }
-                let (_, moved) = self.orbit_equations(&there).map_err(flow)?;
-                let moved = self.linearised(&there, &moved).map_err(flow)?;
-                let second = (moved - &seen) / ALONG;
-                jacobian
-                    .view_mut((count, 0), (count, count))
-                    .copy_from(&second.columns(0, count));
-                jacobian
-                    .view_mut((count, count), (count, count))
-                    .copy_from(&linear);
-                jacobian
-                    .view_mut((count, last), (count, 2))
-                    .copy_from(&second.columns(count, 2));
-                for index in 0..count {
-                    jacobian[(2 * count, count + index)] = null[index];
-                }
-            }
+            _ => self.null_vector_equations(point, &by, residual, jacobian),
         }
-        Ok(())
     }
 }

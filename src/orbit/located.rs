@@ -35,6 +35,19 @@ pub enum BranchEvent<O: Orbit> {
     },
 }
 
+impl<O: Orbit> BranchEvent<O> {
+    /// Whether it may be the place from which the branch would retrace itself.
+    pub(super) fn may_retrace(&self) -> bool {
+        matches!(
+            self,
+            BranchEvent::Fold
+                | BranchEvent::Image(..)
+                | BranchEvent::Crossing(_)
+                | BranchEvent::Passing { .. }
+        )
+    }
+}
+
 /// An event and the error of the parameter there, in physical units.
 #[derive(Clone, Debug)]
 pub struct LocatedEvent<O: Orbit> {

@@ -28,6 +28,8 @@ pub mod sign;
 pub mod special;
 mod stability;
 pub mod switch;
+mod track;
+mod transition;
 
 use std::fmt::{Debug, Display};
 

@@ -5,7 +5,8 @@ use std::f64::consts::TAU;
 
 use brakewave::EventType;
 use brakewave::continuation::newton::System as _;
-use brakewave::curve::start::{CurveStart, find_connection};
+use brakewave::curve::search::find_connection;
+use brakewave::curve::start::CurveStart;
 use brakewave::curve::{CurvePoint, CurveRun, EquilibriaInPlane, PointType, WholeCurve};
 use brakewave::hybrid::{OrbitItem, OrbitRunner};
 use brakewave::linalg::{Matrix, Vector};

@@ -16,7 +16,8 @@ mod shrinking;
 mod systems;
 
 use brakewave::branch::run::WaveRunner;
-use brakewave::curve::start::{CurveStart, NoCurve, find};
+use brakewave::curve::search::find;
+use brakewave::curve::start::{CurveStart, NoCurve};
 use brakewave::curve::{CurveRun, WholeCurve, follow};
 use brakewave::problem::{Problem, parse};
 

@@ -4,7 +4,8 @@
 
 use std::f64::consts::TAU;
 
-use brakewave::curve::start::{CurveStart, NoCurve, find_of_system};
+use brakewave::curve::search::find_of_system;
+use brakewave::curve::start::{CurveStart, NoCurve};
 use brakewave::curve::{CurveRun, OrbitsInPlane, WholeCurve};
 use brakewave::hybrid::OrbitRunner;
 use brakewave::problem::{Any, SystemProblem, parse_any};

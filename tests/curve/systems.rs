@@ -4,7 +4,8 @@ use std::f64::consts::TAU;
 
 use brakewave::EventType;
 use brakewave::continuation::newton::System as _;
-use brakewave::curve::start::{CurveStart, NoCurve, find_of_system};
+use brakewave::curve::search::find_of_system;
+use brakewave::curve::start::{CurveStart, NoCurve};
 use brakewave::curve::{CurvePoint, CurveRun, OrbitsInPlane, PointType, Region, WholeCurve};
 use brakewave::hybrid::OrbitRunner;
 use brakewave::linalg::{Matrix, Vector, null_space};

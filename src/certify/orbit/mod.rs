@@ -10,6 +10,9 @@
 
 mod arc;
 mod beyond;
+mod carry;
+mod changed;
+mod check;
 mod critical;
 mod enclosure;
 mod equations;
@@ -18,6 +21,7 @@ mod extended;
 mod facts;
 pub(super) mod flow;
 mod fraction;
+mod guess;
 mod inequality;
 mod modes;
 pub(super) mod multipliers;
@@ -34,6 +38,8 @@ mod zeros;
 use serde::{Deserialize, Serialize};
 
 pub use beyond::SequenceOrbit;
+pub(crate) use check::proven_again;
+pub use check::verify;
 pub use open::{OpenOrbit, OrbitNotBeyond, UnprovenOrbit};
 #[cfg(feature = "cli")]
 pub(crate) use requested::RequestedOrbits;
@@ -42,23 +48,16 @@ pub use system::{NearOrbit, OrbitCondition, PosedOrbit};
 use super::arc::{Broken, Moving};
 use super::certificate::{CertifiedPoint, GrowthTally, Provable, RefusedProof, begin_alike};
 use super::{krawczyk, wider};
-use crate::affine::orbit::candidates::candidates;
-use crate::affine::orbit::{
-    AffineOrbit, Critical, Margin, Scales, Sequence, Watch, Zone, ZonePoint,
-};
+use crate::affine::orbit::{AffineOrbit, Critical, Scales, Sequence, Watch, ZonePoint};
 use crate::affine::system::System;
 use crate::hybrid::OrbitItem;
 use crate::interval::{Decimal, Interval, Number, PI};
 use crate::linalg::Vector;
-use crate::orbit::special::{Change, Special};
-use crate::orbit::{EventType, Examined, Orbit};
+use crate::orbit::special::Special;
+use crate::orbit::{EventType, Orbit};
 use crate::problem::{decimal_at, decimal_of};
-use modes::Structure;
-use products::Needed;
-use system::{Layout, OrbitSystem};
 
-/// A margin of order one that is smaller than this at an event may vanish there; whether it does is proven.
-const VANISHES: f64 = 1e-6;
+use system::{Layout, OrbitSystem};
 
 /// A change of the sequence as the continuation has found it: its type follows.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -272,7 +271,7 @@ fn prepared(
             | Critical::Several { .. }
             | Critical::Unlocated { .. },
         ) => return Err(OpenOrbit::Several),
-        Special::Change(change) => return changed(posed, orbit, point, change),
+        Special::Change(change) => return changed::changed(posed, orbit, point, change),
         Special::Failed(_) => return Err(OpenOrbit::Sequence),
     };
     prove(posed, near, condition)
@@ -298,126 +297,6 @@ fn near(orbit: &AffineOrbit, point: &Vector) -> Result<NearOrbit, OpenOrbit> {
         zones: at.zones,
         parameter: orbit.parameter_at(point),
     })
-}
-
-/// Proves a change of the sequence: in the sequence before or, where a zone of that has no duration, in one without
-/// it, where another margin vanishes. At a graze several do, all for one reason: they are tried in turn.
-fn changed(
-    posed: PosedOrbit,
-    orbit: &AffineOrbit,
-    point: &Vector,
-    change: &Change<AffineOrbit>,
-) -> Result<OrbitProof, OpenOrbit> {
-    let (before, after) = (&change.before, &change.after);
-    // where several things happen at once, what was entered before has no duration yet
-    let tiny = VANISHES * orbit.setting.scales.time;
-    let zones = near(orbit, point)?.zones;
-    let closed = match change.margin.watch {
-        Watch::Duration => Some(change.margin.zone),
-        Watch::Inside(_) | Watch::Speed => None,
-        _ => zones.iter().position(|zone| zone.duration < tiny),
-    };
-    let closes = closed.is_some();
-    let mut list = vec![(orbit.clone(), point.clone())];
-    if let Some(zone) = closed {
-        let margin = Margin {
-            watch: Watch::Duration,
-            zone,
-            ..change.margin.clone()
-        };
-        let found = candidates(orbit, point, &margin).map_err(|_| OpenOrbit::Duration)?;
-        list = found
-            .into_iter()
-            .filter(|candidate| candidate.nascent.is_empty())
-            .filter(|candidate| {
-                let mut sides = [before].into_iter().chain(after);
-                sides.any(|side| side.is_rotation_of(&candidate.orbit.sequence))
-            })
-            .map(|candidate| (candidate.orbit, candidate.point))
-            .collect();
-        // that of the branch beyond first
-        list.sort_by_key(|(orbit, _)| Some(&orbit.sequence) != after.as_ref());
-    }
-    let branch = (orbit, point);
-    let mut reason = None;
-    for (orbit, point) in list {
-        let Ok(examination) = orbit.examination(&point) else {
-            continue;
-        };
-        let mut margins: Vec<&Margin> = match closes {
-            true => Vec::new(),
-            false => vec![&change.margin],
-        };
-        let alike = |one: &&Margin| {
-            let kind = AffineOrbit::classify(before, after.as_ref(), one);
-            one.value.abs() <= VANISHES
-                && one.watch != Watch::Duration
-                && (closes || !AffineOrbit::is_same(one, &change.margin) && kind == change.kind)
-        };
-        margins.extend(examination.margins().iter().filter(alike));
-        for vanishing in margins {
-            let near = near(&orbit, &point)?;
-            match prove(posed.clone(), near, vanishing.into()) {
-                Ok(proof) if proof.change() != Some(change.kind) => {
-                    reason = reason.or(Some(OpenOrbit::Kind));
-                }
-                Ok(proof) => return Ok(completed(proof, branch, change)),
-                Err(other) => reason = reason.or(Some(other)),
-            }
-        }
-    }
-    // two contacts that change their order have a zone between them on both sides, and no sequence without one
-    if let Some(zone) = closed {
-        let (orbit, point) = branch;
-        match prove(posed, near(orbit, point)?, OrbitCondition::closed(zone)) {
-            Ok(proof) if proof.change() == Some(change.kind) => {
-                return Ok(completed(proof, branch, change));
-            }
-            Ok(_) => {}
-            Err(other) => reason = reason.or(Some(other)),
-        }
-    }
-    Err(reason.unwrap_or(OpenOrbit::Duration))
-}
-
-/// A proof with the change of the sequence, and with the orbit in the sequences in which it is not proven itself: what is not
-/// proven there is not stated.
-fn completed(
-    mut proof: OrbitProof,
-    (orbit, point): (&AffineOrbit, &Vector),
-    change: &Change<AffineOrbit>,
-) -> OrbitProof {
-    let margin = &change.margin;
-    let own = SequenceOrbit {
-        condition: proof.condition.clone(),
-        near: proof.near.clone(),
-    };
-    let proven =
-        |sequence: &Sequence, list: &dyn Fn() -> Vec<SequenceOrbit>| match own.near.sequence
-            == *sequence
-        {
-            true => Some(own.clone()),
-            false => {
-                let mut list = list().into_iter();
-                list.find(|one| beyond::prove(&proof, one).is_ok())
-            }
-        };
-    let first = proven(&change.before, &|| beyond::seen_here(orbit, point, margin));
-    let first = first.unwrap_or_else(|| own.clone());
-    let beyond = |after| proven(after, &|| beyond::seen(orbit, point, margin, after));
-    let other = change.after.as_ref().and_then(beyond);
-    let other = other.filter(|one| !one.near.sequence.is_rotation_of(&first.near.sequence));
-    let vanishing = first.condition.watched();
-    let (watch, zone) = vanishing.unwrap_or((margin.watch, margin.zone));
-    proof.changed = Some(Changed {
-        watch,
-        zone,
-        before: first.near.sequence.clone(),
-        after: other.as_ref().map(|one| one.near.sequence.clone()),
-    });
-    let seen = [first].into_iter().chain(other);
-    proof.seen = seen.filter(|one| one.near != proof.near).collect();
-    proof
 }
 
 /// Proves the point next to an orbit in doubles.
@@ -522,169 +401,4 @@ fn halved(half: &OrbitSystem, x: &[Interval]) -> Result<usize, OpenOrbit> {
     let passings = system.passings(&modes, &whole);
     let still: Vec<Moving> = whole.iter().copied().map(Moving::constant).collect();
     Ok(system.inequalities(&modes, &passings, &still, &[])?)
-}
-
-/// Proves a stored statement again, without continuation.
-///
-/// # Errors
-/// The proof fails, or it proves something else.
-pub fn verify(point: &CertifiedPoint<OrbitProof>, proof: &OrbitProof) -> Result<(), RefusedProof> {
-    proven_again(point, proof).map(|_| ())
-}
-
-/// Proves a stored statement again; returns the proof with intervals of it that are no wider than they are proven.
-///
-/// # Errors
-/// The proof fails, or it proves something else.
-pub(crate) fn proven_again(
-    point: &CertifiedPoint<OrbitProof>,
-    proof: &OrbitProof,
-) -> Result<OrbitProof, RefusedProof> {
-    let OrbitProof {
-        posed,
-        condition,
-        near,
-        statement: said,
-        ..
-    } = proof;
-    let open = |open: OpenOrbit| RefusedProof::NoProof(open.to_string());
-    let mut names = posed.system().map_err(open)?.source.parameters.names();
-    if names.nth(posed.parameter) != Some(&point.parameter) {
-        return Err(RefusedProof::Statement("the parameter"));
-    }
-    check_zones(proof)?;
-    check_kind(proof, point.kind)?;
-    let proven = statement(posed, near, condition, Some(said.unique)).map_err(open)?;
-    super::compared("the parameter", said.parameter, proven.parameter)?;
-    super::compared("the period", said.period, proven.period)?;
-    match (said.angle, proven.angle) {
-        (Some(said), Some(proven)) => super::compared("the angle", said, proven)?,
-        (None, None) => {}
-        _ => return Err(RefusedProof::Statement("the angle")),
-    }
-    super::compared_unique(said.unique, proven.unique)?;
-    if said.inequalities != proven.inequalities {
-        return Err(RefusedProof::Statement("the number of inequalities"));
-    }
-    if said.outside.is_some() && said.outside != proven.outside {
-        return Err(RefusedProof::Statement(
-            "the number of multipliers outside the unit circle",
-        ));
-    }
-    let mut again = proof.clone();
-    let statement = &mut again.statement;
-    statement.parameter = super::narrowed(said.parameter, proven.parameter);
-    statement.period = super::narrowed(said.period, proven.period);
-    let angles = said.angle.zip(proven.angle);
-    statement.angle = angles.map(|(said, proven)| super::narrowed(said, proven));
-    Ok(again)
-}
-
-/// Refuses zones that are no modes of the system, by their numbers and their names, or have labels that their switches do not give.
-fn check_zones(proof: &OrbitProof) -> Result<(), RefusedProof> {
-    let open = |open: OpenOrbit| RefusedProof::NoProof(open.to_string());
-    let system = proof.posed.system().map_err(open)?;
-    let seen = proof.seen.iter().map(|seen| &seen.near.sequence);
-    let changed = proof.changed.iter();
-    let changed = changed.flat_map(|changed| [&changed.before].into_iter().chain(&changed.after));
-    let sequences = [&proof.near.sequence]
-        .into_iter()
-        .chain(seen)
-        .chain(changed);
-    let zones: Vec<&Zone> = sequences.flat_map(|sequence| &sequence.0).collect();
-    let PosedOrbit {
-        values,
-        parameter,
-        units,
-        ..
-    } = &proof.posed;
-    let near = (Interval::point(proof.near.parameter), units.parameter);
-    let needed = Needed::new(values, *parameter, near, zones.iter().copied());
-    let (_, modes) = Structure::of(system, &needed).map_err(open)?;
-    let is_mode = |zone: &Zone| {
-        let way = zone.way.map(|way| [way.guard, way.exit]);
-        let label = way.and_then(|way| modes.label(zone.mode, way));
-        modes.modes.get(zone.mode).is_some()
-            && system.mode_name(zone.mode) == zone.name
-            && zone.has_label(label)
-    };
-    match zones.into_iter().all(is_mode) {
-        true => Ok(()),
-        false => Err(RefusedProof::Statement("the name of a zone")),
-    }
-}
-
-/// Proves that the sequence changes from the one that is stated, by what is stated to vanish there, to the other, if there is one: in
-/// each of them the orbit of the event is proven.
-fn check_change(proof: &OrbitProof, changed: &Changed) -> Result<(), RefusedProof> {
-    let Changed {
-        watch,
-        zone,
-        before,
-        after,
-    } = changed;
-    let refused = || RefusedProof::Statement("the change of the sequence");
-    let mut sides = [before].into_iter().chain(after);
-    let is_none = |after: &Sequence| after.is_rotation_of(before);
-    if !sides.clone().any(|one| *one == proof.near.sequence) || after.as_ref().is_some_and(is_none)
-    {
-        return Err(refused());
-    }
-    let condition = match *before == proof.near.sequence {
-        true => Some(&proof.condition),
-        false => {
-            let mut seen = proof.seen.iter();
-            let there = seen.find(|seen| seen.near.sequence == *before);
-            there.map(|seen| &seen.condition)
-        }
-    };
-    let vanishing = condition.and_then(OrbitCondition::watched);
-    if vanishing != Some((*watch, *zone)) {
-        return Err(refused());
-    }
-    for seen in &proof.seen {
-        beyond::prove(proof, seen).map_err(|reason| RefusedProof::NoProof(reason.to_string()))?;
-    }
-    let is_proven = |side: &Sequence| {
-        let mut seen = proof.seen.iter();
-        *side == proof.near.sequence || seen.any(|seen| seen.near.sequence == *side)
-    };
-    match sides.all(is_proven) {
-        true => Ok(()),
-        false => Err(refused()),
-    }
-}
-
-/// Whether the type of an event follows from what vanishes there.
-fn check_kind(proof: &OrbitProof, said: EventType) -> Result<(), RefusedProof> {
-    let OrbitProof {
-        posed,
-        condition,
-        changed,
-        near,
-        ..
-    } = proof;
-    let open = |open: OpenOrbit| RefusedProof::NoProof(open.to_string());
-    if changed.is_none() && !proof.seen.is_empty() {
-        return Err(RefusedProof::Statement("the change of the sequence"));
-    }
-    let found = match (condition, changed.as_ref()) {
-        // of a value the certificate does not say who asked for it
-        (OrbitCondition::Value(_), None) if said == EventType::EP => EventType::EP,
-        (OrbitCondition::Value(_), None) => EventType::UZ,
-        (OrbitCondition::Fold, None) => EventType::LP,
-        (OrbitCondition::Doubling, None) => EventType::PD,
-        (OrbitCondition::Branching, None) => EventType::BP,
-        (OrbitCondition::Torus { .. }, None) => EventType::NS,
-        (OrbitCondition::Margin { .. }, Some(changed)) => {
-            check_change(proof, changed)?;
-            let (system, _) = OrbitSystem::new(posed, near, condition).map_err(open)?;
-            system.change().ok_or_else(|| open(OpenOrbit::Kind))?
-        }
-        _ => return Err(RefusedProof::Statement("the change of the sequence")),
-    };
-    match found == said {
-        true => Ok(()),
-        false => Err(RefusedProof::Kind { said, found }),
-    }
 }

@@ -13,6 +13,7 @@ use super::critical::NullVector;
 use super::enclosure::Enclosure;
 use super::exact::NamePolynomial;
 use super::flow::{IntervalExponential, IntervalFlow};
+use super::guess::stretches;
 use super::modes::{IntervalModes, Structure};
 use super::products::Needed;
 use super::zeros::{Facts, InequalityEvent, VanishingForm};
@@ -137,26 +138,6 @@ pub struct OrbitSegment {
     pub end: SegmentEnd,
 }
 
-/// A span of some stretches that no switch lies between.
-pub struct SmoothSpan {
-    pub stretches: Vec<usize>,
-    /// Time at which it begins, from the entry of the first of them.
-    pub from: Interval,
-    /// That at which it ends, unless with the last of them.
-    pub until: Option<Interval>,
-}
-
-impl SmoothSpan {
-    /// All of them.
-    pub fn whole(stretches: Vec<usize>) -> SmoothSpan {
-        SmoothSpan {
-            stretches,
-            from: Interval::ZERO,
-            until: None,
-        }
-    }
-}
-
 /// How the equations of one sequence are written: those at two ends of an arc alike.
 #[derive(Clone, Debug, Default)]
 pub struct Layout {
@@ -209,12 +190,6 @@ pub struct OrbitSystem<'a> {
 
 /// A zone that closes has no duration in doubles but for this share of the unit of time.
 const ROUNDING: f64 = 1e-9;
-/// A step spans no more than this of the time scale of its mode.
-const LONGEST: f64 = 4.0;
-/// More unknowns of an orbit than this are not covered: a pair on the unit circle has three times as many, in dense
-/// matrices, which takes a minute.
-const MOST_UNKNOWNS: f64 = 1000.0;
-
 /// A stretch in intervals.
 pub struct Passing {
     pub flow: IntervalFlow,
@@ -407,81 +382,6 @@ impl<'a> OrbitSystem<'a> {
             .collect()
     }
 
-    /// The orbit without what belongs to an event, with zones cut as in other equations: a zone that is cut here is not
-    /// cut there.
-    pub fn carried(&self, x: &[Interval], to: &OrbitSystem) -> Option<Vec<Interval>> {
-        let own = |index: usize| {
-            let zone = to.stretches[index].zone;
-            let own = 0..self.stretches.len();
-            let own = own.filter(|own| self.stretches[*own].zone == zone);
-            SmoothSpan::whole(own.collect())
-        };
-        self.carried_by(x, to, &own)
-    }
-
-    /// The orbit in other equations, each stretch of which is this span of this one.
-    pub fn carried_by(
-        &self,
-        x: &[Interval],
-        to: &OrbitSystem,
-        own: &dyn Fn(usize) -> SmoothSpan,
-    ) -> Option<Vec<Interval>> {
-        let modes = self.enclosed(x[self.parameter()]).ok()?;
-        let mut parts: Vec<Vec<Interval>> = Vec::new();
-        for (index, stretch) in to.stretches.iter().enumerate() {
-            let mut carried = Vec::new();
-            let span = own(index);
-            let own = &span.stretches;
-            if own.is_empty() {
-                parts.push(carried);
-                continue;
-            }
-            let time = match span.until {
-                Some(until) => until,
-                None => self.time(own, x),
-            } - span.from;
-            let flow = IntervalFlow::new(&modes.modes.get(stretch.mode)?.matrix);
-            let steps = Interval::point(to.steps[index] as f64);
-            for step in 0..=to.steps[index] {
-                let mut rest = span.from + time * Interval::point(step as f64) / steps;
-                let mut part = *own.first()?;
-                for next in &own[1..] {
-                    let before = x[self.duration(part)];
-                    if rest.middle() > before.middle() {
-                        rest = rest - before;
-                        part = *next;
-                    }
-                }
-                // from the nearest place before it
-                let length = x[self.duration(part)] / Interval::point(self.steps[part] as f64);
-                let node = (rest.middle() / length.middle() + 0.5).floor().max(0.0) as usize;
-                let node = node.min(self.steps[part]);
-                let y = &x[self.node(part, node)..][..self.width()];
-                let rest = rest - length * Interval::point(node as f64);
-                let halvings = flow.parts(rest);
-                let whole = (0..halvings).fold(flow.part(rest, halvings), |part, _| part.doubled());
-                let z = self.lift(y);
-                let states = whole.at[..self.exact.states].iter();
-                carried.extend(states.map(|row| super::flow::dot(row, &z)));
-                if self.is_forced() {
-                    carried.push(y[self.exact.states] + modes.omega.value * rest);
-                }
-            }
-            carried.push(time);
-            parts.push(carried);
-        }
-        to.bridge(&mut parts, x[self.parameter()])?;
-        let mut carried = parts.concat();
-        carried.push(x[self.parameter()]);
-        Some(carried)
-    }
-
-    /// The time that some stretches take together.
-    pub fn time(&self, stretches: &[usize], x: &[Interval]) -> Interval {
-        let times = stretches.iter().map(|index| x[self.duration(*index)]);
-        times.fold(Interval::ZERO, |sum, time| sum + time)
-    }
-
     pub fn is_forced(&self) -> bool {
         self.system.source.forcing.is_some()
     }
@@ -539,212 +439,9 @@ impl<'a> OrbitSystem<'a> {
         turned
     }
 
-    /// The unknowns in doubles, and the numbers of steps.
-    fn guess(
-        &mut self,
-        near: &NearOrbit,
-        modes: &IntervalModes<Enclosure>,
-        condition: &OrbitCondition,
-        least: &[usize],
-    ) -> Result<Vec<f64>, OpenOrbit> {
-        let mut guess = Vec::new();
-        let mut carried: Option<(Vec<f64>, f64)> = None;
-        for (index, stretch) in self.stretches.iter().enumerate() {
-            let zone = &near.zones[stretch.zone];
-            let time = match condition {
-                OrbitCondition::Margin {
-                    watch: Watch::Inside(_),
-                    zone: cut,
-                    time,
-                } if *cut == stretch.zone => {
-                    // the part before the touch comes first
-                    if carried.is_none() {
-                        *time
-                    } else {
-                        zone.duration - time
-                    }
-                }
-                _ => zone.duration,
-            };
-            let flow = IntervalFlow::new(&modes.modes[stretch.mode].matrix);
-            let fewest = least.get(index).map_or(1.0, |steps| *steps as f64);
-            let steps = (flow.norm * time / LONGEST).ceil().max(fewest);
-            let before: usize = self.steps.iter().sum();
-            if (steps + before as f64) * self.width() as f64 > MOST_UNKNOWNS {
-                return Err(OpenOrbit::Long);
-            }
-            let (mut state, mut phase) = match carried.take() {
-                Some(end) => end,
-                None => (zone.state.clone(), zone.phase),
-            };
-            let step = time / steps;
-            let halvings = flow.parts(Interval::point(step));
-            let part = flow.part(Interval::point(step), halvings);
-            let whole = (0..halvings).fold(part, |part, _| part.doubled());
-            self.steps.push(steps as usize);
-            let forced = self.is_forced();
-            for node in 0..=steps as usize {
-                guess.extend(&state);
-                if forced {
-                    guess.push(phase);
-                }
-                if node < steps as usize {
-                    let y: Vec<Interval> = state
-                        .iter()
-                        .chain([&phase])
-                        .copied()
-                        .map(Interval::point)
-                        .collect();
-                    let z: Vec<f64> = self.lift(&y).iter().map(|z| z.middle()).collect();
-                    state = times(&whole, &z);
-                    state.truncate(self.exact.states);
-                    phase += modes.omega.value.middle() * step;
-                }
-            }
-            guess.push(time);
-            if let SegmentEnd::Touch { .. } = stretch.end {
-                carried = Some((state, phase));
-            }
-        }
-        guess.push(near.parameter);
-        match guess.iter().all(|x| x.is_finite()) {
-            true => Ok(guess),
-            false => Err(OpenOrbit::NotEnclosed),
-        }
-    }
-
-    /// Units of the unknowns.
-    pub fn units(&self, guess: &[f64]) -> Vec<f64> {
-        let Scales {
-            states,
-            time,
-            parameter,
-            ..
-        } = &self.posed.units;
-        let mut units = Vec::with_capacity(guess.len());
-        for steps in &self.steps {
-            for _ in 0..=*steps {
-                units.extend(states);
-                if self.is_forced() {
-                    units.push(1.0);
-                }
-            }
-            units.push(*time);
-        }
-        units.push(*parameter);
-        let orbit = units.len() - 1;
-        let Some(critical) = &self.critical else {
-            return units;
-        };
-        for direction in 0..critical.directions() {
-            let from = critical.first(direction);
-            let of = |index: usize| guess[from + index].abs() / units[index];
-            let size = (0..orbit).map(of).fold(0.0, f64::max);
-            let own: Vec<f64> = units[..orbit].iter().map(|unit| unit * size).collect();
-            units.extend(own);
-        }
-        units.resize(guess.len(), 1.0);
-        units
-    }
-
-    /// An orbit in doubles from the unknowns, and the condition with its own.
-    pub fn near(&self, near: &NearOrbit, guess: &[f64]) -> (NearOrbit, OrbitCondition) {
-        let states = self.exact.states;
-        let mut condition = self.condition.clone();
-        let half = near.zones.len() / 2;
-        let zone = |index: usize, at: &ZonePoint| {
-            let later = self.half && index >= half;
-            let zone = if later { index - half } else { index };
-            let parts = self.stretches.iter().enumerate();
-            let parts: Vec<usize> = parts
-                .filter(|(_, stretch)| stretch.zone == zone)
-                .map(|(index, _)| index)
-                .collect();
-            let Some(first) = parts.first().map(|first| self.node(*first, 0)) else {
-                return at.clone();
-            };
-            let sign = if later { -1.0 } else { 1.0 };
-            let turn = if later { self.turns().middle() } else { 0.0 };
-            let state = guess[first..first + states].iter();
-            ZonePoint {
-                state: state.map(|x| sign * x).collect(),
-                duration: parts.iter().map(|part| guess[self.duration(*part)]).sum(),
-                phase: if self.is_forced() {
-                    guess[first + states] + turn
-                } else {
-                    0.0
-                },
-            }
-        };
-        let zones = near.zones.iter().enumerate();
-        match (&mut condition, &self.critical) {
-            (
-                OrbitCondition::Margin {
-                    watch: Watch::Inside(_),
-                    zone,
-                    time,
-                },
-                _,
-            ) => {
-                let mut parts = self.stretches.iter().enumerate();
-                let first = parts.find(|(_, stretch)| stretch.zone == *zone);
-                if let Some((first, _)) = first {
-                    *time = guess[self.duration(first)];
-                }
-            }
-            (OrbitCondition::Torus { angle }, Some(_)) => {
-                *angle = guess.last().copied().unwrap_or(*angle);
-            }
-            _ => {}
-        }
-        let near = NearOrbit {
-            sequence: near.sequence.clone(),
-            zones: zones.map(|(index, at)| zone(index, at)).collect(),
-            parameter: guess[self.parameter()],
-        };
-        (near, condition)
-    }
-
     /// Turns of the phase in a cycle, or in half of it.
     pub fn turns(&self) -> Interval {
         let halves = if self.half { 1.0 } else { 2.0 };
         PI * Interval::point(halves * f64::from(self.posed.periods))
     }
-}
-
-/// A step of z in doubles.
-pub fn times(step: &IntervalExponential, z: &[f64]) -> Vec<f64> {
-    let row = |row: &Vec<Interval>| row.iter().zip(z).map(|(e, z)| e.middle() * z).sum();
-    step.at.iter().map(row).collect()
-}
-
-/// The zones of an orbit, one of them cut where the condition says so.
-fn stretches(near: &NearOrbit, condition: &OrbitCondition) -> Result<Vec<OrbitSegment>, OpenOrbit> {
-    let mut stretches = Vec::new();
-    for (zone, at) in near.sequence.0.iter().enumerate() {
-        let end = match at.way {
-            Some(way) => SegmentEnd::Exit {
-                guard: way.guard,
-                exit: way.exit,
-            },
-            None if near.sequence.len() == 1 => SegmentEnd::Never,
-            None => return Err(OpenOrbit::Sequence),
-        };
-        let mode = at.mode;
-        if let OrbitCondition::Margin {
-            watch: Watch::Inside(guard),
-            zone: cut,
-            time,
-        } = condition
-            && *cut == zone
-        {
-            if !(*time > 0.0 && *time < near.zones.get(zone).map_or(0.0, |at| at.duration)) {
-                return Err(OpenOrbit::Sequence);
-            }
-            let end = SegmentEnd::Touch { guard: *guard };
-            stretches.push(OrbitSegment { zone, mode, end });
-        }
-        stretches.push(OrbitSegment { zone, mode, end });
-    }
-    Ok(stretches)
 }

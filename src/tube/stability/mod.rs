@@ -10,6 +10,7 @@ mod boundary;
 pub mod characteristic;
 mod course;
 mod crossing;
+pub(crate) mod crossing_search;
 mod dual;
 pub mod eigenfunction;
 mod material;

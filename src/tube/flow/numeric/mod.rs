@@ -2,6 +2,7 @@
 
 pub mod collocation;
 pub mod equations;
+mod gauss;
 pub(crate) mod series;
 pub mod shooting;
 
