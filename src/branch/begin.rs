@@ -253,6 +253,12 @@ pub(super) fn begin(
         begun.wave = begun.wave.with_method(method);
         begun.point = polish(&begun.wave, &begun.point)?;
     }
+    check_count(problem, &begun)?;
+    Ok(begun)
+}
+
+/// Refuses a window with more eigenvalues than a spectrum may take in.
+fn check_count(problem: &Problem, begun: &Begun) -> Result<(), RunError> {
     if let Some(request) = problem.request() {
         let zones = begun.wave.unpack(&begun.point);
         let period: f64 = zones.iter().map(|zone| zone.duration).sum();
@@ -265,7 +271,7 @@ pub(super) fn begin(
             }));
         }
     }
-    Ok(begun)
+    Ok(())
 }
 
 /// The vertical family at the Hopf point of steady sliding.

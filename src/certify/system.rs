@@ -265,16 +265,7 @@ impl<'a> WaveSystem<'a> {
             }
             system.steps.push(steps);
         }
-        if let WaveCondition::Margin { watch, zone, time } = condition {
-            let duration = near.zones.get(*zone)?[2];
-            if is_inside(*watch) {
-                let steps = system.steps[*zone];
-                let step = duration / steps as f64;
-                let index = ((time / step).floor().max(0.0) as usize).min(steps - 1);
-                system.minimum = Some(index);
-                guess.push(time - index as f64 * step);
-            }
-        }
+        system.touch(&mut guess)?;
         guess.extend([0.0, near.parameter]);
         system.waves = guess.len();
         if *condition == WaveCondition::Fold {
@@ -285,6 +276,21 @@ impl<'a> WaveSystem<'a> {
         }
         guess.extend(system.crossing_near(&guess)?);
         Some((system, guess))
+    }
+
+    /// The step in which a margin is least, and the time from its beginning, of an event inside a zone.
+    fn touch(&mut self, guess: &mut Vec<f64>) -> Option<()> {
+        if let WaveCondition::Margin { watch, zone, time } = &self.condition {
+            let duration = self.near.zones.get(*zone)?[2];
+            if is_inside(*watch) {
+                let steps = self.steps[*zone];
+                let step = duration / steps as f64;
+                let index = ((time / step).floor().max(0.0) as usize).min(steps - 1);
+                self.minimum = Some(index);
+                guess.push(time - index as f64 * step);
+            }
+        }
+        Some(())
     }
 
     /// A zone that is touched inside is cut so finely that the touch and the ends lie in different steps.

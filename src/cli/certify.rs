@@ -213,16 +213,7 @@ fn verify(path: &Path, quiet: bool) -> Result<VerbExit, VerbFailure> {
         Read::Orbits(certificate) => certificate.points.is_empty(),
         Read::Equilibria(certificate) => certificate.points.is_empty(),
     };
-    let belongs = match (&read, &problem) {
-        (_, None) => true,
-        (Read::Waves(_), Some((Any::Tube(problem), _))) => problem.continuation.is_some(),
-        (Read::Waves(_), _) | (_, Some((Any::Tube(_), _))) => false,
-        (read, Some((Any::System(problem), _))) => {
-            problem.continuation.is_some()
-                && !(problem.orbit.is_none() && problem.equilibrium.is_none())
-                && matches!(read, Read::Equilibria(_)) == problem.equilibrium.is_some()
-        }
-    };
+    let belongs = belongs(&read, problem.as_ref());
     match (read, &problem) {
         _ if is_empty => said_of_all("nothing is stated", quiet),
         _ if !belongs => said_of_all("it is not that of the problem file", quiet),
@@ -275,6 +266,20 @@ fn verify(path: &Path, quiet: bool) -> Result<VerbExit, VerbFailure> {
                 rules,
                 equilibrium::proven_again,
             )
+        }
+    }
+}
+
+/// Whether a certificate states what a branch of this problem may have.
+fn belongs(read: &Read, problem: Option<&(Any, String)>) -> bool {
+    match (read, problem) {
+        (_, None) => true,
+        (Read::Waves(_), Some((Any::Tube(problem), _))) => problem.continuation.is_some(),
+        (Read::Waves(_), _) | (_, Some((Any::Tube(_), _))) => false,
+        (read, Some((Any::System(problem), _))) => {
+            problem.continuation.is_some()
+                && !(problem.orbit.is_none() && problem.equilibrium.is_none())
+                && matches!(read, Read::Equilibria(_)) == problem.equilibrium.is_some()
         }
     }
 }

@@ -111,38 +111,7 @@ pub(crate) fn plot(arguments: &PlotArguments) -> Result<VerbExit, VerbFailure> {
                 return plot_orbits(arguments, &store?, *problem, format);
             }
             Some(Any::System(problem)) => {
-                let store = store?;
-                return match kind {
-                    Some(FolderKind::Scan) => {
-                        let over = arguments.over.as_deref();
-                        if let Some(run) = over {
-                            of_parameter(run, &problem)?;
-                        }
-                        let state = arguments.y.as_deref();
-                        if state.is_some() {
-                            refuse_drawn(arguments, &store, format)?;
-                        }
-                        let shown = (over, state);
-                        list(&pictures::scan::draw(&store, &problem, shown, format)?)
-                    }
-                    Some(FolderKind::Map) => {
-                        let picture = pictures::map::of_system(store.path(), &problem);
-                        let mut named = vec![(FolderKind::Map.name().to_owned(), picture)];
-                        if problem.map.as_ref().is_some_and(|map| map.shares.is_some()) {
-                            let shares = pictures::shares::picture(store.path(), &problem);
-                            named.push((layout::SHARES_PICTURE.to_owned(), shares));
-                        }
-                        list(&pictures::put(&store, None, format, named)?)
-                    }
-                    Some(FolderKind::Simulation) => {
-                        list(&pictures::motion::draw(&store, &problem, format)?)
-                    }
-                    Some(FolderKind::Accuracy) => {
-                        let title = problem.title.as_deref();
-                        list(&pictures::draw_accuracy(&store, title, format)?)
-                    }
-                    _ => Err(Usage::Unpictured(folder.clone()).into()),
-                };
+                return plot_system(arguments, &store?, &problem, format);
             }
             known => known.and_then(Any::tube),
         },
@@ -171,6 +140,44 @@ pub(crate) fn plot(arguments: &PlotArguments) -> Result<VerbExit, VerbFailure> {
         }
     }
     list(&pictures::draw(&store, problem.as_ref(), format)?)
+}
+
+/// The pictures of what is no branch of a system.
+fn plot_system(
+    arguments: &PlotArguments,
+    store: &Store,
+    problem: &SystemProblem,
+    format: Format,
+) -> Result<VerbExit, VerbFailure> {
+    match store.kind() {
+        Some(FolderKind::Scan) => {
+            let over = arguments.over.as_deref();
+            if let Some(run) = over {
+                of_parameter(run, problem)?;
+            }
+            let state = arguments.y.as_deref();
+            if state.is_some() {
+                refuse_drawn(arguments, store, format)?;
+            }
+            let shown = (over, state);
+            list(&pictures::scan::draw(store, problem, shown, format)?)
+        }
+        Some(FolderKind::Map) => {
+            let picture = pictures::map::of_system(store.path(), problem);
+            let mut named = vec![(FolderKind::Map.name().to_owned(), picture)];
+            if problem.map.as_ref().is_some_and(|map| map.shares.is_some()) {
+                let shares = pictures::shares::picture(store.path(), problem);
+                named.push((layout::SHARES_PICTURE.to_owned(), shares));
+            }
+            list(&pictures::put(store, None, format, named)?)
+        }
+        Some(FolderKind::Simulation) => list(&pictures::motion::draw(store, problem, format)?),
+        Some(FolderKind::Accuracy) => {
+            let title = problem.title.as_deref();
+            list(&pictures::draw_accuracy(store, title, format)?)
+        }
+        _ => Err(Usage::Unpictured(arguments.folder.clone()).into()),
+    }
 }
 
 /// The pictures of a branch of orbits: those asked for, one view, or the diagram.

@@ -137,17 +137,7 @@ fn simulate_tube(task: &Task, problem: Problem, text: String) -> Result<VerbExit
     let section = problem.simulation(&text, &name)?;
     let (model, wave) = beginning(task, &problem, &text, section)?;
     let out = task.folder("_simulation");
-    let begun = Course::begin(section, &model, problem.wave.mode, wave);
-    let mut course = begun.map_err(|reason| match reason {
-        NoCourse::Motion(error) => {
-            let (path, help) = error.about();
-            problem::refuse_at(&text, &name, path, error.to_string(), help).into()
-        }
-        reason => VerbFailure::from(Usage::Simulation {
-            file: name.clone(),
-            reason,
-        }),
-    })?;
+    let mut course = begun(&problem, section, &model, wave, (&text, &name))?;
     let store = task.open(&out, FolderKind::Simulation, &problem)?;
     let mut folder = open(store, &problem, &mut course)?;
     interrupt::progress_is_kept();
@@ -213,8 +203,37 @@ fn simulate_tube(task: &Task, problem: Problem, text: String) -> Result<VerbExit
         folder.table(GROWTH, &eigenvalues)?;
     }
     pictures::draw(folder.store(), Some(&problem), Format::Svg)?;
-    let (motion, taken) = (course.motion(), course.taken());
     let mut text = report(&measures, &eigenvalues, course.samples());
+    text.push_str(&remarks(&course, section.duration, &unresolved, seconds));
+    task.say(&titled(problem.title.as_deref(), &text), "results", &out)?;
+    Ok(VerbExit::Done)
+}
+
+/// The simulation that a problem asks for; what its model refuses is shown in the text.
+fn begun(
+    problem: &Problem,
+    section: &Simulation,
+    model: &Model,
+    wave: Option<Profile>,
+    (text, name): (&str, &str),
+) -> Result<Course, VerbFailure> {
+    let begun = Course::begin(section, model, problem.wave.mode, wave);
+    begun.map_err(|reason| match reason {
+        NoCourse::Motion(error) => {
+            let (path, help) = error.about();
+            problem::refuse_at(text, name, path, error.to_string(), help).into()
+        }
+        reason => VerbFailure::from(Usage::Simulation {
+            file: name.to_owned(),
+            reason,
+        }),
+    })
+}
+
+/// What is to be said of the run beside its measures.
+fn remarks(course: &Course, duration: f64, unresolved: &[usize], seconds: f64) -> String {
+    let (motion, taken) = (course.motion(), course.taken());
+    let mut text = String::new();
     // writing to a string does not fail
     for sector in unresolved {
         let _ = writeln!(
@@ -226,7 +245,7 @@ fn simulate_tube(task: &Task, problem: Problem, text: String) -> Result<VerbExit
         let _ = writeln!(
             text,
             "the last sample is at the end, t = {}, {:.3e} after the one before; measures leave it out",
-            section.duration,
+            duration,
             course.rest()
         );
     }
@@ -239,8 +258,7 @@ fn simulate_tube(task: &Task, problem: Problem, text: String) -> Result<VerbExit
             motion.time_step()
         );
     }
-    task.say(&titled(problem.title.as_deref(), &text), "results", &out)?;
-    Ok(VerbExit::Done)
+    text
 }
 
 /// The folder of a simulation that begins, or of one that goes on.

@@ -185,6 +185,12 @@ fn sliding(arguments: &SteadyArguments, mut problem: Problem) -> Result<VerbExit
         pictures::save(file, &problem, drawn)?;
     }
     print(&summary::table(text, arguments.csv, &SHOWN))?;
+    warn_of(&modes, [reduced, full], last);
+    Ok(VerbExit::Done)
+}
+
+/// Warns of a mode asked for last that goes first, and of radial problems that are not converged.
+fn warn_of(modes: &[SteadyMode], [reduced, full]: [Option<usize>; 2], last: u32) {
     for (found, what) in [(reduced, "in the reduced model"), (full, "of the tube")] {
         if found.is_some_and(|index| index + 1 == modes.len() && modes.len() > 1) {
             warn(&format!(
@@ -206,5 +212,4 @@ fn sliding(arguments: &SteadyArguments, mut problem: Problem) -> Result<VerbExit
             unconverged.join(", ")
         ));
     }
-    Ok(VerbExit::Done)
 }

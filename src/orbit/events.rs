@@ -243,9 +243,25 @@ pub(super) fn located<O: Orbit>(
         .collect();
     // where a branch meets the middle of another one its parameter is stationary, and that is no fold
     let fold = fold.filter(|fold| !crossings.iter().any(|one| is_turn(orbit, step, fold, one)));
-    // where branches cross the equations are singular: changes of stability are told with any error, since shorter
-    // steps only come nearer
-    for (place, LocatedEvent { event, uncertainty }) in fold.iter().chain(&changes) {
+    check_uncertainty(orbit, step, fold.iter().chain(&changes))?;
+    let monitors = at_monitors(orbit, monitors, step, &changes).ok_or(OrbitRefusal::NotFound)?;
+    let nothing = fold.is_none() && changes.is_empty() && crossings.is_empty();
+    let unseen = told
+        .filter(|_| nothing)
+        .and_then(|told| told.unseen(orbit, step));
+    let exact = fold.into_iter().chain(targets).chain(monitors);
+    let all = exact.chain(changes).chain(crossings);
+    Ok(all.chain(unseen).collect())
+}
+
+/// Refuses a step with a fold or a change that is known too badly. Where branches cross the equations are singular: changes of
+/// stability are told with any error, since shorter steps only come nearer.
+fn check_uncertainty<'a, O: Orbit + 'a>(
+    orbit: &O,
+    step: &Step<O>,
+    located: impl Iterator<Item = &'a (Place, LocatedEvent<O>)>,
+) -> Result<(), OrbitRefusal<O>> {
+    for (place, LocatedEvent { event, uncertainty }) in located {
         if matches!(event, BranchEvent::Image(..)) {
             continue;
         }
@@ -260,14 +276,7 @@ pub(super) fn located<O: Orbit>(
             });
         }
     }
-    let monitors = at_monitors(orbit, monitors, step, &changes).ok_or(OrbitRefusal::NotFound)?;
-    let nothing = fold.is_none() && changes.is_empty() && crossings.is_empty();
-    let unseen = told
-        .filter(|_| nothing)
-        .and_then(|told| told.unseen(orbit, step));
-    let exact = fold.into_iter().chain(targets).chain(monitors);
-    let all = exact.chain(changes).chain(crossings);
-    Ok(all.chain(unseen).collect())
+    Ok(())
 }
 
 /// Whether a fold is a crossing of branches at which the parameter is stationary.

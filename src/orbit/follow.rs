@@ -15,7 +15,7 @@ use super::switch::is_in_family;
 use super::{EventType, Orbit};
 use crate::continuation::arclength::NODES_BEFORE;
 use crate::continuation::locate::retangent;
-use crate::continuation::walk::{Walker};
+use crate::continuation::walk::Walker;
 use crate::continuation::{Node, Steps};
 use crate::linalg::Vector;
 

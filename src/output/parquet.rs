@@ -54,22 +54,7 @@ pub(crate) fn convert(
     let mut reader = csv::Reader::from_path(table)?;
     let names: Vec<String> = reader.headers()?.iter().map(str::to_owned).collect();
     let kinds: Vec<ColumnType> = names.iter().map(|name| kind(name)).collect();
-    let fields = names.iter().zip(&kinds).map(|(name, kind)| {
-        let (physical, converted) = match kind {
-            ColumnType::Integer => (Physical::INT64, ConvertedType::NONE),
-            ColumnType::Number => (Physical::DOUBLE, ConvertedType::NONE),
-            ColumnType::Text => (Physical::BYTE_ARRAY, ConvertedType::UTF8),
-        };
-        let built = Type::primitive_type_builder(name, physical)
-            .with_repetition(Repetition::OPTIONAL)
-            .with_converted_type(converted)
-            .build()?;
-        Ok(Arc::new(built))
-    });
-    let fields = fields.collect::<Result<Vec<_>, ParquetError>>()?;
-    let schema = Type::group_type_builder("table")
-        .with_fields(fields)
-        .build()?;
+    let schema = schema(&names, &kinds)?;
     let created_by = format!("brakewave {}", env!("CARGO_PKG_VERSION"));
     let properties = WriterProperties::builder()
         .set_created_by(created_by)
@@ -123,6 +108,26 @@ pub(crate) fn convert(
     }
     writer.close()?;
     Ok(())
+}
+
+/// The columns with their types: every field may be empty.
+fn schema(names: &[String], kinds: &[ColumnType]) -> Result<Type, ParquetError> {
+    let fields = names.iter().zip(kinds).map(|(name, kind)| {
+        let (physical, converted) = match kind {
+            ColumnType::Integer => (Physical::INT64, ConvertedType::NONE),
+            ColumnType::Number => (Physical::DOUBLE, ConvertedType::NONE),
+            ColumnType::Text => (Physical::BYTE_ARRAY, ConvertedType::UTF8),
+        };
+        let built = Type::primitive_type_builder(name, physical)
+            .with_repetition(Repetition::OPTIONAL)
+            .with_converted_type(converted)
+            .build()?;
+        Ok(Arc::new(built))
+    });
+    let fields = fields.collect::<Result<Vec<_>, ParquetError>>()?;
+    Type::group_type_builder("table")
+        .with_fields(fields)
+        .build()
 }
 
 /// The cells of a column in a group of rows.

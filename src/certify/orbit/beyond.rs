@@ -297,38 +297,7 @@ impl OrbitSystem<'_> {
         if legs.len() != theirs.len() || !legs.iter().zip(&theirs).all(alike) {
             return None;
         }
-        for (index, leg) in legs.iter().enumerate() {
-            let (last, next) = (*leg.last()?, legs[(index + 1) % legs.len()][0]);
-            let facts = &self.facts[last].end;
-            let (led, _) = self.led(last, next);
-            let (begins, there) = (theirs[index][0], *theirs[index].last()?);
-            let (reset, closing) = to.led(there, theirs[(index + 1) % theirs.len()][0]);
-            let OrbitSegment { mode, end, .. } = to.stretches[there];
-            let mode = &self.exact.modes[mode];
-            let ends = match end {
-                SegmentEnd::Exit { guard, .. } => mode.guards[guard].row.clone(),
-                SegmentEnd::Touch { guard } => mode.derivative(&mode.guards[guard].row, 1),
-                SegmentEnd::Never => return None,
-            };
-            let mut pairs = reset.iter().zip(&led);
-            let about = |one: &&VanishingForm| theirs[index].contains(&one.stretch);
-            let mut vanishing = to.vanishing.iter().filter(about);
-            let zero = |one: &VanishingForm| {
-                let row = one.source.row(mode);
-                let (place, facts) = match one.at_end {
-                    true => (there, facts),
-                    false => (begins, &self.facts[leg[0]].entry),
-                };
-                one.stretch == place && row.is_some_and(|row| facts.have(&row))
-            };
-            if !(facts.have(&ends)
-                && closing.iter().all(|row| facts.have(row))
-                && pairs.all(|(a, b)| facts.have(&less(a, b)))
-                && vanishing.all(zero))
-            {
-                return None;
-            }
-        }
+        self.solves(to, &legs, &theirs)?;
         let omega = self.enclosed(x[self.parameter()]).ok()?.omega.value;
         let turn = PI * Interval::point(2.0);
         // from the entry of a stretch to the next turn of the forcing
@@ -364,5 +333,42 @@ impl OrbitSystem<'_> {
             }
         }
         Some(carried)
+    }
+
+    /// Whether formulas say that this orbit solves every switch and every vanishing form of the other equations, leg by leg.
+    fn solves(&self, to: &OrbitSystem, legs: &[Vec<usize>], theirs: &[Vec<usize>]) -> Option<()> {
+        for (index, leg) in legs.iter().enumerate() {
+            let (last, next) = (*leg.last()?, legs[(index + 1) % legs.len()][0]);
+            let facts = &self.facts[last].end;
+            let (led, _) = self.led(last, next);
+            let (begins, there) = (theirs[index][0], *theirs[index].last()?);
+            let (reset, closing) = to.led(there, theirs[(index + 1) % theirs.len()][0]);
+            let OrbitSegment { mode, end, .. } = to.stretches[there];
+            let mode = &self.exact.modes[mode];
+            let ends = match end {
+                SegmentEnd::Exit { guard, .. } => mode.guards[guard].row.clone(),
+                SegmentEnd::Touch { guard } => mode.derivative(&mode.guards[guard].row, 1),
+                SegmentEnd::Never => return None,
+            };
+            let mut pairs = reset.iter().zip(&led);
+            let about = |one: &&VanishingForm| theirs[index].contains(&one.stretch);
+            let mut vanishing = to.vanishing.iter().filter(about);
+            let zero = |one: &VanishingForm| {
+                let row = one.source.row(mode);
+                let (place, facts) = match one.at_end {
+                    true => (there, facts),
+                    false => (begins, &self.facts[leg[0]].entry),
+                };
+                one.stretch == place && row.is_some_and(|row| facts.have(&row))
+            };
+            if !(facts.have(&ends)
+                && closing.iter().all(|row| facts.have(row))
+                && pairs.all(|(a, b)| facts.have(&less(a, b)))
+                && vanishing.all(zero))
+            {
+                return None;
+            }
+        }
+        Some(())
     }
 }

@@ -127,6 +127,17 @@ impl OrbitSystem<'_> {
                 }
             }
         }
+        self.event_equation(&modes, x, &mut terms)?;
+        Ok(terms)
+    }
+
+    /// The equation that singles out the event, where one is enough.
+    fn event_equation<N: Varying>(
+        &self,
+        modes: &IntervalModes<Enclosure>,
+        x: &[N],
+        terms: &mut OrbitResiduals<N>,
+    ) -> Result<(), OpenOrbit> {
         let parameter = self.parameter();
         let value = match self.condition {
             OrbitCondition::Value(value) => Some(value.interval()),
@@ -139,13 +150,13 @@ impl OrbitSystem<'_> {
             let mode = &modes.modes[self.stretches[vanishing.stretch].mode];
             let row = vanishing.source.row(mode).ok_or(OpenOrbit::Sequence)?;
             let place = self.at(x, self.place(vanishing.stretch, vanishing.at_end));
-            self.form(&row, &place, &mut terms);
+            self.form(&row, &place, terms);
         } else if let Some(stretch) = self.closed.first() {
             let duration = self.duration(*stretch);
             terms.put(terms.residual.len(), duration, N::double(1.0));
             terms.residual.push(x[duration]);
         }
-        Ok(terms)
+        Ok(())
     }
 
     fn at<N: Varying>(&self, x: &[N], node: usize) -> OrbitPlace<N> {

@@ -145,6 +145,18 @@ impl OrbitSystem<'_> {
                 }
             }
         }
+        Self::normalised::<D>(critical, x, &mut evaluated);
+        Some(evaluated)
+    }
+
+    /// ⟨ℓ, v⟩ = 1.
+    fn normalised<const D: usize>(
+        critical: &NullVector,
+        x: &[Interval],
+        evaluated: &mut Evaluated,
+    ) {
+        let orbit = critical.orbit;
+        let one = |column: usize, value| std::iter::once((Some(column), value));
         // ⟨ℓ, v⟩ = 1
         let first = orbit * (D + 1);
         evaluated.add(first, -Interval::ONE, std::iter::empty());
@@ -161,7 +173,6 @@ impl OrbitSystem<'_> {
                 }
             }
         }
-        Some(evaluated)
     }
 
     /// Residual and derivatives over intervals of the unknowns.

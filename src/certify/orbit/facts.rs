@@ -264,19 +264,8 @@ impl OrbitSystem<'_> {
                 let exits = &known.guards[guard].exits;
                 let conditions = &exits.get(exit).ok_or(OpenOrbit::Sequence)?.conditions;
                 let z = self.end_of(near, modes, *zone)?;
-                let value = |index: usize| {
-                    let source = FormSource::Condition { guard, exit, index };
-                    let row = source.row(&modes.modes[*mode])?;
-                    let terms = row.iter().zip(&z).map(|(c, z)| (c.value.middle(), *z));
-                    let size: f64 = terms.clone().map(|(c, z)| (c * z).abs()).sum();
-                    Some(terms.map(|(c, z)| c * z).sum::<f64>() / size.max(f64::MIN_POSITIVE))
-                };
                 let open = (0..conditions.len()).filter(|one| !facts.end.have(&conditions[*one]));
-                // the condition that fails most is the last to hold
-                let index = open.min_by(|one, other| {
-                    let both = [one, other].map(|index| value(*index).unwrap_or(f64::NAN));
-                    both[0].total_cmp(&both[1])
-                });
+                let index = Self::last_to_hold(&modes.modes[*mode], (guard, exit), open, &z);
                 let index = index.ok_or(OpenOrbit::Sequence)?;
                 (true, FormSource::Condition { guard, exit, index })
             }
@@ -291,6 +280,26 @@ impl OrbitSystem<'_> {
             Some(_) => Ok(Some(InequalityEvent::Zero(vanishing))),
             None => Err(OpenOrbit::Sequence),
         }
+    }
+
+    /// Of the conditions of an exit the one that fails most: it is the last to hold.
+    fn last_to_hold(
+        mode: &IntervalMode<Enclosure>,
+        (guard, exit): (usize, usize),
+        open: impl Iterator<Item = usize>,
+        z: &[f64],
+    ) -> Option<usize> {
+        let value = |index: usize| {
+            let source = FormSource::Condition { guard, exit, index };
+            let row = source.row(mode)?;
+            let terms = row.iter().zip(z).map(|(c, z)| (c.value.middle(), *z));
+            let size: f64 = terms.clone().map(|(c, z)| (c * z).abs()).sum();
+            Some(terms.map(|(c, z)| c * z).sum::<f64>() / size.max(f64::MIN_POSITIVE))
+        };
+        open.min_by(|one, other| {
+            let both = [one, other].map(|index| value(*index).unwrap_or(f64::NAN));
+            both[0].total_cmp(&both[1])
+        })
     }
 
     /// z at the end of a zone in doubles.

@@ -274,17 +274,7 @@ pub(super) fn picture(tables: &Tables, view: &View) -> Result<Picture, StoreErro
         let place = |name: &&str| bands.iter().position(|band| band.signature == *name);
         signatures[..named].sort_by_key(|name| place(name).unwrap_or(usize::MAX));
     }
-    let colour = |signature: &str| match signature {
-        "" => BLACK,
-        // those that the legend does not name
-        other if signatures.iter().skip(MOST_NAMED).any(|one| *one == other) => GREY,
-        // modes of a user's own have no colour of their own
-        of_modes if sequence(of_modes).contains(&None) => {
-            let place = signatures.iter().position(|known| *known == of_modes);
-            distinct(place.unwrap_or(0))
-        }
-        of_regimes => signature_colour(of_regimes),
-    };
+    let colour = |signature: &str| colour_of(signature, &signatures);
     let short: Vec<String> = signatures.iter().map(|one| short_signature(one)).collect();
     let codes = Codes::of(short.iter().map(String::as_str));
     let mut layers = named_bands(&bands, &signatures, &codes, &colour);
@@ -352,6 +342,21 @@ pub(super) fn picture(tables: &Tables, view: &View) -> Result<Picture, StoreErro
     };
     let y = Axis::new(tables.quantity(column), height);
     Ok(Picture::new(vec![Panel::new(x, y, layers)], legend))
+}
+
+/// The colour of a sequence among those of the diagram, the ones that the legend names first.
+fn colour_of(signature: &str, signatures: &[&str]) -> RGBColor {
+    match signature {
+        "" => BLACK,
+        // those that the legend does not name
+        other if signatures.iter().skip(MOST_NAMED).any(|one| *one == other) => GREY,
+        // modes of a user's own have no colour of their own
+        of_modes if sequence(of_modes).contains(&None) => {
+            let place = signatures.iter().position(|known| *known == of_modes);
+            distinct(place.unwrap_or(0))
+        }
+        of_regimes => signature_colour(of_regimes),
+    }
 }
 
 /// Signatures in the order of their length along the branch, when there are more than the legend names;

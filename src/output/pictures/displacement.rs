@@ -55,22 +55,7 @@ pub(super) fn picture(profiles: &Profiles) -> Picture {
     let changes: Vec<Vec<RegimeChange>> = raised.iter().map(Raised::changes).collect();
     let point = Mark::new(MarkShape::Circle, 2.6, BLACK);
 
-    let base = Pen::solid(mix(WHITE, GREY, 0.45), 1.2);
-    let bases = (0..shown.len()).map(|index| Layer::Across(index as f64, base));
-    let mut layers: Vec<Layer> = bases.chain(loci(&changes)).collect();
-    // From the top down: a high gap stands before the profile above it.
-    for (one, changes) in raised.iter().zip(&changes).rev() {
-        for zone in one.profile.zones() {
-            if zone.regime == Some(Regime::Separation) {
-                let gap = one.points[zone.samples.clone()].to_vec();
-                layers.push(Layer::Area(gap, colours::of_zone(zone.regime)));
-            }
-            let pen = Pen::solid(colours::of_regime(zone.regime), 2.6);
-            layers.push(Layer::Line(one.points[zone.samples].to_vec(), pen));
-        }
-        let places = changes.iter().map(|change| change.at).collect();
-        layers.push(Layer::Marks(places, point));
-    }
+    let mut layers = raised_layers(&raised, &changes, point);
     layers.extend(largest.map(|gap| bar(gap, 0.0, scale)));
 
     let heights = raised
@@ -97,13 +82,19 @@ pub(super) fn picture(profiles: &Profiles) -> Picture {
         HEIGHT
     };
 
+    let legend = legend(&shown, largest.is_some(), point);
+    Picture::new(vec![Panel::new(x, y, layers).high(height)], legend)
+}
+
+/// The regimes that occur, and what marks a switching point and a gap.
+fn legend(shown: &[Shown<'_>], has_gap: bool, point: Mark) -> Legend {
     let samples = shown.iter().flat_map(|one| &one.profile.samples);
     let regimes = occurring(samples.map(|sample| sample.regime)).into_iter();
     let apart = (
         Key::Area(colours::of_zone(Some(Regime::Separation))),
         "apart",
     );
-    let apart = largest.map(|_| apart);
+    let apart = has_gap.then_some(apart);
     let mut legend = Legend::default()
         .with(
             "",
@@ -118,10 +109,31 @@ pub(super) fn picture(profiles: &Profiles) -> Picture {
                 .into_iter()
                 .chain(apart),
         );
-    if largest.is_none() {
+    if !has_gap {
         legend = legend.with::<&str>("U = δ throughout: no separation", []);
     }
-    Picture::new(vec![Panel::new(x, y, layers).high(height)], legend)
+    legend
+}
+
+/// The profiles on their base lines, with the loci and places of switches.
+fn raised_layers(raised: &[Raised<'_>], changes: &[Vec<RegimeChange>], point: Mark) -> Vec<Layer> {
+    let base = Pen::solid(mix(WHITE, GREY, 0.45), 1.2);
+    let bases = (0..raised.len()).map(|index| Layer::Across(index as f64, base));
+    let mut layers: Vec<Layer> = bases.chain(loci(changes)).collect();
+    // From the top down: a high gap stands before the profile above it.
+    for (one, changes) in raised.iter().zip(changes).rev() {
+        for zone in one.profile.zones() {
+            if zone.regime == Some(Regime::Separation) {
+                let gap = one.points[zone.samples.clone()].to_vec();
+                layers.push(Layer::Area(gap, colours::of_zone(zone.regime)));
+            }
+            let pen = Pen::solid(colours::of_regime(zone.regime), 2.6);
+            layers.push(Layer::Line(one.points[zone.samples].to_vec(), pen));
+        }
+        let places = changes.iter().map(|change| change.at).collect();
+        layers.push(Layer::Marks(places, point));
+    }
+    layers
 }
 
 /// The profiles in the order of the branch where it turns back between them: only neighbours on

@@ -337,11 +337,24 @@ impl DrawnPlane {
             }
         });
         let mut panels: Vec<Panel> = panels.collect();
-        let [empty, none, not_reached] = self.words;
+        let [empty, ..] = self.words;
         if panels.is_empty() {
             panels.push(panel(Vec::new(), "", HEIGHT).unless(true, empty));
         }
 
+        let legend = self.legend(waves, blanks, &kinds, &starts);
+        Picture::new(panels, legend)
+    }
+
+    /// The colours of kinds, and the marks of points without a wave that are in a panel.
+    fn legend(
+        &self,
+        waves: &[ShownPoint],
+        blanks: &[Blank],
+        kinds: &[(&str, (RGBColor, String))],
+        starts: &[&str],
+    ) -> Legend {
+        let [_, none, not_reached] = self.words;
         // in the colour of the first: greys are what is no orbit
         let example = kinds.first().map_or(BLACK, |(_, (colour, _))| *colour);
         let shades = SHADES
@@ -370,7 +383,7 @@ impl DrawnPlane {
         if waves.iter().any(|wave| !wave.stable.is_empty()) {
             legend = legend.with("stable", shades);
         }
-        Picture::new(panels, legend)
+        legend
     }
 
     /// First passages of the table and points without a wave, in its order, row by row: maps may be long.

@@ -183,7 +183,6 @@ pub(super) struct MultipliersAlong {
 
 /// Multipliers along a branch: in the plane, and their moduli over the parameter. `none` says why there are none.
 pub(super) fn of_branch(along: &MultipliersAlong, parameter: Axis, none: &str) -> Picture {
-    let size = |(_, (re, im)): &(f64, Point)| re.hypot(*im);
     let known = along.leading.iter().chain(&along.labelled).map(size);
     let known: Vec<f64> = known.filter(|size| size.is_finite()).collect();
     if known.is_empty() {
@@ -216,6 +215,38 @@ pub(super) fn of_branch(along: &MultipliersAlong, parameter: Axis, none: &str) -
     let places = along.labelled.iter().map(|(_, place)| *place);
     let inside = places.filter(|place| all.contains(*place)).collect();
     left.push(Layer::Marks(inside, mark));
+    let mut keys = vec![(Key::Mark(mark), "at the labels, all".to_owned())];
+    if along.leading.iter().any(|one| size(one).is_finite()) {
+        keys.insert(
+            0,
+            (
+                Key::Line(path),
+                "along the branch, the leading one".to_owned(),
+            ),
+        );
+    }
+    keys.push((Key::Mark(CROSS), "μ = 1".to_owned()));
+    if largest > FAR {
+        let words = format!("those with |μ| > {FAR} are on the right only");
+        keys.push((Key::Word, words));
+    }
+    let panels = vec![
+        all.panel("Im μ", left),
+        moduli(along, parameter, largest, (path, mark)),
+    ];
+    Picture {
+        beside: true,
+        ..Picture::new(panels, Legend::default().with("", keys))
+    }
+}
+
+/// The moduli over the parameter.
+fn moduli(
+    along: &MultipliersAlong,
+    parameter: Axis,
+    largest: f64,
+    (path, mark): (Pen, Mark),
+) -> Panel {
     let logarithmic = largest > FAR;
     let over = |list: &[(f64, Point)]| -> Vec<Point> {
         let shown = |size: f64| {
@@ -230,7 +261,7 @@ pub(super) fn of_branch(along: &MultipliersAlong, parameter: Axis, none: &str) -
     let marks = over(&along.labelled)
         .into_iter()
         .filter(|place| place.1.is_finite());
-    let right = vec![
+    let layers = vec![
         Layer::Across(1.0, Pen::solid(BLACK, 1.2)),
         Layer::Line(over(&along.leading), path),
         Layer::Marks(marks.collect(), mark),
@@ -239,29 +270,12 @@ pub(super) fn of_branch(along: &MultipliersAlong, parameter: Axis, none: &str) -
         true => Extent::Logarithmic(0.06),
         false => Extent::Fixed(0.0, 1.08 * largest),
     };
-    let mut keys = vec![(Key::Mark(mark), "at the labels, all".to_owned())];
-    if along.leading.iter().any(|one| size(one).is_finite()) {
-        keys.insert(
-            0,
-            (
-                Key::Line(path),
-                "along the branch, the leading one".to_owned(),
-            ),
-        );
-    }
-    keys.push((Key::Mark(CROSS), "μ = 1".to_owned()));
-    if logarithmic {
-        let words = format!("those with |μ| > {FAR} are on the right only");
-        keys.push((Key::Word, words));
-    }
-    let panels = vec![
-        all.panel("Im μ", left),
-        Panel::new(parameter, Axis::new(("", "|μ|"), extent), right),
-    ];
-    Picture {
-        beside: true,
-        ..Picture::new(panels, Legend::default().with("", keys))
-    }
+    Panel::new(parameter, Axis::new(("", "|μ|"), extent), layers)
+}
+
+/// Modulus of a multiplier at a value of the parameter.
+fn size((_, (re, im)): &(f64, Point)) -> f64 {
+    re.hypot(*im)
 }
 
 /// Modulus up to which a plane shows multipliers: beyond it the unit circle is a dot.

@@ -19,7 +19,7 @@
 
 use nalgebra::Complex;
 
-use super::perturbation::{Characteristic, PerturbationJump};
+use super::perturbation::{Characteristic, LinearZone, PerturbationJump};
 use crate::continuation::zero::boundary;
 use crate::tube::model::signature::Regime;
 
@@ -86,18 +86,7 @@ impl HighFrequency {
                     forgotten = true;
                     continue;
                 }
-                let [force, drag] = match &zone.course {
-                    Some(course) => [course.force, course.drag],
-                    None => {
-                        let sigma = zone.regime.sliding().unwrap_or(0.0);
-                        [sigma * characteristic.friction * characteristic.kappa, 0.0]
-                    }
-                };
-                let pushed = force - (characteristic.damping - drag);
-                let y = [0, 1].map(|i| {
-                    let sign = if i == 0 { 1.0 } else { -1.0 };
-                    sign * (pushed * x[i] - force) / (2.0 * q)
-                });
+                let y = Self::rates(characteristic, zone, x, q);
                 for path in &mut paths {
                     path.factor *= (y[path.branch] * zone.duration).exp();
                     path.advance += x[path.branch] * zone.duration;
@@ -141,6 +130,22 @@ impl HighFrequency {
                 .iter()
                 .any(|zone| matches!(zone.jump, PerturbationJump::StaticRelease(_))),
         }
+    }
+
+    /// Rates y₁ and y₂ at which friction and damping change the amplitudes of the two waves in a zone.
+    fn rates(characteristic: &Characteristic, zone: &LinearZone, x: [f64; 2], q: f64) -> [f64; 2] {
+        let [force, drag] = match &zone.course {
+            Some(course) => [course.force, course.drag],
+            None => {
+                let sigma = zone.regime.sliding().unwrap_or(0.0);
+                [sigma * characteristic.friction * characteristic.kappa, 0.0]
+            }
+        };
+        let pushed = force - (characteristic.damping - drag);
+        [0, 1].map(|i| {
+            let sign = if i == 0 { 1.0 } else { -1.0 };
+            sign * (pushed * x[i] - force) / (2.0 * q)
+        })
     }
 
     fn terms(&self) -> impl Iterator<Item = (f64, f64)> + '_ {

@@ -12,7 +12,7 @@ use crate::tube::flow::{FlowError, Slide, SlidingFlow};
 use crate::tube::model::signature::{Regime, Signature, WaveZone, ZoneEntry, paths};
 
 use super::admissibility::{RegimeInequality, RegimeMargin};
-use super::{Flows, Wave};
+use super::{Flows, Wave, WaveAt};
 use crate::orbit::Candidate;
 
 /// New zones tried at one event: two suffice for every codimension-one event of the table, since
@@ -193,7 +193,7 @@ fn from_beginning(mut zones: Vec<CycleZone>) -> Vec<CycleZone> {
 /// Cuts a wave open where a margin is zero.
 fn open(wave: &Wave, point: &Vector, margin: &RegimeMargin) -> Result<Option<CutWave>, FlowError> {
     let zones = wave.signature.0.iter().zip(wave.unpack(point));
-    let mut zones: Vec<CycleZone> = zones
+    let zones: Vec<CycleZone> = zones
         .map(|(&zone, slide)| CycleZone {
             zone,
             slide,
@@ -203,7 +203,6 @@ fn open(wave: &Wave, point: &Vector, margin: &RegimeMargin) -> Result<Option<Cut
     let count = zones.len();
     let index = margin.zone;
     let at = wave.at(point)?;
-    let flows = &at.flows;
     // at the beginning of a zone
     let at_entry = |index: usize, mut zones: Vec<CycleZone>| {
         zones.rotate_left(index % count);
@@ -226,47 +225,7 @@ fn open(wave: &Wave, point: &Vector, margin: &RegimeMargin) -> Result<Option<Cut
             opened
         }
         RegimeInequality::Pressure | RegimeInequality::Rate | RegimeInequality::Gap => {
-            // split: the second part keeps the regime, the first keeps the entry
-            let zone = zones[index].zone;
-            let slide = at.slide(index);
-            let (instant, acceleration) = match zone.regime {
-                Regime::Separation => {
-                    let [_, _, y, w] = flows.separation().state(&slide, margin.time)?;
-                    ([y, w], 0.0)
-                }
-                regime => {
-                    let flow = flows.contact(regime);
-                    let state = flow.state(&slide, margin.time)?;
-                    (state, flow.acceleration(&slide, margin.time, state))
-                }
-            };
-            let rest = slide.duration - margin.time;
-            let first = &mut zones[index].slide;
-            first.duration = margin.time;
-            if zone.regime == Regime::Separation {
-                if let Some(flow) = flows.separation().layered()? {
-                    [first.layer, first.radial] = flow.layers_at(&slide, margin.time);
-                }
-            } else if let SlidingFlow::Material(flow) = flows.contact(zone.regime) {
-                first.layer = slide.layer * (-rest / flow.rho).exp();
-            }
-            zones.rotate_left((index + 1) % count);
-            let second = CycleZone {
-                zone,
-                slide: Slide {
-                    entry: instant,
-                    duration: rest,
-                    ..slide
-                },
-                nascent: false,
-            };
-            zones.insert(0, second);
-            CutWave {
-                zones,
-                instant,
-                acceleration,
-                joined: true,
-            }
+            split(&at, zones, index, margin.time)?
         }
         RegimeInequality::LandingPressure
         | RegimeInequality::Tension
@@ -277,4 +236,55 @@ fn open(wave: &Wave, point: &Vector, margin: &RegimeMargin) -> Result<Option<Cut
         | RegimeInequality::Impulse
         | RegimeInequality::LandingSpeed => at_entry(index + 1, zones)?,
     }))
+}
+
+/// Cuts a zone in two at a time: the second part keeps the regime, the first keeps the entry.
+fn split(
+    at: &WaveAt,
+    mut zones: Vec<CycleZone>,
+    index: usize,
+    time: f64,
+) -> Result<CutWave, FlowError> {
+    let flows = &at.flows;
+    let count = zones.len();
+    let zone = zones[index].zone;
+    let slide = at.slide(index);
+    let (instant, acceleration) = match zone.regime {
+        Regime::Separation => {
+            let [_, _, y, w] = flows.separation().state(&slide, time)?;
+            ([y, w], 0.0)
+        }
+        regime => {
+            let flow = flows.contact(regime);
+            let state = flow.state(&slide, time)?;
+            (state, flow.acceleration(&slide, time, state))
+        }
+    };
+    let rest = slide.duration - time;
+    let first = &mut zones[index].slide;
+    first.duration = time;
+    if zone.regime == Regime::Separation {
+        if let Some(flow) = flows.separation().layered()? {
+            [first.layer, first.radial] = flow.layers_at(&slide, time);
+        }
+    } else if let SlidingFlow::Material(flow) = flows.contact(zone.regime) {
+        first.layer = slide.layer * (-rest / flow.rho).exp();
+    }
+    zones.rotate_left((index + 1) % count);
+    let second = CycleZone {
+        zone,
+        slide: Slide {
+            entry: instant,
+            duration: rest,
+            ..slide
+        },
+        nascent: false,
+    };
+    zones.insert(0, second);
+    Ok(CutWave {
+        zones,
+        instant,
+        acceleration,
+        joined: true,
+    })
 }

@@ -179,26 +179,7 @@ impl Phase {
 
     /// g and n, or D₁, −D₂, D₃ and D₀ (with two conditions D₀, −D₁ and D₂), e^{Σ rT} of the exponents counted from the end taken out.
     fn determinants(&self) -> Value {
-        let mut shapes = ScaledComplex::ONE;
-        for part in &self.parts {
-            let of: &[usize] = match part.zone.regime {
-                Regime::Separation => &[0, 1, 2, 3, 4, 5],
-                _ => &[ETA, RATE, BEND],
-            };
-            let columns = part.shapes.iter().zip(&part.entry).map(|(shape, entry)| {
-                let motion = if shape.origin == 0.0 {
-                    *entry
-                } else {
-                    let entry = MotionShape {
-                        origin: 0.0,
-                        ..*shape
-                    };
-                    entry.at(0.0)
-                };
-                of.iter().map(|&index| motion[index]).collect()
-            });
-            shapes = shapes.times(determinant(columns.collect()));
-        }
+        let shapes = self.shape_determinant();
         let inverse = ComplexDual {
             at: shapes.value,
             by: shapes.derivative,
@@ -208,15 +189,6 @@ impl Phase {
             value: inverse.at,
             derivative: inverse.by,
             exponent: -shapes.exponent,
-        };
-        // of modulus one, for the exponents alone tell how large they are
-        let unit = |of: ScaledComplex| {
-            if of.value == ZERO {
-                return ScaledComplex::ZERO;
-            }
-            let unit = ScaledComplex::normalised(of.value, of.derivative);
-            let exponent = unit.exponent + of.exponent;
-            ScaledComplex { exponent, ..unit }
         };
         let of = |rows: Vec<Vec<ComplexDual>>| determinant(rows).times(inverse);
         if !self.joints.is_empty() {
@@ -235,7 +207,7 @@ impl Phase {
                 let power = &mut powers[choice.count_ones() as usize];
                 *power = power.plus(of(rows));
             }
-            let mut powers = powers.into_iter().map(unit).rev();
+            let mut powers = powers.into_iter().map(Self::unit).rev();
             let mut next = || powers.next().unwrap_or(ScaledComplex::ZERO);
             let [determinant, trace, unit] = [next(), next(), next()];
             return Value {
@@ -257,7 +229,42 @@ impl Phase {
         let mut last = self.end.clone();
         last.push(ComplexDual::constant(0.0));
         bordered.push(last);
-        Value::of_stick([self.rows.clone(), bordered].map(|rows| unit(of(rows))))
+        Value::of_stick([self.rows.clone(), bordered].map(|rows| Self::unit(of(rows))))
+    }
+
+    /// A number of the same exponent and argument, of modulus one: exponents alone tell how large determinants are.
+    fn unit(of: ScaledComplex) -> ScaledComplex {
+        if of.value == ZERO {
+            return ScaledComplex::ZERO;
+        }
+        let unit = ScaledComplex::normalised(of.value, of.derivative);
+        let exponent = unit.exponent + of.exponent;
+        ScaledComplex { exponent, ..unit }
+    }
+
+    /// Π of the determinants of the motions of the zones at their entries.
+    fn shape_determinant(&self) -> ScaledComplex {
+        let mut shapes = ScaledComplex::ONE;
+        for part in &self.parts {
+            let of: &[usize] = match part.zone.regime {
+                Regime::Separation => &[0, 1, 2, 3, 4, 5],
+                _ => &[ETA, RATE, BEND],
+            };
+            let columns = part.shapes.iter().zip(&part.entry).map(|(shape, entry)| {
+                let motion = if shape.origin == 0.0 {
+                    *entry
+                } else {
+                    let entry = MotionShape {
+                        origin: 0.0,
+                        ..*shape
+                    };
+                    entry.at(0.0)
+                };
+                of.iter().map(|&index| motion[index]).collect()
+            });
+            shapes = shapes.times(determinant(columns.collect()));
+        }
+        shapes
     }
 
     /// The conditions with a value of ω.

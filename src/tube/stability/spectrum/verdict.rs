@@ -28,19 +28,7 @@ pub(super) fn verdict(
         return (Stability::No, reasons);
     }
     let beyond = |one: &WaveEigenvalue| one.im.abs() > request.max_frequency;
-    // the fastest growth in lists, sector by sector, beyond the frequencies that count
-    let fastest = |lists: &[&[WaveEigenvalue]]| {
-        let lists = lists.iter().zip(&request.sectors);
-        lists
-            .flat_map(|(list, sector)| list.iter().map(|one| (*sector, one)))
-            .filter(|(_, one)| one.re > spectrum.axis && beyond(one))
-            .max_by(|one, other| one.1.re.total_cmp(&other.1.re))
-            .map(|(sector, one)| VerdictReason::BeyondWindow {
-                re: one.re,
-                im: one.im,
-                sector,
-            })
-    };
+    let fastest = |lists: &[&[WaveEigenvalue]]| fastest(lists, spectrum.axis, request);
     let sectors = spectrum.sectors.iter();
     let lists: Vec<&[WaveEigenvalue]> = sectors.map(|one| one.eigenvalues.as_slice()).collect();
     if let Some(reason) = fastest(&lists) {
@@ -100,6 +88,24 @@ pub(super) fn verdict(
     }
     reasons.push(unsettled);
     (Stability::Undecided, reasons)
+}
+
+/// The fastest growth in lists, sector by sector, beyond the frequencies that count.
+fn fastest(
+    lists: &[&[WaveEigenvalue]],
+    axis: f64,
+    request: &SpectrumRequest,
+) -> Option<VerdictReason> {
+    let lists = lists.iter().zip(&request.sectors);
+    lists
+        .flat_map(|(list, sector)| list.iter().map(|one| (*sector, one)))
+        .filter(|(_, one)| one.re > axis && one.im.abs() > request.max_frequency)
+        .max_by(|one, other| one.1.re.total_cmp(&other.1.re))
+        .map(|(sector, one)| VerdictReason::BeyondWindow {
+            re: one.re,
+            im: one.im,
+            sector,
+        })
 }
 
 /// Most radians that the longest delay may turn in the strip of a verdict, and where friction varies along
