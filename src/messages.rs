@@ -20,7 +20,7 @@ use crate::tube::model::signature::Regime;
 use crate::tube::model::{Impact, Landing};
 use crate::tube::stability::track::Remark;
 use crate::tube::wave::Wave;
-use crate::tube::wave::admissibility::RegimeInequality;
+use crate::tube::wave::admissibility::WaveWatch;
 
 /// What is left of a wave where D = 0.
 const D_ZERO: &str = "D = 0: nothing drives a wave here; what is left is steady sliding with a linear wave \
@@ -261,7 +261,7 @@ impl Told for Wave {
     fn event(change: &Change) -> String {
         let regime = change.before.zone(change.margin.zone).regime;
         let name = regime.name();
-        let closes = change.margin.watch == RegimeInequality::Duration;
+        let closes = change.margin.watch == WaveWatch::Duration;
         match change.kind {
             EventType::GR if closes => "the separation zone closes".into(),
             EventType::GR => {
@@ -280,18 +280,14 @@ impl Told for Wave {
                 }
             }
             _ => match change.margin.watch {
-                RegimeInequality::Gap => "the separated surface touches the shaft".into(),
-                RegimeInequality::Rate => format!("V̇ = 1 is touched inside a {name} zone"),
-                RegimeInequality::LandingRate => "landing passes through V̇ = 1".into(),
-                RegimeInequality::LandingPressure => {
-                    "the pressure after landing reaches zero".into()
-                }
-                RegimeInequality::Tension => {
+                WaveWatch::Gap => "the separated surface touches the shaft".into(),
+                WaveWatch::Rate => format!("V̇ = 1 is touched inside a {name} zone"),
+                WaveWatch::LandingRate => "landing passes through V̇ = 1".into(),
+                WaveWatch::LandingPressure => "the pressure after landing reaches zero".into(),
+                WaveWatch::Tension => {
                     "the tension after a touch reaches zero: contact begins".into()
                 }
-                RegimeInequality::Impulse => {
-                    "the impulse of landing no longer arrests the surface".into()
-                }
+                WaveWatch::Impulse => "the impulse of landing no longer arrests the surface".into(),
                 _ => "two switching points coalesce".into(),
             },
         }
@@ -370,20 +366,16 @@ impl Display for InadmissibleWave {
             });
         };
         let what = match watch {
-            RegimeInequality::Duration => "would have a negative length",
-            RegimeInequality::Pressure | RegimeInequality::LandingPressure => {
-                "would have a negative pressure"
-            }
-            RegimeInequality::Rate | RegimeInequality::LandingRate => "would pass through V̇ = 1",
-            RegimeInequality::Gap => "would penetrate the shaft",
-            RegimeInequality::LandingSpeed => "would land from below",
-            RegimeInequality::Tension => "would stay in contact",
-            RegimeInequality::LowerForce | RegimeInequality::UpperForce => {
-                "would violate the friction law"
-            }
-            RegimeInequality::Impulse => "would land with too small an impulse",
-            RegimeInequality::Release => "would be released into reverse slip",
-            RegimeInequality::Coupling => {
+            WaveWatch::Duration => "would have a negative length",
+            WaveWatch::Pressure | WaveWatch::LandingPressure => "would have a negative pressure",
+            WaveWatch::Rate | WaveWatch::LandingRate => "would pass through V̇ = 1",
+            WaveWatch::Gap => "would penetrate the shaft",
+            WaveWatch::LandingSpeed => "would land from below",
+            WaveWatch::Tension => "would stay in contact",
+            WaveWatch::LowerForce | WaveWatch::UpperForce => "would violate the friction law",
+            WaveWatch::Impulse => "would land with too small an impulse",
+            WaveWatch::Release => "would be released into reverse slip",
+            WaveWatch::Coupling => {
                 return f.write_str("D = 0 is passed: waves run in the direction of D");
             }
         };
@@ -559,22 +551,20 @@ impl Display for WaveMargin {
         let WaveMargin { regime, watch } = self;
         let regime = regime.name();
         match watch {
-            RegimeInequality::Duration => write!(f, "the length of a {regime} zone"),
-            RegimeInequality::Pressure => write!(f, "the least pressure in a {regime} zone"),
-            RegimeInequality::LandingPressure | RegimeInequality::Tension => {
+            WaveWatch::Duration => write!(f, "the length of a {regime} zone"),
+            WaveWatch::Pressure => write!(f, "the least pressure in a {regime} zone"),
+            WaveWatch::LandingPressure | WaveWatch::Tension => {
                 f.write_str("the pressure after a landing")
             }
-            RegimeInequality::Rate => write!(f, "|1 − V̇| inside a {regime} zone"),
-            RegimeInequality::LandingRate => f.write_str("|1 − V̇| after a landing"),
-            RegimeInequality::Gap => f.write_str("the gap inside a separation zone"),
-            RegimeInequality::LandingSpeed => f.write_str("the speed of a landing"),
-            RegimeInequality::Impulse => f.write_str("what the impulse of a landing can arrest"),
-            RegimeInequality::LowerForce
-            | RegimeInequality::UpperForce
-            | RegimeInequality::Release => {
+            WaveWatch::Rate => write!(f, "|1 − V̇| inside a {regime} zone"),
+            WaveWatch::LandingRate => f.write_str("|1 − V̇| after a landing"),
+            WaveWatch::Gap => f.write_str("the gap inside a separation zone"),
+            WaveWatch::LandingSpeed => f.write_str("the speed of a landing"),
+            WaveWatch::Impulse => f.write_str("what the impulse of a landing can arrest"),
+            WaveWatch::LowerForce | WaveWatch::UpperForce | WaveWatch::Release => {
                 f.write_str("the distance of the friction force from its limit")
             }
-            RegimeInequality::Coupling => f.write_str("D"),
+            WaveWatch::Coupling => f.write_str("D"),
         }
     }
 }

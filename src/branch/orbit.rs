@@ -15,7 +15,7 @@ use crate::tube::model::signature::{Regime, Signature, WaveZone, ZoneEntry};
 use crate::tube::stability::track::Remark;
 use crate::tube::wave::Wave;
 use crate::tube::wave::admissibility::{
-    MarginConstraint, RegimeInequality, RegimeMargin, WaveExamination, examine,
+    MarginConstraint, RegimeMargin, WaveExamination, WaveWatch, examine,
 };
 use crate::tube::wave::successor::candidates;
 
@@ -106,7 +106,7 @@ impl Orbit for Wave {
 
     /// A zone without length says most.
     fn precedence(margin: &RegimeMargin) -> usize {
-        usize::from(margin.watch != RegimeInequality::Duration)
+        usize::from(margin.watch != WaveWatch::Duration)
     }
 
     fn is_alike(&self, margin: &RegimeMargin, other: &Wave, of_other: &RegimeMargin) -> bool {
@@ -139,20 +139,21 @@ impl Orbit for Wave {
             zone.regime == Regime::Reverse
                 && matches!(zone.entry, ZoneEntry::Reversal | ZoneEntry::ArrestedLanding)
         };
-        let closed = (margin.watch == RegimeInequality::Duration).then(|| before.zone(margin.zone));
+        let closed = (margin.watch == WaveWatch::Duration).then(|| before.zone(margin.zone));
         // a zone that begins with a touch closes on the impact, not at zero pressure
         let lifts =
             |zone: WaveZone| zone.regime == Regime::Separation && zone.entry != ZoneEntry::Touch;
-        if margin.watch == RegimeInequality::Pressure || closed.is_some_and(lifts) {
+        if margin.watch == WaveWatch::Pressure || closed.is_some_and(lifts) {
             return EventType::GR;
         }
         let Some(after) = after else {
             let reverses = closed.is_some_and(begins_at_rest)
                 && before.zone(margin.zone + 1).regime == Regime::Stick;
             return match (closed.map(|zone| zone.regime), margin.watch) {
-                (Some(Regime::Stick), _)
-                | (None, RegimeInequality::UpperForce | RegimeInequality::Rate) => EventType::ST,
-                (None, RegimeInequality::LowerForce) => EventType::RV,
+                (Some(Regime::Stick), _) | (None, WaveWatch::UpperForce | WaveWatch::Rate) => {
+                    EventType::ST
+                }
+                (None, WaveWatch::LowerForce) => EventType::RV,
                 _ if reverses => EventType::RV,
                 _ => EventType::CO,
             };
@@ -200,14 +201,14 @@ impl Orbit for Wave {
 
     /// Waves run in the direction of D.
     fn barred(&self, margin: &RegimeMargin) -> Option<WaveStop> {
-        (margin.watch == RegimeInequality::Coupling).then_some(WaveStop::Against)
+        (margin.watch == WaveWatch::Coupling).then_some(WaveStop::Against)
     }
 
     fn ends_at(&self, point: &Vector, margin: &RegimeMargin) -> Option<WaveStop> {
         if is_undriven(self, point) {
             return Some(WaveStop::Undriven);
         }
-        let alone = margin.watch == RegimeInequality::Duration && self.zones() == 2;
+        let alone = margin.watch == WaveWatch::Duration && self.zones() == 2;
         alone.then_some(WaveStop::SlipAlone)
     }
 

@@ -11,7 +11,7 @@ use crate::tube::model::Parameter;
 use crate::tube::model::signature::Regime;
 use crate::tube::stability::track::Remark;
 use crate::tube::wave::Wave;
-use crate::tube::wave::admissibility::{RegimeInequality, WaveExamination};
+use crate::tube::wave::admissibility::{WaveExamination, WaveWatch};
 
 /// What makes a wave special for reasons of the tube.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,7 +41,7 @@ pub struct WaveMargin {
     /// Regime of its zone.
     pub regime: Regime,
     /// What it measures.
-    pub watch: RegimeInequality,
+    pub watch: WaveWatch,
 }
 
 /// Why a branch of waves ends for reasons of the tube.
@@ -101,7 +101,7 @@ pub enum InadmissibleWave {
         /// Regime of its zone.
         regime: Regime,
         /// What it measures.
-        watch: RegimeInequality,
+        watch: WaveWatch,
         /// Its value.
         value: f64,
     },
@@ -202,7 +202,7 @@ mod tests {
         };
         let inadmissible = Refusal::Inadmissible(InadmissibleWave::Margin {
             regime: Regime::Slip,
-            watch: RegimeInequality::Pressure,
+            watch: WaveWatch::Pressure,
             value: -1.0e-300,
         });
         let tried = |reason| Tried {

@@ -26,7 +26,7 @@ use crate::linalg::Vector;
 use crate::tube::model::Impact;
 use crate::tube::model::signature::{Regime, Signature, ZoneEntry};
 use crate::tube::wave::Wave;
-use crate::tube::wave::admissibility::{RegimeInequality, RegimeMargin, examine};
+use crate::tube::wave::admissibility::{RegimeMargin, WaveWatch, examine};
 use crate::tube::wave::successor::candidates;
 
 /// The wave of an event in the signature beyond it.
@@ -47,7 +47,7 @@ impl WaveBeyond {
         let candidate = list.find(|candidate| candidate.orbit.signature == *after)?;
         let condition = match candidate.nascent.first() {
             Some(zone) => WaveCondition::Margin {
-                watch: RegimeInequality::Duration,
+                watch: WaveWatch::Duration,
                 zone: *zone,
                 time: 0.0,
             },
@@ -57,11 +57,10 @@ impl WaveBeyond {
                 // a flight that lands at P = 0 may land without speed, too
                 let grazes = matches!(
                     change.margin.watch,
-                    RegimeInequality::Gap | RegimeInequality::LandingSpeed
+                    WaveWatch::Gap | WaveWatch::LandingSpeed
                 );
-                let named = |margin: &RegimeMargin| {
-                    grazes || margin.watch != RegimeInequality::LandingSpeed
-                };
+                let named =
+                    |margin: &RegimeMargin| grazes || margin.watch != WaveWatch::LandingSpeed;
                 let least = margins.into_iter().filter(named);
                 least.min_by(|a, b| size(a).total_cmp(&size(b)))?.into()
             }
@@ -98,7 +97,7 @@ use EventLaw::{Grazing, Landed, Level, Lifted, Lower, Sticking, Upper};
 fn laws(
     posed: &PosedWave,
     signature: &Signature,
-    watch: RegimeInequality,
+    watch: WaveWatch,
     index: usize,
 ) -> Option<[EventLaw; 2]> {
     let zone = signature.zone(index);
@@ -108,42 +107,38 @@ fn laws(
         _ => Upper,
     };
     let laws = match (watch, zone.regime, zone.entry) {
-        (
-            RegimeInequality::Duration,
-            Regime::Stick,
-            ZoneEntry::Arrest | ZoneEntry::ArrestedLanding,
-        ) => [Sticking, Upper],
-        (RegimeInequality::Duration, Regime::Slip | Regime::Reverse, ZoneEntry::Landing) => {
-            match next {
-                ZoneEntry::TakeOff => [Lifted, Landed],
-                _ => [Sticking, Landed],
-            }
+        (WaveWatch::Duration, Regime::Stick, ZoneEntry::Arrest | ZoneEntry::ArrestedLanding) => {
+            [Sticking, Upper]
         }
-        (RegimeInequality::Duration, Regime::Slip | Regime::Reverse, ZoneEntry::Reversal)
+        (WaveWatch::Duration, Regime::Slip | Regime::Reverse, ZoneEntry::Landing) => match next {
+            ZoneEntry::TakeOff => [Lifted, Landed],
+            _ => [Sticking, Landed],
+        },
+        (WaveWatch::Duration, Regime::Slip | Regime::Reverse, ZoneEntry::Reversal)
             if next != ZoneEntry::TakeOff =>
         {
             [Sticking, force]
         }
-        (RegimeInequality::Duration, Regime::Reverse, ZoneEntry::ArrestedLanding)
+        (WaveWatch::Duration, Regime::Reverse, ZoneEntry::ArrestedLanding)
             if next == ZoneEntry::Arrest =>
         {
             [Sticking, Lower]
         }
-        (RegimeInequality::Duration, Regime::Separation, ZoneEntry::TakeOff)
+        (WaveWatch::Duration, Regime::Separation, ZoneEntry::TakeOff)
             if next == ZoneEntry::Landing =>
         {
             [Lifted, Level]
         }
-        (RegimeInequality::Duration, Regime::Separation, ZoneEntry::Touch) => [Lifted, Landed],
-        (RegimeInequality::LandingRate, ..) => [Sticking, Landed],
-        (RegimeInequality::LandingPressure | RegimeInequality::Tension, ..) => [Lifted, Landed],
-        (RegimeInequality::LowerForce, _, ZoneEntry::Arrest | ZoneEntry::ArrestedLanding) => {
+        (WaveWatch::Duration, Regime::Separation, ZoneEntry::Touch) => [Lifted, Landed],
+        (WaveWatch::LandingRate, ..) => [Sticking, Landed],
+        (WaveWatch::LandingPressure | WaveWatch::Tension, ..) => [Lifted, Landed],
+        (WaveWatch::LowerForce, _, ZoneEntry::Arrest | ZoneEntry::ArrestedLanding) => {
             [Sticking, Lower]
         }
-        (RegimeInequality::UpperForce, ..) => [Sticking, Upper],
-        (RegimeInequality::LandingSpeed | RegimeInequality::Gap, ..) => [Landed, Grazing],
-        (RegimeInequality::Pressure, ..) => [Lifted, Level],
-        (RegimeInequality::Rate, ..) => [Sticking, force],
+        (WaveWatch::UpperForce, ..) => [Sticking, Upper],
+        (WaveWatch::LandingSpeed | WaveWatch::Gap, ..) => [Landed, Grazing],
+        (WaveWatch::Pressure, ..) => [Lifted, Level],
+        (WaveWatch::Rate, ..) => [Sticking, force],
         _ => return None,
     };
     // static friction holds more than kinetic friction does; an impact changes W where something lands; with
@@ -198,10 +193,8 @@ fn stretches(system: &WaveSystem, x: &[Interval]) -> Vec<CutZone> {
             .collect();
     }
     let (from, to) = match watch {
-        RegimeInequality::Duration => (zone + 1, zone + zones),
-        RegimeInequality::UpperForce | RegimeInequality::LandingSpeed => {
-            (zone + 1, zone + 1 + zones)
-        }
+        WaveWatch::Duration => (zone + 1, zone + zones),
+        WaveWatch::UpperForce | WaveWatch::LandingSpeed => (zone + 1, zone + 1 + zones),
         _ => (*zone, zone + zones),
     };
     (from..to).map(whole).collect()
@@ -363,7 +356,7 @@ fn is_same(posed: &PosedWave, system: &WaveSystem, middle: &[f64], wave: &[Inter
 /// nothing else, so that parameter and speed are stationary in it.
 pub(super) fn is_touch(posed: &PosedWave, near: &NearWave, condition: &WaveCondition) -> bool {
     let WaveCondition::Margin {
-        watch: RegimeInequality::Duration,
+        watch: WaveWatch::Duration,
         zone,
         ..
     } = condition
@@ -372,7 +365,7 @@ pub(super) fn is_touch(posed: &PosedWave, near: &NearWave, condition: &WaveCondi
     };
     let regime = |zone: usize| near.signature.zone(zone).regime;
     let before = regime(zone + near.signature.len() - 1);
-    let touched = match laws(posed, &near.signature, RegimeInequality::Duration, *zone) {
+    let touched = match laws(posed, &near.signature, WaveWatch::Duration, *zone) {
         Some([Sticking, Upper]) => regime(*zone) == Regime::Stick && before == Regime::Slip,
         Some([Lifted, Level]) => true,
         _ => false,

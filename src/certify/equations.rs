@@ -7,7 +7,7 @@ use super::system::{Columns, EXCESS, PARAMETER, SLOTS, TIME, WaveCondition, Wave
 use crate::interval::{Gradient, Interval, Number, PI};
 use crate::tube::model::Impact;
 use crate::tube::model::signature::{Regime, ZoneEntry};
-use crate::tube::wave::admissibility::RegimeInequality;
+use crate::tube::wave::admissibility::WaveWatch;
 
 type First = Gradient<Interval, SLOTS>;
 
@@ -53,7 +53,7 @@ impl WaveSystem<'_> {
     fn edge<N: Number>(
         &self,
         frame: &IntervalFrame<N>,
-        watch: RegimeInequality,
+        watch: WaveWatch,
         zone: usize,
         entry: &[N; 4],
         end: &[N; 4],
@@ -62,7 +62,7 @@ impl WaveSystem<'_> {
         let force = frame.weight + frame.kappa;
         let excess = |y: N| frame.h * (y - frame.release);
         Some(match watch {
-            RegimeInequality::LandingRate => {
+            WaveWatch::LandingRate => {
                 let lag = entry[W] - N::double(1.0);
                 if self.near.signature.zone(zone).regime == Regime::Reverse {
                     lag
@@ -70,17 +70,17 @@ impl WaveSystem<'_> {
                     -lag
                 }
             }
-            RegimeInequality::LandingPressure => pressure,
-            RegimeInequality::Tension => -pressure,
+            WaveWatch::LandingPressure => pressure,
+            WaveWatch::Tension => -pressure,
             // Q + rfP at W = 1
-            RegimeInequality::LowerForce => {
+            WaveWatch::LowerForce => {
                 excess(entry[Y]) + (frame.static_friction * force).scaled(Interval::point(2.0))
             }
-            RegimeInequality::UpperForce if self.is_layered(zone) => -end[ACCELERATION],
-            RegimeInequality::UpperForce => excess(end[Y]),
-            RegimeInequality::Release if self.is_layered(zone) => -entry[JERK],
-            RegimeInequality::LandingSpeed => -end[GAP_RATE],
-            RegimeInequality::Impulse => {
+            WaveWatch::UpperForce if self.is_layered(zone) => -end[ACCELERATION],
+            WaveWatch::UpperForce => excess(end[Y]),
+            WaveWatch::Release if self.is_layered(zone) => -entry[JERK],
+            WaveWatch::LandingSpeed => -end[GAP_RATE],
+            WaveWatch::Impulse => {
                 let lag = end[W] - N::double(1.0);
                 let lag = if lag.value().middle() < 0.0 {
                     lag
@@ -98,7 +98,7 @@ impl WaveSystem<'_> {
         &self,
         frame: &IntervalFrame<N>,
         x: &[N],
-        watch: RegimeInequality,
+        watch: WaveWatch,
         zone: usize,
     ) -> Option<N> {
         let (entry, _) = self.step_at(x, zone, 0);
@@ -147,12 +147,10 @@ impl WaveSystem<'_> {
                 if let (Some((watch, at)), true) = (wanted, self.minimum.is_none()) {
                     let at_end = matches!(
                         watch,
-                        RegimeInequality::UpperForce
-                            | RegimeInequality::LandingSpeed
-                            | RegimeInequality::Impulse
+                        WaveWatch::UpperForce | WaveWatch::LandingSpeed | WaveWatch::Impulse
                     );
                     if at == zone && step == if at_end { steps - 1 } else { 0 } {
-                        let value = if watch == RegimeInequality::Duration {
+                        let value = if watch == WaveWatch::Duration {
                             slots[TIME]
                         } else {
                             let entry = self.entered(frame, zone, given);
@@ -233,7 +231,7 @@ impl WaveSystem<'_> {
                 let left = self.left(*zone, step, there[WHOLE]) - slots[TIME];
                 let moving = self.moving(frame, *zone, there, left);
                 let (value, slope) = match (watch, self.layered(frame, *zone)) {
-                    (RegimeInequality::Pressure, Some(layered)) => {
+                    (WaveWatch::Pressure, Some(layered)) => {
                         let [_, w, acceleration, jerk] = moving;
                         (
                             frame.weight + frame.kappa * (w + layered.beta * acceleration),
@@ -242,10 +240,8 @@ impl WaveSystem<'_> {
                     }
                     (_, Some(_)) => (moving[W] - one, moving[ACCELERATION]),
                     (watch, None) => match watch {
-                        RegimeInequality::Gap => (there[GAP], rate[GAP]),
-                        RegimeInequality::Pressure => {
-                            (frame.weight + frame.kappa * there[W], rate[W])
-                        }
+                        WaveWatch::Gap => (there[GAP], rate[GAP]),
+                        WaveWatch::Pressure => (frame.weight + frame.kappa * there[W], rate[W]),
                         _ => (there[W] - one, rate[W]),
                     },
                 };

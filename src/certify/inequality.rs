@@ -11,7 +11,7 @@ use super::system::{NearWave, WaveCondition, WaveSystem};
 use crate::interval::{Interval, Number};
 use crate::tube::model::Impact;
 use crate::tube::model::signature::{Regime, ZoneEntry};
-use crate::tube::wave::admissibility::RegimeInequality;
+use crate::tube::wave::admissibility::WaveWatch;
 
 /// Which inequality is not proven.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -33,7 +33,7 @@ pub enum UnprovenWave {
     Gap(usize),
     /// A condition of the switching table at an end of a zone.
     #[error("the margin {1:?} of zone {0}")]
-    Switch(usize, RegimeInequality),
+    Switch(usize, WaveWatch),
 }
 
 /// Bisections of half a step.
@@ -247,14 +247,14 @@ struct VanishingCondition<'a> {
 }
 
 impl VanishingCondition<'_> {
-    fn is(&self, wanted: RegimeInequality, at: usize) -> bool {
+    fn is(&self, wanted: WaveWatch, at: usize) -> bool {
         let at = at % self.near.zones.len();
         matches!(self.condition, WaveCondition::Margin { watch, zone, .. } if *watch == wanted && *zone == at)
     }
 
     /// Whether a zone has no length.
     fn closed(&self, zone: usize) -> bool {
-        self.is(RegimeInequality::Duration, zone)
+        self.is(WaveWatch::Duration, zone)
     }
 
     /// Whether a zone of a regime, so entered, has no length.
@@ -371,7 +371,7 @@ impl<N: Positive> InequalityProof<'_, N> {
     }
 
     /// A condition of the switching table at an end of a zone, unless it is the one that vanishes.
-    fn edge(&mut self, watch: RegimeInequality, index: usize) -> Result<(), UnprovenWave> {
+    fn edge(&mut self, watch: WaveWatch, index: usize) -> Result<(), UnprovenWave> {
         let index = index % self.system.near.zones.len();
         if self.vanishing.is(watch, index) {
             return Ok(());
@@ -409,7 +409,7 @@ impl<N: Positive> InequalityProof<'_, N> {
             && signature.zone(before).regime == Regime::Reverse
             && self.system.order(before) == 1;
         if !closed {
-            self.edge(RegimeInequality::LowerForce, index)?;
+            self.edge(WaveWatch::LowerForce, index)?;
         }
         self.pressed(index)
     }
@@ -421,19 +421,16 @@ impl<N: Positive> InequalityProof<'_, N> {
         if next.entry == ZoneEntry::Reversal {
             let vanishing = &self.vanishing;
             if !slips && !vanishing.closed_as(index + 1, Regime::Slip, ZoneEntry::Reversal) {
-                self.edge(RegimeInequality::UpperForce, index)?;
+                self.edge(WaveWatch::UpperForce, index)?;
             }
             if slips && self.system.sticks() {
                 // Q < −rfP: what static friction could hold would stick
                 let after = (index + 1) % self.system.near.zones.len();
-                let force =
-                    self.system
-                        .edge_at(self.frame, self.x, RegimeInequality::LowerForce, after);
+                let force = self
+                    .system
+                    .edge_at(self.frame, self.x, WaveWatch::LowerForce, after);
                 let holds = force.is_some_and(|force| (-force).is_positive());
-                self.hold(
-                    holds,
-                    UnprovenWave::Switch(index, RegimeInequality::LowerForce),
-                )?;
+                self.hold(holds, UnprovenWave::Switch(index, WaveWatch::LowerForce))?;
             }
         }
         if zone.entry == ZoneEntry::ArrestedLanding && self.system.sticks() {
@@ -450,16 +447,13 @@ impl<N: Positive> InequalityProof<'_, N> {
     /// |Q| > rfP where a landing is arrested and slides at once: what static friction could hold would stick.
     fn arrested(&mut self, index: usize) -> Result<(), UnprovenWave> {
         if self.system.near.signature.zone(index).regime == Regime::Slip {
-            return self.edge(RegimeInequality::UpperForce, self.before(index));
+            return self.edge(WaveWatch::UpperForce, self.before(index));
         }
         let force = self
             .system
-            .edge_at(self.frame, self.x, RegimeInequality::LowerForce, index);
+            .edge_at(self.frame, self.x, WaveWatch::LowerForce, index);
         let holds = force.is_some_and(|force| (-force).is_positive());
-        self.hold(
-            holds,
-            UnprovenWave::Switch(index, RegimeInequality::LowerForce),
-        )
+        self.hold(holds, UnprovenWave::Switch(index, WaveWatch::LowerForce))
     }
 
     /// A sliding zone with a layer: V̈ = 0 where it is released and where it is arrested, and P jumps there.
@@ -468,24 +462,23 @@ impl<N: Positive> InequalityProof<'_, N> {
         let (zone, next) = (signature.zone(index), signature.zone(index + 1));
         let sigma = zone.regime.sliding().unwrap_or(1.0);
         if zone.entry == ZoneEntry::Release {
-            self.edge(RegimeInequality::Release, index)?;
+            self.edge(WaveWatch::Release, index)?;
         }
         if zone.regime == Regime::Reverse && next.entry == ZoneEntry::Reversal {
-            self.edge(RegimeInequality::UpperForce, index)?;
+            self.edge(WaveWatch::UpperForce, index)?;
         }
         let vanishing = &self.vanishing;
-        let lost = vanishing.is(RegimeInequality::Release, index)
-            || vanishing.is(RegimeInequality::UpperForce, self.before(index));
+        let lost = vanishing.is(WaveWatch::Release, index)
+            || vanishing.is(WaveWatch::UpperForce, self.before(index));
         let at_start = self.system.order(index) + usize::from(lost);
         let at_end = match next.entry {
             ZoneEntry::Arrest => 2,
-            _ => 1 + usize::from(vanishing.is(RegimeInequality::UpperForce, index)),
+            _ => 1 + usize::from(vanishing.is(WaveWatch::UpperForce, index)),
         };
         let over =
             Layers::new(self.system, self.frame, self.x, index).ok_or(UnprovenWave::Speed)?;
         let [one, slides] = [1.0, sigma].map(N::double);
-        let touch = [RegimeInequality::Rate, RegimeInequality::Pressure]
-            .map(|watch| vanishing.is(watch, index));
+        let touch = [WaveWatch::Rate, WaveWatch::Pressure].map(|watch| vanishing.is(watch, index));
         let lag = [slides, -slides, N::double(0.0)];
         let slides = over.is_positive(lag, [at_start, at_end], touch[0]);
         self.hold(slides, UnprovenWave::Sliding(index))?;
@@ -500,8 +493,8 @@ impl<N: Positive> InequalityProof<'_, N> {
         let vanishing = &self.vanishing;
         // W − 1 at the ends
         let at_start = match self.system.order(index) {
-            0 if vanishing.is(RegimeInequality::LandingRate, index) => 1,
-            1 if vanishing.is(RegimeInequality::UpperForce, self.before(index)) => 2,
+            0 if vanishing.is(WaveWatch::LandingRate, index) => 1,
+            1 if vanishing.is(WaveWatch::UpperForce, self.before(index)) => 2,
             order => order,
         };
         let at_end = match self.system.near.signature.zone(index + 1).entry {
@@ -510,7 +503,7 @@ impl<N: Positive> InequalityProof<'_, N> {
             ZoneEntry::Arrest if vanishing.closed(index + 1) && sigma > 0.0 => 2,
             _ => 1,
         };
-        let touch = vanishing.is(RegimeInequality::Rate, index);
+        let touch = vanishing.is(WaveWatch::Rate, index);
         let zone = self.zone_at(index)?;
         let lag = zone.is_positive(ZoneQuantity::Lag(sigma), at_start, at_end, touch);
         self.hold(lag, UnprovenWave::Sliding(index))
@@ -529,7 +522,7 @@ impl<N: Positive> InequalityProof<'_, N> {
         }
         let vanishing = &self.vanishing;
         let closed = |zone| vanishing.closed_as(zone, Regime::Separation, ZoneEntry::TakeOff);
-        let lifted = vanishing.is(RegimeInequality::LandingPressure, index)
+        let lifted = vanishing.is(WaveWatch::LandingPressure, index)
             || vanishing.closed_as(before, Regime::Separation, ZoneEntry::Touch);
         let at_start = match closed(before) {
             true => 2,
@@ -542,7 +535,7 @@ impl<N: Positive> InequalityProof<'_, N> {
             ZoneEntry::TakeOff => 1,
             _ => 0,
         };
-        let touch = vanishing.is(RegimeInequality::Pressure, index);
+        let touch = vanishing.is(WaveWatch::Pressure, index);
         let zone = self.zone_at(index)?;
         let pressed = zone.is_positive(ZoneQuantity::Pressure, at_start, at_end, touch);
         self.hold(pressed, UnprovenWave::Pressure(index))
@@ -559,37 +552,34 @@ impl<N: Positive> InequalityProof<'_, N> {
             return self.hold(open, UnprovenWave::Gap(index));
         }
         // P = 0 where it lands
-        let lifted = vanishing.is(RegimeInequality::LandingPressure, index + 1)
+        let lifted = vanishing.is(WaveWatch::LandingPressure, index + 1)
             || vanishing.closed_as(index + 1, Regime::Separation, ZoneEntry::Touch);
         // a Coulomb impact changes V̇
         let rigid = self.system.impact() != Impact::Coulomb;
         let mirrored = lifted && rigid && self.zone_at(index)?.is_mirrored();
         if !mirrored {
-            self.edge(RegimeInequality::LandingSpeed, index)?;
+            self.edge(WaveWatch::LandingSpeed, index)?;
         }
         let next = self.system.near.signature.zone(index + 1);
         if self.system.impact() == Impact::Coulomb && next.entry == ZoneEntry::ArrestedLanding {
-            self.edge(RegimeInequality::Impulse, index)?;
+            self.edge(WaveWatch::Impulse, index)?;
         }
         if self.system.impact() == Impact::Coulomb && next.entry == ZoneEntry::Touch {
             // friction takes V̇ towards 1, not past it
             let after = (index + 1) % self.system.near.zones.len();
             let lag = self
                 .system
-                .edge_at(self.frame, self.x, RegimeInequality::LandingRate, after);
+                .edge_at(self.frame, self.x, WaveWatch::LandingRate, after);
             let holds = lag.is_some_and(|lag| lag.is_positive());
-            self.hold(
-                holds,
-                UnprovenWave::Switch(after, RegimeInequality::LandingRate),
-            )?;
+            self.hold(holds, UnprovenWave::Switch(after, WaveWatch::LandingRate))?;
         }
         let vanishing = &self.vanishing;
-        let at_start = order + usize::from(vanishing.is(RegimeInequality::Tension, index));
+        let at_start = order + usize::from(vanishing.is(WaveWatch::Tension, index));
         let at_end = match mirrored {
             true => 3,
-            false => 1 + usize::from(vanishing.is(RegimeInequality::LandingSpeed, index)),
+            false => 1 + usize::from(vanishing.is(WaveWatch::LandingSpeed, index)),
         };
-        let touch = vanishing.is(RegimeInequality::Gap, index);
+        let touch = vanishing.is(WaveWatch::Gap, index);
         let zone = self.zone_at(index)?;
         let open = zone.is_positive(ZoneQuantity::Gap, at_start, at_end, touch);
         self.hold(open, UnprovenWave::Gap(index))

@@ -19,7 +19,7 @@ use crate::orbit::{EventType, Orbit};
 use crate::tube::model::signature::{Regime, Signature, ZoneEntry};
 use crate::tube::model::{Impact, Parameter};
 use crate::tube::wave::Wave;
-use crate::tube::wave::admissibility::{RegimeInequality, RegimeMargin};
+use crate::tube::wave::admissibility::{RegimeMargin, WaveWatch};
 
 /// Whether the continuation parameter enters the equations, and there is a mode.
 pub(super) fn is_posed(posed: &PosedWave) -> Result<(), OpenPoint> {
@@ -75,7 +75,7 @@ pub(super) fn is_model(
 pub(super) fn is_condition(
     posed: &PosedWave,
     signature: &Signature,
-    watch: RegimeInequality,
+    watch: WaveWatch,
     zone: usize,
 ) -> bool {
     if zone >= signature.len() {
@@ -86,29 +86,27 @@ pub(super) fn is_condition(
     let slides = at.regime.sliding().is_some();
     let lands = at.regime == Regime::Separation;
     match watch {
-        RegimeInequality::Duration => true,
+        WaveWatch::Duration => true,
         // P exceeds that of stick where V̇ > 1
-        RegimeInequality::Pressure => slides && (layered || at.regime == Regime::Slip),
-        RegimeInequality::Rate => slides,
-        RegimeInequality::Gap | RegimeInequality::LandingSpeed => lands,
-        RegimeInequality::LandingRate => slides && at.entry == ZoneEntry::Landing,
-        RegimeInequality::LandingPressure => {
-            at.regime == Regime::Slip && at.entry == ZoneEntry::Landing
-        }
-        RegimeInequality::Tension => at.entry == ZoneEntry::Touch,
-        RegimeInequality::LowerForce => at.regime == Regime::Stick,
-        RegimeInequality::UpperForce => match at.regime {
+        WaveWatch::Pressure => slides && (layered || at.regime == Regime::Slip),
+        WaveWatch::Rate => slides,
+        WaveWatch::Gap | WaveWatch::LandingSpeed => lands,
+        WaveWatch::LandingRate => slides && at.entry == ZoneEntry::Landing,
+        WaveWatch::LandingPressure => at.regime == Regime::Slip && at.entry == ZoneEntry::Landing,
+        WaveWatch::Tension => at.entry == ZoneEntry::Touch,
+        WaveWatch::LowerForce => at.regime == Regime::Stick,
+        WaveWatch::UpperForce => match at.regime {
             Regime::Reverse => next.entry == ZoneEntry::Reversal,
             Regime::Separation => {
                 next.entry == ZoneEntry::ArrestedLanding && next.regime == Regime::Slip
             }
             _ => false,
         },
-        RegimeInequality::Impulse => {
+        WaveWatch::Impulse => {
             lands && next.entry == ZoneEntry::ArrestedLanding && posed.impact == Impact::Coulomb
         }
-        RegimeInequality::Release => layered && at.entry == ZoneEntry::Release,
-        RegimeInequality::Coupling => false,
+        WaveWatch::Release => layered && at.entry == ZoneEntry::Release,
+        WaveWatch::Coupling => false,
     }
 }
 

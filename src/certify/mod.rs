@@ -68,7 +68,7 @@ use crate::tube::flow::method::Method;
 use crate::tube::model::signature::{Regime, ZoneEntry, switches};
 use crate::tube::model::{Impact, Parameter};
 use crate::tube::wave::Wave;
-use crate::tube::wave::admissibility::RegimeInequality;
+use crate::tube::wave::admissibility::WaveWatch;
 use arc::Broken;
 use change::WaveNotBeyond;
 use inequality::ProvenPart;
@@ -294,7 +294,7 @@ fn condition(
         | Special::Start
         | Special::Closed => (WaveCondition::Value(value()), None),
         Special::Fold(_) => (WaveCondition::Fold, None),
-        Special::Change(change) if change.margin.watch == RegimeInequality::Coupling => {
+        Special::Change(change) if change.margin.watch == WaveWatch::Coupling => {
             return Err(OpenPoint::Undriven);
         }
         Special::Change(change) => {
@@ -384,7 +384,7 @@ fn system<'a>(
             return Err(OpenPoint::LayeredEigenvalues);
         }
         if let WaveCondition::Margin {
-            watch: RegimeInequality::Duration,
+            watch: WaveWatch::Duration,
             zone,
             ..
         } = condition

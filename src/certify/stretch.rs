@@ -12,7 +12,7 @@ use super::krawczyk;
 use super::system::{NearWave, PosedWave, WaveCondition, WaveSystem};
 use super::{WaveProof, enclosed, units};
 use crate::interval::Interval;
-use crate::tube::wave::admissibility::RegimeInequality;
+use crate::tube::wave::admissibility::WaveWatch;
 
 /// Why an arc of waves is not proven.
 pub type Undecided = Broken<UnprovenWave, WaveNotBeyond>;
@@ -34,7 +34,7 @@ impl<'a> WaveArcPoint<'a> {
         let zones = 0..self.near.signature.len();
         match self.condition {
             WaveCondition::Margin {
-                watch: RegimeInequality::Duration,
+                watch: WaveWatch::Duration,
                 zone,
                 ..
             } if zones.contains(zone) => Some(*zone),

@@ -19,7 +19,7 @@ use crate::tube::flow::Slide;
 use crate::tube::model::signature::{Regime, Signature, ZoneEntry};
 use crate::tube::model::{Impact, Parameter};
 use crate::tube::wave::Wave;
-use crate::tube::wave::admissibility::{RegimeInequality, RegimeMargin};
+use crate::tube::wave::admissibility::{RegimeMargin, WaveWatch};
 
 /// What singles out a point of a branch.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -39,7 +39,7 @@ pub enum WaveCondition {
     /// A margin vanishes.
     Margin {
         /// What it measures.
-        watch: RegimeInequality,
+        watch: WaveWatch,
         /// Zone.
         zone: usize,
         /// Time after the entry of the zone at which a local minimum lies; 0 for other margins.
@@ -164,10 +164,10 @@ const MOST_ZONES: usize = 32;
 const MOST_STEPS: usize = 400;
 
 /// Whether a margin is that of a minimum inside a zone.
-fn is_inside(watch: RegimeInequality) -> bool {
+fn is_inside(watch: WaveWatch) -> bool {
     matches!(
         watch,
-        RegimeInequality::Pressure | RegimeInequality::Rate | RegimeInequality::Gap
+        WaveWatch::Pressure | WaveWatch::Rate | WaveWatch::Gap
     )
 }
 
@@ -270,8 +270,7 @@ impl<'a> WaveSystem<'a> {
         system.waves = guess.len();
         if *condition == WaveCondition::Fold {
             let direction = system.fold_direction(&guess)?;
-            let size: f64 = direction.iter().map(|v| v * v).sum();
-            system.weights = direction.iter().map(|v| v / size).collect();
+            system.weights = normalising(&direction);
             guess.extend(direction);
         }
         guess.extend(system.crossing_near(&guess)?);
@@ -515,4 +514,10 @@ impl<'a> WaveSystem<'a> {
     pub fn impulse<N: Number>(&self, frame: &IntervalFrame<N>, rate: N) -> N {
         frame.friction * frame.mb * frame.ma.recip() * rate
     }
+}
+
+/// Weights w with ⟨w, v⟩ = 1.
+fn normalising(v: &[f64]) -> Vec<f64> {
+    let size: f64 = v.iter().map(|v| v * v).sum();
+    v.iter().map(|v| v / size).collect()
 }

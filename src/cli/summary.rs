@@ -89,32 +89,40 @@ fn listed(points: &Table, events: &Table, shown: &SummaryColumns) -> String {
     let found: Vec<usize> = (0..events.len()).filter(found).collect();
     let _ = writeln!(report, "\n{} points, {} events", points.len(), found.len());
     for row in found {
-        let _ = write!(
-            report,
-            "  {} at {} = {:.15} ± {:.0e}, {} = {:.15}",
-            events.text(row, "type"),
-            shown.symbol,
-            number(events, row, shown.parameter),
-            number(events, row, "uncertainty"),
-            shown.number_symbol,
-            number(events, row, shown.number)
-        );
-        let pair = events
-            .field::<f64>(row, "omega")
-            .zip(events.field::<usize>(row, "sector"));
-        if let Some((omega, sector)) = pair {
-            let _ = write!(report, ", ω = {omega:.12} in sector {sector}");
-        }
-        let [before, after] =
-            ["regimes_before", "regimes_after"].map(|column| events.text(row, column));
-        if before != after {
-            let _ = write!(report, ": {}", sequences::changed(before, after));
-        }
-        if let Some(hertz) = events.field::<f64>(row, "hertz") {
-            let _ = write!(report, ", {hertz:.2} Hz");
-        }
-        let _ = writeln!(report, "; {}", events.text(row, "what"));
+        report.push_str(&event_line(events, row, shown));
     }
+    report
+}
+
+/// An event with its uncertainty, what changes there, and what is said of it.
+fn event_line(events: &Table, row: usize, shown: &SummaryColumns) -> String {
+    let number = |column: &str| events.field(row, column).unwrap_or(f64::NAN);
+    let mut report = String::new();
+    let _ = write!(
+        report,
+        "  {} at {} = {:.15} ± {:.0e}, {} = {:.15}",
+        events.text(row, "type"),
+        shown.symbol,
+        number(shown.parameter),
+        number("uncertainty"),
+        shown.number_symbol,
+        number(shown.number)
+    );
+    let pair = events
+        .field::<f64>(row, "omega")
+        .zip(events.field::<usize>(row, "sector"));
+    if let Some((omega, sector)) = pair {
+        let _ = write!(report, ", ω = {omega:.12} in sector {sector}");
+    }
+    let [before, after] =
+        ["regimes_before", "regimes_after"].map(|column| events.text(row, column));
+    if before != after {
+        let _ = write!(report, ": {}", sequences::changed(before, after));
+    }
+    if let Some(hertz) = events.field::<f64>(row, "hertz") {
+        let _ = write!(report, ", {hertz:.2} Hz");
+    }
+    let _ = writeln!(report, "; {}", events.text(row, "what"));
     report
 }
 

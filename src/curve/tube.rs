@@ -15,7 +15,7 @@ use crate::tube::model::{Model, Parameter};
 use crate::tube::stability::characteristic::{Characteristic, NotLinearised};
 use crate::tube::stability::crossing_search;
 use crate::tube::stability::spectrum::symmetric;
-use crate::tube::wave::admissibility::{RegimeInequality, RegimeMargin};
+use crate::tube::wave::admissibility::{RegimeMargin, WaveWatch};
 use crate::tube::wave::{Wave, WaveScales, width};
 
 /// ω in units of the frequency of the wave below which it counts as zero. Parameters are even in ω:
@@ -83,7 +83,7 @@ impl WavesInPlane {
 
 impl ParameterPlane for WavesInPlane {
     type Orbit = Wave;
-    type Watch = RegimeInequality;
+    type Watch = WaveWatch;
     type Spectral = BlochPair;
     type NotLinearised = NotLinearised;
     type NoBranch = RunError;
@@ -155,7 +155,7 @@ impl ParameterPlane for WavesInPlane {
         Ok(wave.with_method(self.method).with_material(self.material))
     }
 
-    fn key(margin: &RegimeMargin) -> (RegimeInequality, usize) {
+    fn key(margin: &RegimeMargin) -> (WaveWatch, usize) {
         (margin.watch, margin.zone)
     }
 

@@ -209,47 +209,7 @@ pub(super) fn begin(
         }
         OrbitStart::Nowhere => return Err(NoFirstPoint::NoSection),
         OrbitStart::Restart { label, .. } | OrbitStart::Switch { label, .. } => {
-            let label = *label;
-            let NamedOrbit {
-                saved,
-                kind,
-                has_shrunk,
-            } = named.ok_or(NoFirstPoint::NoRestart { label })?;
-            if *has_shrunk {
-                return Err(NoFirstPoint::NoSize { label });
-            }
-            let wanted = wanted(problem, continuation, saved.orbit.values.clone())?;
-            let (low, high) = continuation.range;
-            let within = |values: &[f64]| {
-                let value = values.get(wanted.parameter).copied().unwrap_or(f64::NAN);
-                let outside = NoFirstPoint::LabelOutside {
-                    label,
-                    column: continuation.parameter.clone(),
-                    value,
-                    low,
-                    high,
-                };
-                (value >= low && value <= high).then_some(()).ok_or(outside)
-            };
-            within(&wanted.values)?;
-            if matches!(start, OrbitStart::Restart { .. }) {
-                return Ok(along(restart(&wanted, &saved.orbit)?));
-            }
-            let doubled = match kind {
-                Some(EventType::PD) => true,
-                Some(EventType::BP) => false,
-                other => {
-                    let kind = other.map_or_else(|| "none".to_owned(), |kind| kind.to_string());
-                    return Err(NoFirstPoint::NotBranching { label, kind });
-                }
-            };
-            let (orbit, point, directions) = switch(&wanted, &saved.orbit, doubled, &directions)?;
-            within(&orbit.setting.values)?;
-            return Ok(FirstOrbit {
-                orbit,
-                point,
-                directions,
-            });
+            return from_label(problem, continuation, named, *label);
         }
     };
     let beginning = start.beginning().ok_or(NoFirstPoint::Unknown)?;
@@ -264,6 +224,61 @@ pub(super) fn begin(
         }
     };
     Ok(along(found.map_err(explained)?))
+}
+
+/// The first orbit of a branch that goes on from a saved one, or from another branch that passes there.
+fn from_label(
+    problem: &SystemProblem,
+    continuation: &Continuation<String>,
+    named: Option<&NamedOrbit>,
+    label: usize,
+) -> Result<FirstOrbit, NoFirstPoint> {
+    let directions = continuation.toward.directions().to_vec();
+    let NamedOrbit {
+        saved,
+        kind,
+        has_shrunk,
+    } = named.ok_or(NoFirstPoint::NoRestart { label })?;
+    if *has_shrunk {
+        return Err(NoFirstPoint::NoSize { label });
+    }
+    let wanted = wanted(problem, continuation, saved.orbit.values.clone())?;
+    let (low, high) = continuation.range;
+    let within = |values: &[f64]| {
+        let value = values.get(wanted.parameter).copied().unwrap_or(f64::NAN);
+        let outside = NoFirstPoint::LabelOutside {
+            label,
+            column: continuation.parameter.clone(),
+            value,
+            low,
+            high,
+        };
+        (value >= low && value <= high).then_some(()).ok_or(outside)
+    };
+    within(&wanted.values)?;
+    if matches!(problem.orbit.start, OrbitStart::Restart { .. }) {
+        let (orbit, point) = restart(&wanted, &saved.orbit)?;
+        return Ok(FirstOrbit {
+            orbit,
+            point,
+            directions,
+        });
+    }
+    let doubled = match kind {
+        Some(EventType::PD) => true,
+        Some(EventType::BP) => false,
+        other => {
+            let kind = other.map_or_else(|| "none".to_owned(), |kind| kind.to_string());
+            return Err(NoFirstPoint::NotBranching { label, kind });
+        }
+    };
+    let (orbit, point, directions) = switch(&wanted, &saved.orbit, doubled, &directions)?;
+    within(&orbit.setting.values)?;
+    Ok(FirstOrbit {
+        orbit,
+        point,
+        directions,
+    })
 }
 
 /// The orbit that a motion comes to at these values of the parameters, to be followed as a branch is, and its unknowns.

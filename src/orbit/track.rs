@@ -82,44 +82,20 @@ impl<O: Orbit> Curve for Track<O> {
     ) -> Result<Outcome<Track<O>>, OrbitRefusal<O>> {
         let LocatedEvent { event, uncertainty } = &together[0];
         let orbit = self.orbit.as_ref();
-        let examine = |place: &Place| {
-            let examination = orbit.examination(&place.node.point);
-            examination.map_err(OrbitRefusal::Flow)
-        };
         if let BranchEvent::Shrinks(special, stop) = event {
+            let examination = orbit.examination(&place.node.point);
+            let examination = examination.map_err(OrbitRefusal::Flow)?;
             let found = LocatedPoint {
                 uncertainty: *uncertainty,
                 special: Some(Special::Own(special.clone())),
-                ..self.point(place.s, &place.node, &examine(place)?)
+                ..self.point(place.s, &place.node, &examination)
             };
             return Ok(ended(found, stop.clone()));
         }
         if let Some(ended) = self.vanished(step, place) {
             return Ok(ended);
         }
-        let mut examination = examine(place)?;
-        let mut located = (place.clone(), *uncertainty);
-        if matches!(event, BranchEvent::Change(_))
-            && let Some(sharper) = self.at_once(step, place, &examination)
-        {
-            located = sharper;
-            examination = examine(&located.0)?;
-        }
-        let (place, uncertainty) = &located;
-        // nothing may have failed before: another event would have come first
-        if !events::holds(orbit, place, &examination) {
-            return Err(OrbitRefusal::Order);
-        }
-        let mut found = LocatedPoint {
-            uncertainty: *uncertainty,
-            ..self.point(place.s, &place.node, &examination)
-        };
-        // an inequality that fails by no more than rounding
-        let mut fails = examination.margins().iter();
-        let fails = fails.find(|margin| O::value(margin) <= 0.0);
-        if !matches!(event, BranchEvent::Change(_)) {
-            found.close = fails.map(|margin| Close::Margin(orbit.held(margin)));
-        }
+        let (mut found, place) = self.located(step, place, &together[0])?;
         // the halves of an orbit traversed twice are images, too, and its parameter is stationary
         if event.may_retrace()
             && let Some(ended) = self.repeated(&found)
@@ -165,7 +141,7 @@ impl<O: Orbit> Curve for Track<O> {
                     found.special = Some(failed(&end));
                     return Ok(Outcome::Ended(vec![found], end));
                 }
-                let margins = self.vanishing(step, place, together, &examination);
+                let margins = self.vanishing(step, &place, together, &found.examination);
                 return Ok(self.change(found, &margins, step));
             }
         }
@@ -265,6 +241,42 @@ fn ended<O: Orbit>(found: LocatedPoint<O>, stop: O::Stop) -> Outcome<Track<O>> {
 }
 
 impl<O: Orbit> Track<O> {
+    /// The point of an event, before it is said what makes it special: where several margins vanish at once at the place
+    /// where they do so together.
+    fn located(
+        &self,
+        step: &Segment<O::Examination>,
+        place: &Place,
+        LocatedEvent { event, uncertainty }: &LocatedEvent<O>,
+    ) -> Result<(LocatedPoint<O>, Place), OrbitRefusal<O>> {
+        let orbit = self.orbit.as_ref();
+        let examine = |place: &Place| {
+            let examination = orbit.examination(&place.node.point);
+            examination.map_err(OrbitRefusal::Flow)
+        };
+        let changes = matches!(event, BranchEvent::Change(_));
+        let mut examination = examine(place)?;
+        let (mut place, mut uncertainty) = (place.clone(), *uncertainty);
+        if changes && let Some(sharper) = self.at_once(step, &place, &examination) {
+            (place, uncertainty) = sharper;
+            examination = examine(&place)?;
+        }
+        // nothing may have failed before: another event would have come first
+        if !events::holds(orbit, &place, &examination) {
+            return Err(OrbitRefusal::Order);
+        }
+        // an inequality that fails by no more than rounding
+        let mut fails = examination.margins().iter();
+        let fails = fails.find(|margin| !changes && O::value(margin) <= 0.0);
+        let close = fails.map(|margin| Close::Margin(orbit.held(margin)));
+        let found = LocatedPoint {
+            uncertainty,
+            close,
+            ..self.point(place.s, &place.node, &examination)
+        };
+        Ok((found, place))
+    }
+
     /// The point at which an orbit is its own image: known better by the equations of those on both sides.
     fn mirrored(
         &self,

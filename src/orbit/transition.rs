@@ -34,6 +34,22 @@ struct Transition<O: Orbit> {
     search: Search<O>,
 }
 
+impl<O: Orbit> Transition<O> {
+    /// What the branch tells of it.
+    fn change(&self) -> Change<O> {
+        let beyond = self.search.beyond.as_ref();
+        let after = beyond.map(|beyond| beyond.orbit.signature().clone());
+        let mut change = Change {
+            others: self.search.others.clone(),
+            ..Change::new(self.found.orbit.as_ref(), after, self.margin.clone())
+        };
+        if let Some(between) = &self.between {
+            change.kind = O::classify(&change.before, Some(between), &change.margin);
+        }
+        change
+    }
+}
+
 impl<O: Orbit> Track<O> {
     /// All margins that vanish at a change: those located there, and those whose zeros rounding keeps apart at the stiff
     /// end, or one of them from being located. The one that says most comes first.
@@ -90,28 +106,16 @@ impl<O: Orbit> Track<O> {
     ) -> Outcome<Track<O>> {
         let tolerance = step.steps.tolerance;
         let ds = step.ds.clamp(INTO * step.steps.ds, step.steps.ds);
+        let transition = self.searched(found, margins, ds, tolerance);
+        let mut change = transition.change();
         let Transition {
             mut found,
             mut passed,
-            margin,
-            between,
-            search,
-        } = self.searched(found, margins, ds, tolerance);
-        let Search {
-            beyond,
-            refused,
-            others,
-        } = search;
-        let after = beyond
-            .as_ref()
-            .map(|beyond| beyond.orbit.signature().clone());
-        let mut change = Change {
-            others,
-            ..Change::new(found.orbit.as_ref(), after, margin)
-        };
-        if let Some(between) = between {
-            change.kind = O::classify(&change.before, Some(&between), &change.margin);
-        }
+            search: Search {
+                beyond, refused, ..
+            },
+            ..
+        } = transition;
         let Some(Beyond {
             orbit,
             node,

@@ -6,7 +6,7 @@ use brakewave::certify::{
 use brakewave::interval::{Decimal, Interval};
 use brakewave::orbit::EventType;
 use brakewave::tube::model::Parameter;
-use brakewave::tube::wave::admissibility::RegimeInequality;
+use brakewave::tube::wave::admissibility::WaveWatch;
 use brakewave::tube::wave::start::Which;
 
 use super::waves::{has, mismatch_of_pressure, points, points_of, proof, slip_stick_at};
@@ -114,7 +114,7 @@ fn a_false_wave_beyond_an_event_is_not_proven() {
     // a zone that the signature has not
     let closed = |proof: &mut WaveProof| {
         proof.condition = WaveCondition::Margin {
-            watch: RegimeInequality::Duration,
+            watch: WaveWatch::Duration,
             zone: 99,
             time: 0.0,
         };

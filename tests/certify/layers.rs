@@ -5,7 +5,7 @@ use brakewave::certify::{
 };
 use brakewave::interval::Decimal;
 use brakewave::orbit::EventType;
-use brakewave::tube::wave::admissibility::RegimeInequality;
+use brakewave::tube::wave::admissibility::WaveWatch;
 
 use crate::certify::waves::{event, figure, points_of, points_of_text, proof};
 
@@ -106,7 +106,7 @@ fn what_fails_beyond_an_event_is_not_proven() {
     let turned = event(&points, EventType::RV, 0);
     let value = turned.near.parameter;
     assert!(at(turned, value * (1.0 + 1e-9)).is_ok());
-    let lower = UnprovenWave::Switch(1, RegimeInequality::LowerForce);
+    let lower = UnprovenWave::Switch(1, WaveWatch::LowerForce);
     assert_eq!(
         at(turned, value * (1.0 - 1e-9)).err(),
         Some(OpenPoint::Inequality(lower))

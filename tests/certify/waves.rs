@@ -12,7 +12,7 @@ use brakewave::problem::{self, StabilitySection};
 use brakewave::tube::model::coefficients::Geometry;
 use brakewave::tube::model::signature::{Regime, Signature, ZoneEntry};
 use brakewave::tube::model::{FrictionLaw, Impact, Model, Parameter, Sectors};
-use brakewave::tube::wave::admissibility::RegimeInequality;
+use brakewave::tube::wave::admissibility::WaveWatch;
 use brakewave::tube::wave::start::{Which, slip_stick};
 
 /// The special points of a problem file, with its text changed before it is read; stability left out.
@@ -433,7 +433,7 @@ fn an_inequality_violated_by_1e_10_is_not_proven() {
         slip_stick_at(Which::Fast, mismatch_of_force(-1e-10)).err(),
         Some(OpenPoint::Inequality(UnprovenWave::Switch(
             1,
-            RegimeInequality::LowerForce
+            WaveWatch::LowerForce
         )))
     );
 }
@@ -634,20 +634,20 @@ fn a_margin_belongs_to_its_zone() {
     let of = |kind| points.iter().find(|point| point.kind == kind).unwrap();
     let (force, landing) = (of(EventType::RV), of(EventType::CO));
     for (point, watch, zone) in [
-        (force, RegimeInequality::LowerForce, 0),
-        (force, RegimeInequality::UpperForce, 1),
-        (force, RegimeInequality::LandingRate, 0),
-        (force, RegimeInequality::Impulse, 0),
-        (force, RegimeInequality::Gap, 0),
-        (landing, RegimeInequality::LowerForce, 1),
-        (landing, RegimeInequality::LandingRate, 0),
-        (landing, RegimeInequality::Tension, 1),
-        (landing, RegimeInequality::Release, 0),
+        (force, WaveWatch::LowerForce, 0),
+        (force, WaveWatch::UpperForce, 1),
+        (force, WaveWatch::LandingRate, 0),
+        (force, WaveWatch::Impulse, 0),
+        (force, WaveWatch::Gap, 0),
+        (landing, WaveWatch::LowerForce, 1),
+        (landing, WaveWatch::LandingRate, 0),
+        (landing, WaveWatch::Tension, 1),
+        (landing, WaveWatch::Release, 0),
     ] {
         let found = refused(point, |point, proof| {
             point.kind = match watch {
-                RegimeInequality::LowerForce => EventType::RV,
-                RegimeInequality::UpperForce => EventType::ST,
+                WaveWatch::LowerForce => EventType::RV,
+                WaveWatch::UpperForce => EventType::ST,
                 _ => EventType::CO,
             };
             let time = 0.0;

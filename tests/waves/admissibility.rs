@@ -12,7 +12,7 @@ use brakewave::continuation::newton::System;
 use brakewave::linalg::{Matrix, Vector};
 use brakewave::orbit::sign::SignVerdict;
 use brakewave::tube::wave::Wave;
-use brakewave::tube::wave::admissibility::{RegimeInequality, examine};
+use brakewave::tube::wave::admissibility::{WaveWatch, examine};
 use brakewave::tube::wave::profile::sample;
 
 use crate::waves::branches::{
@@ -154,12 +154,12 @@ fn beyond(found: &Found, value: f64) -> Vector {
 fn planted_violations_are_refused() {
     let run = fast_in_mismatch().follow(&[]);
     let planted = [
-        (EventType::RV, vec![RegimeInequality::LowerForce]),
-        (EventType::GR, vec![RegimeInequality::Pressure]),
+        (EventType::RV, vec![WaveWatch::LowerForce]),
+        (EventType::GR, vec![WaveWatch::Pressure]),
         // V̇ = 1 at both ends of the slip zone after landing
         (
             EventType::CO,
-            vec![RegimeInequality::Duration, RegimeInequality::LandingRate],
+            vec![WaveWatch::Duration, WaveWatch::LandingRate],
         ),
     ];
     for (kind, watches) in planted {
@@ -176,7 +176,7 @@ fn planted_violations_are_refused() {
                 SignVerdict::Negative,
                 "{kind} at {distance}"
             );
-            let broken: Vec<RegimeInequality> = examination
+            let broken: Vec<WaveWatch> = examination
                 .margins
                 .iter()
                 .filter(|margin| margin.jet.value <= 0.0)

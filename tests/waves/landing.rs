@@ -11,7 +11,7 @@ use brakewave::linalg::Vector;
 use brakewave::orbit::follow::Limits;
 use brakewave::tube::model::signature::{Regime, ZoneEntry};
 use brakewave::tube::model::{Damping, Impact, Model, Parameter};
-use brakewave::tube::wave::admissibility::{RegimeInequality, examine};
+use brakewave::tube::wave::admissibility::{WaveWatch, examine};
 use brakewave::tube::wave::profile::sample;
 use brakewave::tube::wave::start::Which;
 use brakewave::tube::wave::{Wave, WaveScales};
@@ -460,7 +460,7 @@ fn separation_opens_like_a_square_root() {
         let margin = examination
             .margins
             .into_iter()
-            .find(|margin| margin.watch == RegimeInequality::Pressure)
+            .find(|margin| margin.watch == WaveWatch::Pressure)
             .expect("a least pressure");
         (point, margin)
     };

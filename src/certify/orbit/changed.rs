@@ -32,23 +32,7 @@ pub(super) fn changed(
     let closes = closed.is_some();
     let mut list = vec![(orbit.clone(), point.clone())];
     if let Some(zone) = closed {
-        let margin = Margin {
-            watch: Watch::Duration,
-            zone,
-            ..change.margin.clone()
-        };
-        let found = candidates(orbit, point, &margin).map_err(|_| OpenOrbit::Duration)?;
-        list = found
-            .into_iter()
-            .filter(|candidate| candidate.nascent.is_empty())
-            .filter(|candidate| {
-                let mut sides = [before].into_iter().chain(after);
-                sides.any(|side| side.is_rotation_of(&candidate.orbit.sequence))
-            })
-            .map(|candidate| (candidate.orbit, candidate.point))
-            .collect();
-        // that of the branch beyond first
-        list.sort_by_key(|(orbit, _)| Some(&orbit.sequence) != after.as_ref());
+        list = without_zone(orbit, point, change, zone)?;
     }
     let branch = (orbit, point);
     let mut reason = None;
@@ -90,6 +74,34 @@ pub(super) fn changed(
         }
     }
     Err(reason.unwrap_or(OpenOrbit::Duration))
+}
+
+/// The orbit in the sequences of the change without a zone that has no duration there, that of the branch beyond first.
+fn without_zone(
+    orbit: &AffineOrbit,
+    point: &Vector,
+    change: &Change<AffineOrbit>,
+    zone: usize,
+) -> Result<Vec<(AffineOrbit, Vector)>, OpenOrbit> {
+    let (before, after) = (&change.before, &change.after);
+    let margin = Margin {
+        watch: Watch::Duration,
+        zone,
+        ..change.margin.clone()
+    };
+    let found = candidates(orbit, point, &margin).map_err(|_| OpenOrbit::Duration)?;
+    let mut list: Vec<_> = found
+        .into_iter()
+        .filter(|candidate| candidate.nascent.is_empty())
+        .filter(|candidate| {
+            let mut sides = [before].into_iter().chain(after);
+            sides.any(|side| side.is_rotation_of(&candidate.orbit.sequence))
+        })
+        .map(|candidate| (candidate.orbit, candidate.point))
+        .collect();
+    // that of the branch beyond first
+    list.sort_by_key(|(orbit, _)| Some(&orbit.sequence) != after.as_ref());
+    Ok(list)
 }
 
 /// A proof with the change of the sequence, and with the orbit in the sequences in which it is not proven itself: what is not

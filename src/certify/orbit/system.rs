@@ -224,27 +224,7 @@ impl<'a> OrbitSystem<'a> {
         let zones_of = near.sequence.0.iter();
         let needed = Needed::new(&posed.values, posed.parameter, near_to, zones_of);
         let (structure, exact) = Structure::of(of, &needed)?;
-        let states = exact.states;
-        let zones = &near.zones;
-        let known = zones.iter().flat_map(|zone| {
-            let rest = [zone.duration, zone.phase];
-            zone.state.iter().copied().chain(rest)
-        });
-        let units = &posed.units;
-        let positive = units.states.iter().chain([&units.time, &units.parameter]);
-        let fits = !zones.is_empty()
-            && zones.len() == near.sequence.len()
-            && zones
-                .iter()
-                .all(|zone| zone.state.len() == states && zone.duration > -ROUNDING * units.time)
-            && known.chain([near.parameter]).all(f64::is_finite)
-            && posed.values.len() == of.source.parameters.0.len()
-            && posed.parameter < posed.values.len()
-            && units.states.len() == states
-            && positive
-                .into_iter()
-                .all(|unit| unit.is_finite() && *unit > 0.0);
-        if !fits {
+        if !fits(posed, near, of, exact.states) {
             return Err(OpenOrbit::Sequence);
         }
         let mut system = OrbitSystem {
@@ -272,12 +252,7 @@ impl<'a> OrbitSystem<'a> {
             return Err(OpenOrbit::Centre);
         }
         let modes = system.enclosed(Interval::point(near.parameter))?;
-        let lasts = |index: &usize| {
-            let zone = &zones[system.stretches[*index].zone];
-            zone.duration > ROUNDING * units.time && !layout.divided.contains(index)
-        };
-        let short = (0..system.stretches.len()).filter(|index| !lasts(index));
-        let short: Vec<usize> = short.collect();
+        let short = system.without_duration(&layout.divided);
         system.divide(&short);
         system.facts = system.known(&[]);
         system.lasting = system.facts.clone();
@@ -308,6 +283,16 @@ impl<'a> OrbitSystem<'a> {
             system.critical = Some(critical);
         }
         Ok((system, guess))
+    }
+
+    /// Segments that last no longer than rounding, and those that are `divided`.
+    fn without_duration(&self, divided: &[usize]) -> Vec<usize> {
+        let lasts = |index: &usize| {
+            let zone = &self.near.zones[self.stretches[*index].zone];
+            zone.duration > ROUNDING * self.posed.units.time && !divided.contains(index)
+        };
+        let short = (0..self.stretches.len()).filter(|index| !lasts(index));
+        short.collect()
     }
 
     /// How the equations are written.
@@ -444,4 +429,27 @@ impl<'a> OrbitSystem<'a> {
         let halves = if self.half { 1.0 } else { 2.0 };
         PI * Interval::point(halves * f64::from(self.posed.periods))
     }
+}
+
+/// Whether an orbit in doubles has as many numbers as its system and its sequence ask for, and units that are units.
+fn fits(posed: &PosedOrbit, near: &NearOrbit, system: &System, states: usize) -> bool {
+    let zones = &near.zones;
+    let known = zones.iter().flat_map(|zone| {
+        let rest = [zone.duration, zone.phase];
+        zone.state.iter().copied().chain(rest)
+    });
+    let units = &posed.units;
+    let positive = units.states.iter().chain([&units.time, &units.parameter]);
+    !zones.is_empty()
+        && zones.len() == near.sequence.len()
+        && zones
+            .iter()
+            .all(|zone| zone.state.len() == states && zone.duration > -ROUNDING * units.time)
+        && known.chain([near.parameter]).all(f64::is_finite)
+        && posed.values.len() == system.source.parameters.0.len()
+        && posed.parameter < posed.values.len()
+        && units.states.len() == states
+        && positive
+            .into_iter()
+            .all(|unit| unit.is_finite() && *unit > 0.0)
 }

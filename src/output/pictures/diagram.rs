@@ -255,16 +255,7 @@ pub(super) fn picture(tables: &Tables, view: &View) -> Result<Picture, StoreErro
     let view = &view.decided(tables);
     let column = view.column.as_str();
     tables.check_column(column)?;
-    let mut stretches = stretches(&tables.branch, &tables.parameter, column);
-    for stretch in &mut stretches {
-        stretch.points.retain(|point| view.shows(point));
-    }
-    stretches.retain(|stretch| !stretch.points.is_empty());
-    let mut marks = tables.marks(column);
-    for (_, points) in &mut marks {
-        points.retain(|point| view.shows(point));
-    }
-    marks.retain(|(_, points)| !points.is_empty());
+    let (stretches, marks) = shown(tables, view);
     let bands = bands(&stretches);
     let banded = !bands.is_empty();
     let mut signatures = signatures(&stretches);
@@ -303,24 +294,10 @@ pub(super) fn picture(tables: &Tables, view: &View) -> Result<Picture, StoreErro
     };
     let kinds = EventType::ALL.into_iter();
     let present = kinds.filter(|kind| marks.iter().any(|mark| mark.0 == *kind));
-    let named = signatures.iter().take(MOST_NAMED).map(|signature| {
-        let key = Key::Line(Pen::solid(colour(signature), CURVE + 0.6));
-        let name = codes.name(&short_signature(signature));
-        (
-            key,
-            if banded {
-                numbered(signature, &signatures, name)
-            } else {
-                name
-            },
-        )
-    });
-    let others = format!("and {} others", signatures.len().saturating_sub(MOST_NAMED));
-    let others = (Key::Line(Pen::solid(GREY, CURVE)), others);
-    let others = (signatures.len() > MOST_NAMED).then_some(others);
     // one sequence is named above its band
-    let coloured = named
-        .chain(others)
+    let coloured = sequence_keys(&signatures, &codes, banded);
+    let coloured = coloured
+        .into_iter()
         .filter(|_| signatures.len() > 1 || !banded);
     let legend = Legend::default()
         .with("", standing_keys(drawn))
@@ -342,6 +319,42 @@ pub(super) fn picture(tables: &Tables, view: &View) -> Result<Picture, StoreErro
     };
     let y = Axis::new(tables.quantity(column), height);
     Ok(Picture::new(vec![Panel::new(x, y, layers)], legend))
+}
+
+/// The sequences that the legend names, numbered where they have bands, and how many others there are.
+fn sequence_keys(signatures: &[&str], codes: &Codes, banded: bool) -> Vec<(Key, String)> {
+    let named = signatures.iter().take(MOST_NAMED).map(|signature| {
+        let colour = colour_of(signature, signatures);
+        let name = codes.name(&short_signature(signature));
+        let name = match banded {
+            true => numbered(signature, signatures, name),
+            false => name,
+        };
+        (Key::Line(Pen::solid(colour, CURVE + 0.6)), name)
+    });
+    let others = format!("and {} others", signatures.len().saturating_sub(MOST_NAMED));
+    let others = (Key::Line(Pen::solid(GREY, CURVE)), others);
+    let others = (signatures.len() > MOST_NAMED).then_some(others);
+    named.chain(others).collect()
+}
+
+/// The segments of the curve and the events that a view shows.
+fn shown<'a>(
+    tables: &'a Tables,
+    view: &'a View,
+) -> (Vec<DrawnSegment<'a>>, Vec<(EventType, Vec<Point>)>) {
+    let column = view.column.as_str();
+    let mut stretches = stretches(&tables.branch, &tables.parameter, column);
+    for stretch in &mut stretches {
+        stretch.points.retain(|point| view.shows(point));
+    }
+    stretches.retain(|stretch| !stretch.points.is_empty());
+    let mut marks = tables.marks(column);
+    for (_, points) in &mut marks {
+        points.retain(|point| view.shows(point));
+    }
+    marks.retain(|(_, points)| !points.is_empty());
+    (stretches, marks)
 }
 
 /// The colour of a sequence among those of the diagram, the ones that the legend names first.

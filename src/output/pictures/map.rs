@@ -310,27 +310,7 @@ impl DrawnPlane {
             let shown: Vec<&ShownPoint> =
                 waves.iter().filter(|wave| wave.start == *start).collect();
             let cut = blanks.iter().filter(|one| one.cut && one.start == *start);
-            let layers = match self.points {
-                MapPoints::QuasiRandom { .. } => {
-                    let mut layers = scattered(&shown, colour);
-                    let cut = cut.map(|blank| blank.at).collect();
-                    layers.push(Layer::Marks(cut, Mark::new(MarkShape::Cross, 3.0, GREY)));
-                    layers
-                }
-                MapPoints::Grid { rows, columns } => {
-                    let mut layers = vec![cells(&shown, (half_width, half_height), colour)];
-                    let cut = cut.map(|blank| (blank.row, blank.column)).collect();
-                    let corner = (self.x.range.0 - half_width, self.y.range.0 - half_height);
-                    let cell = (2.0 * half_width, 2.0 * half_height);
-                    let grid = ((rows, columns), corner, cell);
-                    layers.extend(hatched(&cut, grid, hatching()));
-                    let kind = |wave: &&&ShownPoint| wave.kind == UNBOUNDED;
-                    let unbounded = shown.iter().filter(kind);
-                    let unbounded = unbounded.map(|wave| (wave.row, wave.column)).collect();
-                    layers.extend(hatched(&unbounded, grid, LIGHT_HATCHING));
-                    layers
-                }
-            };
+            let layers = self.layers(&shown, cut, (half_width, half_height), &colour);
             match starts.len() {
                 1 => panel(layers, "", HEIGHT),
                 _ => panel(layers, &format!("{}{start}: ", self.start), HEIGHT / 1.3),
@@ -344,6 +324,37 @@ impl DrawnPlane {
 
         let legend = self.legend(waves, blanks, &kinds, &starts);
         Picture::new(panels, legend)
+    }
+
+    /// What is shown of one start: waves in their colours, points that a search was `cut` short at, unbounded motions.
+    fn layers<'a>(
+        &self,
+        shown: &[&ShownPoint],
+        cut: impl Iterator<Item = &'a Blank>,
+        (half_width, half_height): (f64, f64),
+        colour: &dyn Fn(&ShownPoint) -> RGBColor,
+    ) -> Vec<Layer> {
+        match self.points {
+            MapPoints::QuasiRandom { .. } => {
+                let mut layers = scattered(shown, colour);
+                let cut = cut.map(|blank| blank.at).collect();
+                layers.push(Layer::Marks(cut, Mark::new(MarkShape::Cross, 3.0, GREY)));
+                layers
+            }
+            MapPoints::Grid { rows, columns } => {
+                let mut layers = vec![cells(shown, (half_width, half_height), colour)];
+                let cut = cut.map(|blank| (blank.row, blank.column)).collect();
+                let corner = (self.x.range.0 - half_width, self.y.range.0 - half_height);
+                let cell = (2.0 * half_width, 2.0 * half_height);
+                let grid = ((rows, columns), corner, cell);
+                layers.extend(hatched(&cut, grid, hatching()));
+                let kind = |wave: &&&ShownPoint| wave.kind == UNBOUNDED;
+                let unbounded = shown.iter().filter(kind);
+                let unbounded = unbounded.map(|wave| (wave.row, wave.column)).collect();
+                layers.extend(hatched(&unbounded, grid, LIGHT_HATCHING));
+                layers
+            }
+        }
     }
 
     /// The colours of kinds, and the marks of points without a wave that are in a panel.

@@ -60,22 +60,7 @@ impl HighFrequency {
         let split = |slope: f64| [(slope - x[1]) / span, (x[0] - slope) / span];
         let period = characteristic.period;
         let mut determinant = (1.0, 2.0 * period);
-        let starts: Vec<EchoPath> = (0..2)
-            .map(|branch| EchoPath {
-                branch,
-                factor: if characteristic.stick {
-                    split(0.0)[branch]
-                } else {
-                    1.0
-                },
-                advance: 0.0,
-            })
-            .collect();
-        let groups: Vec<Vec<EchoPath>> = if characteristic.stick {
-            vec![starts]
-        } else {
-            starts.into_iter().map(|path| vec![path]).collect()
-        };
+        let groups = Self::starts(characteristic.stick, split(0.0));
         let mut trace = Vec::new();
         for (start, mut paths) in groups.into_iter().enumerate() {
             let mut forgotten = false;
@@ -129,6 +114,22 @@ impl HighFrequency {
                 .zones
                 .iter()
                 .any(|zone| matches!(zone.jump, PerturbationJump::StaticRelease(_))),
+        }
+    }
+
+    /// The paths that are followed from the beginning of the period: with stick both waves as one, without each by itself.
+    fn starts(stick: bool, split: [f64; 2]) -> Vec<Vec<EchoPath>> {
+        let starts: Vec<EchoPath> = (0..2)
+            .map(|branch| EchoPath {
+                branch,
+                factor: if stick { split[branch] } else { 1.0 },
+                advance: 0.0,
+            })
+            .collect();
+        if stick {
+            vec![starts]
+        } else {
+            starts.into_iter().map(|path| vec![path]).collect()
         }
     }
 

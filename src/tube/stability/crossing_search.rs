@@ -169,16 +169,8 @@ impl CrossingSearch<'_> {
             let mut gone = Vec::new();
             for start in before.eigenvalues.iter().filter(relevant) {
                 let reached = reach(characteristic, before.sector, start.value());
-                let index = reached.and_then(|value| {
-                    // the list is sorted by falling Re λ
-                    let list = &after.eigenvalues;
-                    let first = list.partition_point(|known| known.re > value.re + SAME * rate);
-                    list[first..]
-                        .iter()
-                        .take_while(|known| known.re >= value.re - SAME * rate)
-                        .position(|known| (known.value() - value).norm() < SAME * rate)
-                        .map(|index| first + index)
-                });
+                let index =
+                    reached.and_then(|value| position(&after.eigenvalues, value, SAME * rate));
                 match index {
                     Some(index) if !taken[index] => {
                         taken[index] = true;
@@ -199,21 +191,7 @@ impl CrossingSearch<'_> {
                     _ => {}
                 }
             }
-            // real ones that meet go apart as a pair, and Newton's method loses them: what moves by less
-            // than its distance from the axis does not cross
-            gone.retain(|value| {
-                let nearest = (0..taken.len())
-                    .filter(|&index| !taken[index])
-                    .map(|index| ((after.eigenvalues[index].value() - value).norm(), index))
-                    .min_by(|one, other| one.0.total_cmp(&other.0));
-                match nearest {
-                    Some((distance, index)) if distance < 0.5 * value.re.abs() => {
-                        taken[index] = true;
-                        false
-                    }
-                    _ => true,
-                }
-            });
+            Self::forget_met(&mut gone, &mut taken, &after.eigenvalues);
             // unstable eigenvalues that nothing has led to must have come in through the edge
             let strangers = after
                 .eigenvalues
@@ -229,8 +207,31 @@ impl CrossingSearch<'_> {
                 return None;
             }
         }
-        // at a fold a real eigenvalue of sector 0 passes through zero: that is the fold itself
-        let inside = |s: &&f64| **s > one.s && **s <= other.s;
+        self.without_folds(&mut changes, one.s, other.s, rate);
+        Some(changes)
+    }
+
+    /// Takes out those that meet on the real axis: they go apart as a pair, and Newton's method loses them. What moves by less than
+    /// its distance from the axis does not cross.
+    fn forget_met(gone: &mut Vec<C64>, taken: &mut [bool], after: &[WaveEigenvalue]) {
+        gone.retain(|value| {
+            let nearest = (0..taken.len())
+                .filter(|&index| !taken[index])
+                .map(|index| ((after[index].value() - value).norm(), index))
+                .min_by(|one, other| one.0.total_cmp(&other.0));
+            match nearest {
+                Some((distance, index)) if distance < 0.5 * value.re.abs() => {
+                    taken[index] = true;
+                    false
+                }
+                _ => true,
+            }
+        });
+    }
+
+    /// Takes out what passes through zero at a fold, a real eigenvalue of sector 0: that is the fold itself.
+    fn without_folds(&self, changes: &mut Vec<SignChange>, from: f64, to: f64, rate: f64) {
+        let inside = |s: &&f64| **s > from && **s <= to;
         let mut left = self.folds.iter().filter(inside).count();
         changes.retain(|change| {
             let real = change.from.im.abs().max(change.to.im.abs()) < REAL * rate;
@@ -240,7 +241,6 @@ impl CrossingSearch<'_> {
             }
             true
         });
-        Some(changes)
     }
 
     /// The zero of Re λ(s) between two ends.
@@ -335,4 +335,14 @@ pub(crate) fn follow(characteristic: &Characteristic, z: C64, start: C64) -> Opt
         }
     }
     None
+}
+
+/// The place of a value in a list that is sorted by falling Re λ.
+fn position(list: &[WaveEigenvalue], value: C64, within: f64) -> Option<usize> {
+    let first = list.partition_point(|known| known.re > value.re + within);
+    list[first..]
+        .iter()
+        .take_while(|known| known.re >= value.re - within)
+        .position(|known| (known.value() - value).norm() < within)
+        .map(|index| first + index)
 }

@@ -18,7 +18,7 @@ use crate::tube::flow::piece::{horner, horner_curvature, horner_slope};
 use crate::tube::flow::{FlowError, Slide, SlidingFlow};
 use crate::tube::model::signature::{Regime, ZoneEntry};
 
-pub use super::margin::{MarginConstraint, RegimeInequality, RegimeMargin};
+pub use super::margin::{MarginConstraint, RegimeMargin, WaveWatch};
 use super::margin::{edge_margin, edge_margins, interior_margin};
 use super::{Wave, WaveAt};
 
@@ -46,7 +46,7 @@ struct Collector<'a> {
 impl Collector<'_> {
     fn margin(
         &mut self,
-        watch: RegimeInequality,
+        watch: WaveWatch,
         zone: usize,
         time: f64,
         [mut jet, mut beyond]: [Jet; 2],
@@ -102,9 +102,9 @@ pub fn examine(wave: &Wave, point: &Vector) -> Result<WaveExamination, FlowError
     };
     let kappa = flows.frame.at.kappa;
     if kappa.is_nan() || kappa <= 0.0 {
-        let jet = edge_margin(at, 0, RegimeInequality::Coupling)?;
+        let jet = edge_margin(at, 0, WaveWatch::Coupling)?;
         collector.judge(SignVerdict::Negative);
-        collector.margin(RegimeInequality::Coupling, 0, 0.0, jet);
+        collector.margin(WaveWatch::Coupling, 0, 0.0, jet);
     }
     for index in 0..wave.zones() {
         let entry = wave.entry_at(point, index);
@@ -216,17 +216,17 @@ fn contact_zone(collector: &mut Collector, index: usize) -> Result<(), FlowError
         press(collector, false, drive(time, state));
         let maximum = flow.jerk(slide, time, state) < 0.0;
         if zone.regime != Regime::Contact && maximum == (sigma > 0.0) {
-            interior(collector, RegimeInequality::Rate, index, time)?;
+            interior(collector, WaveWatch::Rate, index, time)?;
         }
         if !maximum && zone.regime != Regime::Reverse && !wave.material {
-            interior(collector, RegimeInequality::Pressure, index, time)?;
+            interior(collector, WaveWatch::Pressure, index, time)?;
         }
     }
     if let SlidingFlow::Material(material) = flow {
         for time in material.pressure_extremes(slide) {
             press(collector, false, drive(time, flow.state(slide, time)?));
             if material.pressure_bends_up(slide, time) {
-                interior(collector, RegimeInequality::Pressure, index, time)?;
+                interior(collector, WaveWatch::Pressure, index, time)?;
             }
         }
     }
@@ -292,7 +292,7 @@ fn separation_zone(collector: &mut Collector, index: usize) -> Result<(), FlowEr
                 continue;
             }
             let time = taylor.start + place * taylor.length;
-            interior(collector, RegimeInequality::Gap, index, time)?;
+            interior(collector, WaveWatch::Gap, index, time)?;
         }
         for place in gap.affine(-1.0, 0.0).minima(&mut rising) {
             let known = collector.examination.largest_gap;
@@ -343,7 +343,7 @@ fn tangential_extremes(taylor: &[f64; COEFFICIENTS]) -> Vec<f64> {
 /// is zero, so the derivatives are those at a fixed time after the entry.
 fn interior(
     collector: &mut Collector,
-    watch: RegimeInequality,
+    watch: WaveWatch,
     index: usize,
     time: f64,
 ) -> Result<(), FlowError> {

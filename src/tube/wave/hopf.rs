@@ -161,7 +161,7 @@ pub fn family(
     })
 }
 
-/// The value of the parameter at which steady sliding begins to flutter: X² = 0 where friction and damping balance.
+/// The value of the parameter at which steady sliding begins to flutter: there friction does as much work as damping takes.
 fn critical(
     model: &Model,
     parameter: Parameter,

@@ -11,7 +11,7 @@ use crate::tube::model::signature::{Regime, ZoneEntry};
 
 /// What a margin measures: the quantity that is positive while the signature holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
-pub enum RegimeInequality {
+pub enum WaveWatch {
     /// Duration T of the zone.
     Duration,
     /// A local minimum of P inside a slip zone.
@@ -46,7 +46,7 @@ pub enum RegimeInequality {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RegimeMargin {
     /// Which quantity it is.
-    pub watch: RegimeInequality,
+    pub watch: WaveWatch,
     /// Index of the zone, from 0 in the order of the signature.
     pub zone: usize,
     /// Time after the entry of the zone at which a local minimum lies; 0 for other margins.
@@ -95,21 +95,15 @@ impl RegimeMargin {
 pub(super) fn edge_margins(
     at: &WaveAt,
     index: usize,
-) -> Result<Vec<(RegimeInequality, [Jet; 2])>, FlowError> {
+) -> Result<Vec<(WaveWatch, [Jet; 2])>, FlowError> {
     let WaveAt { wave, point, .. } = at;
     let zone = wave.signature.zone(index);
     let next = wave.signature.zone(index + 1);
     let mut margins = Vec::with_capacity(4);
-    let watched = |watch: RegimeInequality| edge_margin(at, index, watch);
-    margins.push((
-        RegimeInequality::Duration,
-        watched(RegimeInequality::Duration)?,
-    ));
+    let watched = |watch: WaveWatch| edge_margin(at, index, watch);
+    margins.push((WaveWatch::Duration, watched(WaveWatch::Duration)?));
     if zone.entry == ZoneEntry::Landing && zone.regime != Regime::Contact {
-        margins.push((
-            RegimeInequality::LandingRate,
-            watched(RegimeInequality::LandingRate)?,
-        ));
+        margins.push((WaveWatch::LandingRate, watched(WaveWatch::LandingRate)?));
     }
     // with material damping what belongs to a landing vanishes like a power of the duration of
     // separation, which is watched
@@ -120,57 +114,33 @@ pub(super) fn edge_margins(
         && !gone(before)
     {
         margins.push((
-            RegimeInequality::LandingPressure,
-            watched(RegimeInequality::LandingPressure)?,
+            WaveWatch::LandingPressure,
+            watched(WaveWatch::LandingPressure)?,
         ));
     }
     if zone.entry == ZoneEntry::Touch && !gone(index) {
         if wave.material {
             // it slides as slip does
-            margins.push((
-                RegimeInequality::LandingRate,
-                watched(RegimeInequality::LandingRate)?,
-            ));
+            margins.push((WaveWatch::LandingRate, watched(WaveWatch::LandingRate)?));
         }
-        margins.push((
-            RegimeInequality::Tension,
-            watched(RegimeInequality::Tension)?,
-        ));
+        margins.push((WaveWatch::Tension, watched(WaveWatch::Tension)?));
     }
     if zone.regime == Regime::Stick {
-        margins.push((
-            RegimeInequality::LowerForce,
-            watched(RegimeInequality::LowerForce)?,
-        ));
+        margins.push((WaveWatch::LowerForce, watched(WaveWatch::LowerForce)?));
     }
     if wave.material && zone.entry == ZoneEntry::Release {
-        margins.push((
-            RegimeInequality::Release,
-            watched(RegimeInequality::Release)?,
-        ));
+        margins.push((WaveWatch::Release, watched(WaveWatch::Release)?));
     }
     if zone.regime == Regime::Reverse && next.entry == ZoneEntry::Reversal {
-        margins.push((
-            RegimeInequality::UpperForce,
-            watched(RegimeInequality::UpperForce)?,
-        ));
+        margins.push((WaveWatch::UpperForce, watched(WaveWatch::UpperForce)?));
     }
     if zone.regime == Regime::Separation && !gone(index) {
-        margins.push((
-            RegimeInequality::LandingSpeed,
-            watched(RegimeInequality::LandingSpeed)?,
-        ));
+        margins.push((WaveWatch::LandingSpeed, watched(WaveWatch::LandingSpeed)?));
         if next.entry == ZoneEntry::ArrestedLanding {
-            margins.push((
-                RegimeInequality::Impulse,
-                watched(RegimeInequality::Impulse)?,
-            ));
+            margins.push((WaveWatch::Impulse, watched(WaveWatch::Impulse)?));
             // reverse slip that would stick has no length
             if next.regime == Regime::Slip {
-                margins.push((
-                    RegimeInequality::UpperForce,
-                    watched(RegimeInequality::UpperForce)?,
-                ));
+                margins.push((WaveWatch::UpperForce, watched(WaveWatch::UpperForce)?));
             }
         }
     }
@@ -182,13 +152,13 @@ pub(super) fn edge_margins(
 pub(super) fn edge_margin(
     at: &WaveAt,
     index: usize,
-    watch: RegimeInequality,
+    watch: WaveWatch,
 ) -> Result<[Jet; 2], FlowError> {
     let wave = at.wave;
     let lands = wave.material && wave.signature.zone(index).regime == Regime::Separation;
     let reacts = matches!(
         watch,
-        RegimeInequality::LandingSpeed | RegimeInequality::Impulse | RegimeInequality::UpperForce
+        WaveWatch::LandingSpeed | WaveWatch::Impulse | WaveWatch::UpperForce
     );
     if !(lands && reacts) {
         let margin = edge_margin_of_zone(at, index, watch)?;
@@ -200,8 +170,8 @@ pub(super) fn edge_margin(
     let entered = at.entry_acceleration(index + 1)?;
     let [radial, tangential] = entered.map(|jet| at.flows.frame.material() * jet);
     let [mut own, mut beyond] = match watch {
-        RegimeInequality::LandingSpeed => [lifted * unit, radial * -unit],
-        RegimeInequality::UpperForce => [Jet::default(), entered[1] * (-1.0 / wave.scales.layer)],
+        WaveWatch::LandingSpeed => [lifted * unit, radial * -unit],
+        WaveWatch::UpperForce => [Jet::default(), entered[1] * (-1.0 / wave.scales.layer)],
         _ => {
             let drag = dragged.value - tangential.value;
             let sign = unit.copysign(drag);
@@ -223,11 +193,7 @@ pub(super) fn edge_margin(
 }
 
 /// A margin that depends on one zone.
-fn edge_margin_of_zone(
-    at: &WaveAt,
-    index: usize,
-    watch: RegimeInequality,
-) -> Result<Jet, FlowError> {
+fn edge_margin_of_zone(at: &WaveAt, index: usize, watch: WaveWatch) -> Result<Jet, FlowError> {
     let WaveAt { wave, point, flows } = at;
     let zone = wave.signature.zone(index);
     let entry = wave.entry_at(point, index);
@@ -248,25 +214,25 @@ fn edge_margin_of_zone(
         f * r * (frame.weight() + frame.kappa()) * 2.0
     };
     Ok(match watch {
-        RegimeInequality::Coupling => frame.kappa() * force,
-        RegimeInequality::Duration => {
+        WaveWatch::Coupling => frame.kappa() * force,
+        WaveWatch::Duration => {
             Jet::variable(wave.duration_at(point, index), DURATION) * (1.0 / scales.time)
         }
-        RegimeInequality::LandingRate if zone.regime == Regime::Reverse => w - 1.0,
-        RegimeInequality::LandingRate => -w + 1.0,
-        RegimeInequality::LandingPressure if wave.material => {
+        WaveWatch::LandingRate if zone.regime == Regime::Reverse => w - 1.0,
+        WaveWatch::LandingRate => -w + 1.0,
+        WaveWatch::LandingPressure if wave.material => {
             let [_, acceleration] = at.entry_acceleration(index)?;
             frame.pressure(w + frame.material() * acceleration) * force
         }
-        RegimeInequality::LandingPressure => frame.pressure(w) * force,
+        WaveWatch::LandingPressure => frame.pressure(w) * force,
         // a touch takes no more of Ü than there is
-        RegimeInequality::Tension if wave.material => {
+        WaveWatch::Tension if wave.material => {
             at.entry_acceleration(index)?[0] * (1.0 / scales.layer)
         }
-        RegimeInequality::Tension => frame.pressure(w) * -force,
+        WaveWatch::Tension => frame.pressure(w) * -force,
         // Q + fP = (Q − fP) + 2fP
-        RegimeInequality::LowerForce => (excess(y) + band()) * force,
-        RegimeInequality::UpperForce => {
+        WaveWatch::LowerForce => (excess(y) + band()) * force,
+        WaveWatch::UpperForce => {
             let end = at.zone_end(index)?;
             if wave.material {
                 return Ok(end.acceleration * (-1.0 / scales.layer));
@@ -274,21 +240,21 @@ fn edge_margin_of_zone(
             // the other way round: Q > fP lets reverse slip pass into slip
             excess(end.y) * force
         }
-        RegimeInequality::LandingSpeed => -at.zone_end(index)?.radial_rate,
-        RegimeInequality::Impulse => {
+        WaveWatch::LandingSpeed => -at.zone_end(index)?.radial_rate,
+        WaveWatch::Impulse => {
             let end = at.zone_end(index)?;
             let sign = if end.w.value < 1.0 { 1.0 } else { -1.0 };
             // |impulse| − |1 − W⁻|; the impulse is negative as U̇⁻ is
             -at.impulse(&end) + (end.w - 1.0) * sign
         }
-        RegimeInequality::Release => match flows.contact(zone.regime) {
+        WaveWatch::Release => match flows.contact(zone.regime) {
             // in units of V̈ per unit of time
             SlidingFlow::Material(flow) => {
                 flow.entry_rates(&at.slide(index))[1] * (-scales.time / scales.layer)
             }
             _ => Jet::default(),
         },
-        RegimeInequality::Pressure | RegimeInequality::Rate | RegimeInequality::Gap => {
+        WaveWatch::Pressure | WaveWatch::Rate | WaveWatch::Gap => {
             unreachable!("a margin inside a zone is not at its end")
         }
     })
@@ -297,7 +263,7 @@ fn edge_margin_of_zone(
 /// The margin of a local minimum inside a zone at a time after its entry.
 pub(super) fn interior_margin(
     at: &WaveAt,
-    watch: RegimeInequality,
+    watch: WaveWatch,
     index: usize,
     time: f64,
 ) -> Result<Jet, FlowError> {
@@ -305,12 +271,12 @@ pub(super) fn interior_margin(
     let slide = &at.slide(index);
     let regime = wave.signature.zone(index).regime;
     Ok(match watch {
-        RegimeInequality::Gap => {
+        WaveWatch::Gap => {
             let mismatch = flows.frame.quantity(|of| of.mismatch);
             let u = flows.separation().radial(slide, time)?;
             (u - mismatch) * (1.0 / wave.scales.time)
         }
-        RegimeInequality::Pressure => {
+        WaveWatch::Pressure => {
             let [_, pressure] = flows.contact(regime).inside(&flows.frame, slide, time)?;
             pressure * (1.0 / wave.scales.pressure)
         }
@@ -340,7 +306,7 @@ impl MarginConstraint {
         let at = wave.at(point)?;
         let RegimeMargin { watch, zone, .. } = self.margin;
         let [mut jet, mut beyond] = match watch {
-            RegimeInequality::Pressure | RegimeInequality::Rate | RegimeInequality::Gap => {
+            WaveWatch::Pressure | WaveWatch::Rate | WaveWatch::Gap => {
                 self.margin.time = self.stationary(&at)?;
                 let jet = interior_margin(&at, watch, zone, self.margin.time)?;
                 [jet, Jet::default()]
@@ -361,16 +327,14 @@ impl MarginConstraint {
         let mut time = self.margin.time;
         let regime = wave.signature.zone(self.margin.zone).regime;
         for _ in 0..8 {
-            let step = if self.margin.watch == RegimeInequality::Gap {
+            let step = if self.margin.watch == WaveWatch::Gap {
                 flows
                     .separation()
                     .step_to_extreme(&flows.frame, slide, time)?
             } else {
                 let flow = flows.contact(regime);
                 match flow {
-                    SlidingFlow::Material(flow)
-                        if self.margin.watch == RegimeInequality::Pressure =>
-                    {
+                    SlidingFlow::Material(flow) if self.margin.watch == WaveWatch::Pressure => {
                         flow.pressure_step(slide, time)
                     }
                     _ => {

@@ -11,7 +11,7 @@ use crate::linalg::Vector;
 use crate::tube::flow::{FlowError, Slide, SlidingFlow};
 use crate::tube::model::signature::{Regime, Signature, WaveZone, ZoneEntry, paths};
 
-use super::admissibility::{RegimeInequality, RegimeMargin};
+use super::admissibility::{RegimeMargin, WaveWatch};
 use super::{Flows, Wave, WaveAt};
 use crate::orbit::Candidate;
 
@@ -38,6 +38,32 @@ struct CutWave {
     acceleration: f64,
     /// The zones on both sides are two parts of one: nothing new needs no switch.
     joined: bool,
+}
+
+impl CutWave {
+    /// The cycle with the zones of a chain in the cut: all but the last have no length yet.
+    fn with_chain(&self, flows: &Flows, chain: &[WaveZone]) -> Result<Vec<CycleZone>, FlowError> {
+        let inserted = chain.len() - 1;
+        let entry = self.instant;
+        let nascent = |zone: &WaveZone| {
+            let [layer, radial] = nascent_layers(flows, zone.regime, entry, self.acceleration)?;
+            Ok(CycleZone {
+                zone: *zone,
+                slide: Slide {
+                    entry,
+                    duration: 0.0,
+                    layer,
+                    radial,
+                },
+                nascent: true,
+            })
+        };
+        let nascent: Result<_, FlowError> = chain[..inserted].iter().map(nascent).collect();
+        let mut cycle: Vec<CycleZone> = nascent?;
+        cycle.extend_from_slice(&self.zones);
+        cycle[inserted].zone = chain[inserted];
+        Ok(cycle)
+    }
 }
 
 /// Every candidate for the signature beyond an event.
@@ -97,26 +123,7 @@ pub fn candidates(
         if !chain.iter().all(|zone| wave.model.law.has(zone.regime)) {
             continue;
         }
-        let inserted = chain.len() - 1;
-        let entry = opened.instant;
-        let nascent = |zone: &WaveZone| {
-            let [layer, radial] = nascent_layers(&flows, zone.regime, entry, opened.acceleration)?;
-            Ok(CycleZone {
-                zone: *zone,
-                slide: Slide {
-                    entry,
-                    duration: 0.0,
-                    layer,
-                    radial,
-                },
-                nascent: true,
-            })
-        };
-        let nascent: Result<_, FlowError> = chain[..inserted].iter().map(nascent).collect();
-        let mut cycle: Vec<CycleZone> = nascent?;
-        cycle.extend_from_slice(zones);
-        cycle[inserted].zone = chain[inserted];
-        add(cycle);
+        add(opened.with_chain(&flows, &chain)?);
     }
     Ok(found)
 }
@@ -215,8 +222,8 @@ fn open(wave: &Wave, point: &Vector, margin: &RegimeMargin) -> Result<Option<Cut
         })
     };
     Ok(Some(match margin.watch {
-        RegimeInequality::Coupling => return Ok(None),
-        RegimeInequality::Duration => {
+        WaveWatch::Coupling => return Ok(None),
+        WaveWatch::Duration => {
             if count < 2 {
                 return Ok(None);
             }
@@ -224,17 +231,17 @@ fn open(wave: &Wave, point: &Vector, margin: &RegimeMargin) -> Result<Option<Cut
             opened.zones.remove(0);
             opened
         }
-        RegimeInequality::Pressure | RegimeInequality::Rate | RegimeInequality::Gap => {
+        WaveWatch::Pressure | WaveWatch::Rate | WaveWatch::Gap => {
             split(&at, zones, index, margin.time)?
         }
-        RegimeInequality::LandingPressure
-        | RegimeInequality::Tension
-        | RegimeInequality::LandingRate
-        | RegimeInequality::LowerForce
-        | RegimeInequality::Release => at_entry(index, zones)?,
-        RegimeInequality::UpperForce
-        | RegimeInequality::Impulse
-        | RegimeInequality::LandingSpeed => at_entry(index + 1, zones)?,
+        WaveWatch::LandingPressure
+        | WaveWatch::Tension
+        | WaveWatch::LandingRate
+        | WaveWatch::LowerForce
+        | WaveWatch::Release => at_entry(index, zones)?,
+        WaveWatch::UpperForce | WaveWatch::Impulse | WaveWatch::LandingSpeed => {
+            at_entry(index + 1, zones)?
+        }
     }))
 }
 

@@ -45,10 +45,7 @@ pub(super) fn verdict(
     if lists.iter().copied().flatten().any(on_axis) {
         reasons.push(VerdictReason::OnAxis);
     }
-    let asked = |sector: usize| request.sectors.contains(&sector);
-    let left_out: Vec<usize> = (0..=spectrum.mode as usize / 2)
-        .filter(|&sector| !asked(sector) && !asked(search.conjugate(sector)))
-        .collect();
+    let left_out = left_out(search, spectrum, request);
     if !left_out.is_empty() {
         reasons.push(VerdictReason::Sectors(left_out));
     }
@@ -88,6 +85,14 @@ pub(super) fn verdict(
     }
     reasons.push(unsettled);
     (Stability::Undecided, reasons)
+}
+
+/// Sectors of which neither they nor their conjugates are asked for.
+fn left_out(search: &ZeroSearch, spectrum: &Spectrum, request: &SpectrumRequest) -> Vec<usize> {
+    let asked = |sector: usize| request.sectors.contains(&sector);
+    (0..=spectrum.mode as usize / 2)
+        .filter(|&sector| !asked(sector) && !asked(search.conjugate(sector)))
+        .collect()
 }
 
 /// The fastest growth in lists, sector by sector, beyond the frequencies that count.
