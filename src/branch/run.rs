@@ -18,6 +18,7 @@ use super::wanted::NoFirstWave;
 use super::{BranchPoint, Stability, VerdictReason};
 use crate::continuation::Node;
 use crate::linalg::Vector;
+use crate::orbit::follow::LocatedPoint;
 pub use crate::orbit::legs::Run;
 use crate::orbit::legs::{self, LegStep, Legs};
 use crate::problem::{Continuation, Problem};
@@ -208,27 +209,7 @@ impl WaveRunner {
                     return true;
                 }
             }
-            match &mut found.special {
-                Some(Special::Change(change)) if found.entered.is_some() => {
-                    change.spectrum = remark.take();
-                }
-                special if special.is_none() || index == last => {
-                    let note = |remark| WaveNote::Spectrum {
-                        parameter,
-                        value,
-                        remark,
-                    };
-                    self.notes.extend(remark.clone().map(note));
-                }
-                _ => {}
-            }
-            if let Some(what) = found.close {
-                self.notes.push(WaveNote::Close {
-                    parameter,
-                    value,
-                    what,
-                });
-            }
+            self.note(&mut found, &mut remark, index == last);
             let kind = found.kind();
             let folds = matches!(found.special, Some(Special::Fold(_)));
             let spectrum = spectra.next().flatten();
@@ -247,6 +228,32 @@ impl WaveRunner {
             }
         }
         false
+    }
+
+    /// Notes what remains to be said of the spectrum, at a change of regime in its event, and what rounding decides at a point.
+    fn note(&mut self, found: &mut LocatedPoint<Wave>, remark: &mut Option<Remark>, is_last: bool) {
+        let (parameter, value) = (self.continuation.parameter, found.parameter);
+        match &mut found.special {
+            Some(Special::Change(change)) if found.entered.is_some() => {
+                change.spectrum = remark.take();
+            }
+            special if special.is_none() || is_last => {
+                let note = |remark| WaveNote::Spectrum {
+                    parameter,
+                    value,
+                    remark,
+                };
+                self.notes.extend(remark.clone().map(note));
+            }
+            _ => {}
+        }
+        if let Some(what) = found.close {
+            self.notes.push(WaveNote::Close {
+                parameter,
+                value,
+                what,
+            });
+        }
     }
 
     /// Ends a leg that has as many points as it may, with a row that says so.

@@ -301,31 +301,43 @@ fn follow<C: ArcEquations>(
                 }
             }
         }
-        let mut growth = 2.0;
-        loop {
-            let to = joint.near[coordinate] + direction * length;
-            let next_to = (count == 0).then_some(0);
-            let next = curve.joint(&joint, &tangent, coordinate, to);
-            let next = next.ok_or(Broken::Tube(value)).and_then(|next| {
-                piece(curve, [&joint, &next], coordinate, direction, next_to)?;
-                Ok(next)
-            });
-            match next {
-                Ok(next) => {
-                    joint = next;
-                    count += 1;
-                    longest = growth * length;
-                    break;
-                }
-                Err(reason) if length < shortest => return Err(blocked.unwrap_or(reason)),
-                Err(_) => {
-                    length *= 0.5;
-                    growth = 1.0;
-                }
-            }
-        }
+        let lengths = [length, shortest];
+        let step = (coordinate, direction);
+        let next = advanced(curve, &joint, &tangent, step, lengths, count == 0);
+        (joint, longest) = next.map_err(|reason| blocked.take().unwrap_or(reason))?;
+        count += 1;
         if count >= PIECES {
             return Err(blocked.unwrap_or(Broken::Tube(value)));
+        }
+    }
+}
+
+/// The joint a length further, or less where no piece to it is proven, and the longest step to be tried from there.
+fn advanced<C: ArcEquations>(
+    curve: &C,
+    joint: &Joint,
+    tangent: &[f64],
+    (coordinate, direction): (usize, f64),
+    [mut length, shortest]: [f64; 2],
+    is_first: bool,
+) -> Result<(Joint, f64), BrokenOf<C>> {
+    let value = joint.near[curve.parameter()];
+    let next_to = is_first.then_some(0);
+    let mut growth = 2.0;
+    loop {
+        let to = joint.near[coordinate] + direction * length;
+        let next = curve.joint(joint, tangent, coordinate, to);
+        let next = next.ok_or(Broken::Tube(value)).and_then(|next| {
+            piece(curve, [joint, &next], coordinate, direction, next_to)?;
+            Ok(next)
+        });
+        match next {
+            Ok(next) => return Ok((next, growth * length)),
+            Err(reason) if length < shortest => return Err(reason),
+            Err(_) => {
+                length *= 0.5;
+                growth = 1.0;
+            }
         }
     }
 }

@@ -207,41 +207,36 @@ fn run<P: RowVerb>(arguments: &RowsArguments, task: &Task) -> Result<VerbExit, V
             all,
             what: "rows",
         };
-        let written: Result<(), VerbFailure> =
-            tallied(task.quiet, &sweeps, tally, |sweep, done| {
-                let mut before = None;
-                for row in sweep.clone() {
-                    if !is_open(&row) {
-                        before = None;
-                        continue;
-                    }
-                    if before.is_none() && row > sweep.start {
-                        before = Some(folder.row(row - 1)?);
-                    }
-                    let cells = work(row, before.as_deref())?;
-                    // the first row that is there replaces earlier results
-                    folder.begin(&rows)?;
-                    folder.write(row, &cells)?;
-                    interrupt::progress_is_kept();
-                    before = Some(cells);
-                    done();
+        tallied(task.quiet, &sweeps, tally, |sweep, done| {
+            let mut before = None;
+            for row in sweep.clone() {
+                if !is_open(&row) {
+                    before = None;
+                    continue;
                 }
-                Ok::<(), VerbFailure>(())
-            });
-        written
+                if before.is_none() && row > sweep.start {
+                    before = Some(folder.row(row - 1)?);
+                }
+                let cells = work(row, before.as_deref())?;
+                // the first row that is there replaces earlier results
+                folder.begin(&rows)?;
+                folder.write(row, &cells)?;
+                interrupt::progress_is_kept();
+                before = Some(cells);
+                done();
+            }
+            Ok::<(), VerbFailure>(())
+        })
     })?;
     folder.begin(&rows)?;
-    let mut exit = VerbExit::Done;
-    let what = if shard.of > 1 {
-        "shard"
-    } else {
-        P::KIND.name()
+    let (what, exit) = match shard.of {
+        1 => {
+            problem.join(&folder, std::slice::from_ref(&out))?;
+            draw(&problem, folder.store(), picture)?;
+            (P::KIND.name(), problem.end(&folder)?)
+        }
+        _ => ("shard", VerbExit::Done),
     };
-    if shard.of == 1 {
-        problem.join(&folder, std::slice::from_ref(&out))?;
-        draw(&problem, folder.store(), picture)?;
-        exit = problem.end(&folder)?;
-    }
     task.say("", what, &out)?;
     Ok(exit)
 }

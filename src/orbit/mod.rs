@@ -28,6 +28,7 @@ pub mod sign;
 pub mod special;
 mod stability;
 pub mod switch;
+mod together;
 mod track;
 mod transition;
 

@@ -11,6 +11,7 @@ use super::change::{self, Beyond, Both, Search};
 use super::follow::{LocatedPoint, Track};
 use super::located::{BranchEvent, LocatedEvent};
 use super::special::{BranchStop, Change, Special, Tried};
+use super::together::together;
 use super::track::failed;
 use super::{Examined, Orbit, events, find, retrace};
 use crate::continuation::Node;
@@ -93,7 +94,7 @@ impl<O: Orbit> Track<O> {
         let first = instants.iter().filter_map(|margins| margins.first());
         let first: Vec<O::Margin> = first.cloned().collect();
         (first.len() > 1)
-            .then(|| events::together(orbit, place, &first))
+            .then(|| together(orbit, place, &first))
             .flatten()
     }
 

@@ -6,6 +6,7 @@ use super::layout::{self, STEADY};
 use super::origin::ProblemOrigin;
 use super::render::Format;
 use super::store::{FolderKind, Store, StoreError};
+use crate::affine::mode::AffineMode;
 use crate::affine::steady::{Isolation, Place};
 use crate::affine::system::{System, SystemError};
 use crate::problem::{Problem, SystemProblem};
@@ -81,29 +82,7 @@ pub(crate) fn equilibria(system: &System, values: &[f64]) -> Result<String, Syst
                 Some(false) => "no",
                 None => "undecided",
             };
-            let to = |guard: usize| {
-                let exit = at.modes[mode].guards[guard].exits.last();
-                exit.map_or("".into(), |exit| system.mode_name(exit.to))
-            };
-            let (kind, lies) = match found.place {
-                Place::Admissible => ("admissible", String::new()),
-                Place::Virtual { guard, at_times } => {
-                    let during = if at_times {
-                        " during a part of every period"
-                    } else {
-                        ""
-                    };
-                    let to = to(guard);
-                    (
-                        "virtual",
-                        format!("it lies beyond the switch to {to}{during}"),
-                    )
-                }
-                Place::Boundary { guard } => (
-                    "boundary",
-                    format!("to rounding it lies on the switch to {}", to(guard)),
-                ),
-            };
+            let (kind, lies) = position(system, &at.modes[mode], found.place);
             let isolated = match found.isolation {
                 Isolation::Simple => "",
                 Isolation::Degenerate => {
@@ -127,4 +106,27 @@ pub(crate) fn equilibria(system: &System, values: &[f64]) -> Result<String, Syst
         }
     }
     Ok(text)
+}
+
+/// What an equilibrium is by where it lies, and the switch that it lies beyond or on.
+fn position(system: &System, mode: &AffineMode, place: Place) -> (&'static str, String) {
+    let to = |guard: usize| {
+        let exit = mode.guards[guard].exits.last();
+        exit.map_or("".into(), |exit| system.mode_name(exit.to))
+    };
+    match place {
+        Place::Admissible => ("admissible", String::new()),
+        Place::Virtual { guard, at_times } => {
+            let during = match at_times {
+                true => " during a part of every period",
+                false => "",
+            };
+            let lies = format!("it lies beyond the switch to {}{during}", to(guard));
+            ("virtual", lies)
+        }
+        Place::Boundary { guard } => {
+            let lies = format!("to rounding it lies on the switch to {}", to(guard));
+            ("boundary", lies)
+        }
+    }
 }

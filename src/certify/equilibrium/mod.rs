@@ -431,14 +431,7 @@ pub(crate) fn proven_again(
         (None, None) => {}
         _ => return Err(RefusedProof::Statement("ω")),
     }
-    match (said.lyapunov, proven.lyapunov) {
-        (Some(ProvenLyapunov::Within(said)), Some(ProvenLyapunov::Within(proven))) => {
-            super::compared("the first Lyapunov coefficient", said, proven)?;
-        }
-        (None, _) => {}
-        (said, proven) if said == proven => {}
-        _ => return Err(RefusedProof::Statement("the first Lyapunov coefficient")),
-    }
+    compare_lyapunov(said.lyapunov, proven.lyapunov)?;
     super::compared_unique(said.unique, proven.unique)?;
     if said.inequalities != proven.inequalities {
         return Err(RefusedProof::Statement("the number of inequalities"));
@@ -464,4 +457,19 @@ pub(crate) fn proven_again(
         statement.lyapunov = Some(ProvenLyapunov::Within(super::narrowed(said, proven)));
     }
     Ok(again)
+}
+
+/// Whether the first Lyapunov coefficient that is proven is the one that is stated, if one is.
+fn compare_lyapunov(
+    said: Option<ProvenLyapunov>,
+    proven: Option<ProvenLyapunov>,
+) -> Result<(), RefusedProof> {
+    match (said, proven) {
+        (Some(ProvenLyapunov::Within(said)), Some(ProvenLyapunov::Within(proven))) => {
+            super::compared("the first Lyapunov coefficient", said, proven)
+        }
+        (None, _) => Ok(()),
+        (said, proven) if said == proven => Ok(()),
+        _ => Err(RefusedProof::Statement("the first Lyapunov coefficient")),
+    }
 }

@@ -66,15 +66,7 @@ impl OrbitSystem<'_> {
                     guess.push(phase);
                 }
                 if node < steps as usize {
-                    let y: Vec<Interval> = state
-                        .iter()
-                        .chain([&phase])
-                        .copied()
-                        .map(Interval::point)
-                        .collect();
-                    let z: Vec<f64> = self.lift(&y).iter().map(|z| z.middle()).collect();
-                    state = times(&whole, &z);
-                    state.truncate(self.exact.states);
+                    state = self.stepped(&whole, &state, phase);
                     phase += modes.omega.value.middle() * step;
                 }
             }
@@ -88,6 +80,16 @@ impl OrbitSystem<'_> {
             true => Ok(guess),
             false => Err(OpenOrbit::NotEnclosed),
         }
+    }
+
+    /// States after a step.
+    fn stepped(&self, step: &IntervalExponential, state: &[f64], phase: f64) -> Vec<f64> {
+        let y = state.iter().chain([&phase]).copied();
+        let y: Vec<Interval> = y.map(Interval::point).collect();
+        let z: Vec<f64> = self.lift(&y).iter().map(|z| z.middle()).collect();
+        let mut state = times(step, &z);
+        state.truncate(self.exact.states);
+        state
     }
 
     /// Units of the unknowns.

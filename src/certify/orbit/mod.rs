@@ -48,6 +48,7 @@ pub use system::{NearOrbit, OrbitCondition, PosedOrbit};
 use super::arc::{Broken, Moving};
 use super::certificate::{CertifiedPoint, GrowthTally, Provable, RefusedProof, begin_alike};
 use super::{krawczyk, wider};
+use crate::affine::orbit::setting::Setting;
 use crate::affine::orbit::{AffineOrbit, Critical, Scales, Sequence, Watch, ZonePoint};
 use crate::affine::system::System;
 use crate::hybrid::OrbitItem;
@@ -215,20 +216,7 @@ fn prepared(
         return Err(OpenOrbit::Prescribed);
     }
     let at = setting.parameter;
-    let names = setting.system.source.parameters.names();
-    let values = names.zip(setting.values.iter().copied());
-    let mut posed = PosedOrbit {
-        // monitors are no part of what is proven
-        system: Some(setting.system.clone().with_monitors(Vec::new())),
-        values: decimals(values, text),
-        parameter: at,
-        periods: setting.periods,
-        // where an orbit begins that never switches is none of what is proven
-        units: Scales {
-            section: None,
-            ..setting.scales.clone()
-        },
-    };
+    let mut posed = posed(setting, text);
     let value = item.point.parameters.get(at).copied().unwrap_or(f64::NAN);
     let mut near = near(orbit, point)?;
     let condition = match special {
@@ -275,6 +263,24 @@ fn prepared(
         Special::Failed(_) => return Err(OpenOrbit::Sequence),
     };
     prove(posed, near, condition)
+}
+
+/// What is asked of a branch with this setting.
+fn posed(setting: &Setting, text: &str) -> PosedOrbit {
+    let names = setting.system.source.parameters.names();
+    let values = names.zip(setting.values.iter().copied());
+    PosedOrbit {
+        // monitors are no part of what is proven
+        system: Some(setting.system.clone().with_monitors(Vec::new())),
+        values: decimals(values, text),
+        parameter: setting.parameter,
+        periods: setting.periods,
+        // where an orbit begins that never switches is none of what is proven
+        units: Scales {
+            section: None,
+            ..setting.scales.clone()
+        },
+    }
 }
 
 /// Values of parameters as a text has them; one that is another there, after a restart, is the decimal of its double.

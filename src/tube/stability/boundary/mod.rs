@@ -332,24 +332,9 @@ impl Characteristic {
                 let slope = equation(ComplexDual { at, by: ONE }, fixed).by;
                 let by = -equation(ComplexDual::constant(at), moving).by / slope;
                 let r = ComplexDual { at, by };
-                let shape = if sliding.is_some() {
-                    [ComplexDual::constant(0.0), ComplexDual::constant(1.0)]
-                } else {
-                    // of the two the one whose oscillator is farther from free
-                    let (pa, pb) = (self.pencil(free, r, moving), self.pencil(radial, r, moving));
-                    let size = |[a, stiffness, _]: [f64; 3]| {
-                        at.norm_sqr()
-                            + (stiffness + a * (at - lambda).norm_sqr())
-                                * (at * self.beta + 1.0).norm()
-                    };
-                    let bend = bend(r, moving);
-                    let shape = if pa.at.norm() * size(radial) > pb.at.norm() * size(free) {
-                        [pa, bend]
-                    } else {
-                        [bend * -1.0, pb]
-                    };
-                    let size = (shape[0].at.norm_sqr() + shape[1].at.norm_sqr()).sqrt();
-                    shape.map(|part| part * size.recip())
+                let shape = match sliding {
+                    Some(_) => [ComplexDual::constant(0.0), ComplexDual::constant(1.0)],
+                    None => self.separated_shape(r, moving, bend(r, moving)),
                 };
                 let late = at.re * zone.duration > GROWTH;
                 let origin = if late { zone.duration } else { 0.0 };
@@ -375,6 +360,30 @@ impl Characteristic {
                 }
             })
             .collect()
+    }
+
+    /// (u, η) of an exponent in separation, of norm one: of the two oscillators it stands in that one counts which is farther
+    /// from free.
+    fn separated_shape(
+        &self,
+        r: ComplexDual,
+        lambda: ComplexDual,
+        bend: ComplexDual,
+    ) -> [ComplexDual; 2] {
+        let free = [self.a, self.h, 0.0];
+        let radial = [self.b, self.g, 0.0];
+        let (pa, pb) = (self.pencil(free, r, lambda), self.pencil(radial, r, lambda));
+        let size = |[a, stiffness, _]: [f64; 3]| {
+            r.at.norm_sqr()
+                + (stiffness + a * (r.at - lambda.at).norm_sqr()) * (r.at * self.beta + 1.0).norm()
+        };
+        let shape = if pa.at.norm() * size(radial) > pb.at.norm() * size(free) {
+            [pa, bend]
+        } else {
+            [bend * -1.0, pb]
+        };
+        let size = (shape[0].at.norm_sqr() + shape[1].at.norm_sqr()).sqrt();
+        shape.map(|part| part * size.recip())
     }
 
     /// r − m/(βã) of a root of −βãr³ + m₂r² + m₁r + m₀ + force = 0, to its own rounding.
