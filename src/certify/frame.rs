@@ -238,6 +238,18 @@ fn slope<N: Number>([m, s, h]: [N; 3], rho: N) -> N {
 }
 
 impl WrittenModel {
+    /// a, b, D, g and h: of these proportions where the parameter is one of them, as written otherwise.
+    fn coefficients_of<N: Number>(&self, tube: Option<[N; 3]>) -> [N; 5] {
+        let known = |decimal: &Decimal| N::constant(decimal.interval());
+        match (tube, &self.origin) {
+            (Some(tube), _) => coefficients(tube),
+            (None, WrittenCoefficients::Geometry(tube)) => {
+                coefficients(tube.each_ref().map(Decimal::interval)).map(N::constant)
+            }
+            (None, WrittenCoefficients::Given(given)) => given.each_ref().map(known),
+        }
+    }
+
     /// The frame of excess speed e where the continuation parameter has a value; `direction` is the sign of
     /// c. `None` for a parameter that the equations here have not.
     pub fn frame<N: Number>(
@@ -267,13 +279,7 @@ impl WrittenModel {
             }
             _ => return None,
         }
-        let [a, b, coupling, g, h] = match (tube, &self.origin) {
-            (Some(tube), _) => coefficients(tube),
-            (None, WrittenCoefficients::Geometry(tube)) => {
-                coefficients(tube.each_ref().map(Decimal::interval)).map(N::constant)
-            }
-            (None, WrittenCoefficients::Given(given)) => given.each_ref().map(known),
-        };
+        let [a, b, coupling, g, h] = self.coefficients_of(tube);
         let one = N::double(1.0);
         let ratio = (one + excess).recip();
         let square = ratio * ratio;

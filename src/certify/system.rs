@@ -212,14 +212,7 @@ impl<'a> WaveSystem<'a> {
             return None;
         }
         let point = |value| Interval::point(value);
-        let frame = |direction| {
-            let (value, excess) = (point(near.parameter), point(near.excess));
-            posed
-                .written
-                .frame(posed.parameter, value, excess, direction)
-        };
-        let direction = frame(1.0)?.kappa.middle().signum();
-        let frame = frame(direction)?;
+        let (direction, frame) = frame_near(posed, near)?;
         let mut system = WaveSystem {
             posed,
             near,
@@ -520,4 +513,15 @@ impl<'a> WaveSystem<'a> {
 fn normalising(v: &[f64]) -> Vec<f64> {
     let size: f64 = v.iter().map(|v| v * v).sum();
     v.iter().map(|v| v / size).collect()
+}
+
+/// The frame of a wave in doubles, and the direction in which it runs.
+fn frame_near(posed: &PosedWave, near: &NearWave) -> Option<(f64, IntervalFrame<Interval>)> {
+    let [value, excess] = [near.parameter, near.excess].map(Interval::point);
+    let frame = |direction| {
+        let written = &posed.written;
+        written.frame(posed.parameter, value, excess, direction)
+    };
+    let direction = frame(1.0)?.kappa.middle().signum();
+    Some((direction, frame(direction)?))
 }

@@ -172,21 +172,17 @@ fn run<P: RowVerb>(arguments: &RowsArguments, task: &Task) -> Result<VerbExit, V
     let inputs = problem.inputs(task);
     let picture = picture(arguments.plot.as_deref(), &inputs)?;
     let shard = arguments.shard.unwrap_or(Shard { number: 1, of: 1 });
-    let mut kind = P::KIND;
-    if shard.of > 1 {
-        kind = P::SHARD;
-        if task.out.is_none() {
-            out.push(format!("shard-{}-of-{}", shard.number, shard.of));
-        }
+    let kind = if shard.of > 1 { P::SHARD } else { P::KIND };
+    if shard.of > 1 && task.out.is_none() {
+        out.push(format!("shard-{}-of-{}", shard.number, shard.of));
     }
     let existing = Existing::of(task.resume, task.force);
     let store = Store::open(&out, kind, &problem, existing, &inputs)?;
     let folder = RowsFolder::new(store, ProblemOrigin::of(&problem))?;
     let finished = folder.finished()?;
     let is_open = |row: &usize| finished.binary_search(row).is_err();
-    let sweeps = problem.sweeps().into_iter();
-    let sweeps = sweeps.skip(shard.number - 1).step_by(shard.of);
-    let own: Vec<Range<usize>> = sweeps.collect();
+    let sweeps = problem.sweeps().into_iter().skip(shard.number - 1);
+    let own: Vec<Range<usize>> = sweeps.step_by(shard.of).collect();
     let all = own.iter().map(ExactSizeIterator::len).sum();
     let sweeps: Vec<Range<usize>> = own
         .into_iter()

@@ -24,6 +24,7 @@ use crate::problem::{self, Any, Continuation, Problem, Start};
 use crate::simulation::course::{Course, NoCourse, Piece};
 use crate::tube::model::{Model, Parameter};
 
+use crate::simulation::growth::GrowthError;
 use crate::simulation::measure::{Measure, Sample};
 use crate::simulation::motion::Motion;
 use crate::simulation::perturbations::{Grows, GrowthRow};
@@ -183,22 +184,10 @@ fn simulate_tube(task: &Task, problem: Problem, text: String) -> Result<VerbExit
     folder.line(END, &course.motion().line())?;
     let measures = course.measures();
     folder.table(MEASURES, &measures)?;
-    let (mut eigenvalues, mut unresolved) = (Vec::new(), Vec::new());
-    let progress = ProgressLine::new(task.quiet);
-    let mut done = 0.0;
-    for (perturbations, parameters, wave) in course.perturbations() {
-        let found = perturbations.growth(parameters, wave, &mut |part| {
-            done += part;
-            let words = format!("perturbations of sector {}", perturbations.sector());
-            progress.show(course.position(done), words);
-        });
-        match found {
-            Ok(found) if found.is_empty() => unresolved.push(perturbations.sector()),
-            Ok(found) => eigenvalues.extend(found),
-            Err(error) => return stopped(&error),
-        }
-    }
-    drop(progress);
+    let (eigenvalues, unresolved) = match growth(&course, task.quiet) {
+        Ok(found) => found,
+        Err(error) => return stopped(&error),
+    };
     if section.growth.is_some() && course.has_wave() {
         folder.table(GROWTH, &eigenvalues)?;
     }
@@ -207,6 +196,25 @@ fn simulate_tube(task: &Task, problem: Problem, text: String) -> Result<VerbExit
     text.push_str(&remarks(&course, section.duration, &unresolved, seconds));
     task.say(&titled(problem.title.as_deref(), &text), "results", &out)?;
     Ok(VerbExit::Done)
+}
+
+/// Growth rates of the perturbations that are asked for, and the sectors in which none is resolved.
+fn growth(course: &Course, quiet: bool) -> Result<(Vec<GrowthRow>, Vec<usize>), GrowthError> {
+    let (mut eigenvalues, mut unresolved) = (Vec::new(), Vec::new());
+    let progress = ProgressLine::new(quiet);
+    let mut done = 0.0;
+    for (perturbations, parameters, wave) in course.perturbations() {
+        let found = perturbations.growth(parameters, wave, &mut |part| {
+            done += part;
+            let words = format!("perturbations of sector {}", perturbations.sector());
+            progress.show(course.position(done), words);
+        })?;
+        if found.is_empty() {
+            unresolved.push(perturbations.sector());
+        }
+        eigenvalues.extend(found);
+    }
+    Ok((eigenvalues, unresolved))
 }
 
 /// The simulation that a problem asks for; what its model refuses is shown in the text.

@@ -442,10 +442,6 @@ impl ParameterPlane for OrbitsInPlane {
             passed(kind, torus)
         };
         let double = |multiplier: f64| orbit.is_double(point, multiplier);
-        let without = |test: Test, met: f64| Test {
-            value: test.value / met,
-            ..test
-        };
         let tests = match condition {
             EventCondition::Spectral(MultiplierEvent::Torus) => tests_of_torus(cosine, doubling),
             // the multiplier of the event is a double one where the derivative of its own equations in the multiplier vanishes;
@@ -469,11 +465,7 @@ impl ParameterPlane for OrbitsInPlane {
             EventCondition::Spectral(MultiplierEvent::Branching { kept }) => {
                 let half = orbit.half_monodromy(*kept, point).ok().flatten();
                 let torus = half.map(|half| half.tests(&half.multipliers())[2]);
-                let value = torus.unwrap_or(f64::NAN);
-                vec![Test {
-                    value,
-                    ..pair(1, 1.0)
-                }]
+                vec![passed(pair(1, 1.0).kind, torus.unwrap_or(f64::NAN))]
             }
             EventCondition::Margin(_) | EventCondition::Constant(_) => {
                 vec![doubling, pair(1, f64::NAN)]
@@ -496,6 +488,14 @@ fn passed(kind: Option<PointType>, value: f64) -> Test {
         kind,
         value,
         ends: false,
+    }
+}
+
+/// A test without the zero that it has where a double multiplier meets the event.
+fn without(test: Test, met: f64) -> Test {
+    Test {
+        value: test.value / met,
+        ..test
     }
 }
 

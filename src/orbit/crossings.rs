@@ -368,17 +368,14 @@ fn passings<O: Orbit>(
     // each of them passes where its own growth is zero
     let off = passing.iter().map(|one| one.error + one.log.abs());
     let error = off.fold(0.0, f64::max);
-    let together = passing
-        .iter()
-        .all(|one| one.log.abs() <= PASS_TOGETHER + one.error);
+    let passes = |one: &Growth| one.log.abs() <= PASS_TOGETHER + one.error;
     let between = there.outside();
-    if !together {
+    if !passing.iter().all(passes) {
         if between == before || between == after {
             // they jump from one side to the other
-            let ends = if between == before {
-                [&there, high]
-            } else {
-                [low, &there]
+            let ends = match between == before {
+                true => [&there, high],
+                false => [low, &there],
             };
             found.push(within_step(orbit, step, ends, &place.node));
             return Some(());
@@ -394,9 +391,8 @@ fn passings<O: Orbit>(
     let slope = (ends.1.1 - ends.0.1).abs() / (high.s - low.s);
     let blur = place.node.tangent[last].abs() * (error / slope + width) * orbit.unit().abs();
     let rounding = uncertainty(orbit, &mut plane, &place);
-    // where branches cross the equations are singular
-    let moved = (step.to.point[last] - step.from.point[last]).abs() * orbit.unit().abs();
-    let rounding = if rounding <= moved { rounding } else { moved };
+    // where branches cross the equations are singular: no more than the step
+    let rounding = rounding.min(moved(orbit, step));
     let located = LocatedEvent {
         event: BranchEvent::Passing {
             outside,
@@ -406,4 +402,10 @@ fn passings<O: Orbit>(
     };
     found.push((place, located));
     Some(())
+}
+
+/// How far the parameter moves within a step.
+fn moved<O: Orbit>(orbit: &O, step: &Step<O>) -> f64 {
+    let last = step.to.point.len() - 1;
+    (step.to.point[last] - step.from.point[last]).abs() * orbit.unit().abs()
 }

@@ -121,11 +121,9 @@ impl<O: Orbit> Curve for Track<O> {
                 found.special = Some(Special::Monitor(name, *value));
             }
             BranchEvent::Edge(value) => {
+                let edge = || Special::Edge(orbit.parameter(), *value);
                 found.parameter = *value;
-                found.special = Some(match orbit.edge(*value) {
-                    Some(special) => Special::Own(special),
-                    None => Special::Edge(orbit.parameter(), *value),
-                });
+                found.special = Some(orbit.edge(*value).map_or_else(edge, Special::Own));
                 return Ok(Outcome::Ended(vec![found], walk::End::Edge));
             }
             BranchEvent::Crossing(test) => {

@@ -132,16 +132,11 @@ impl<O: Orbit> Track<O> {
         let mut cascade = self.cascade.clone();
         let more = orbit.unknowns().saturating_sub(self.orbit.unknowns());
         cascade.take(change.kind, more, found.parameter);
-        // of an orbit that is the image of one on this side nothing is entered
-        let image = || {
-            let here = passed.is_empty().then_some(self.orbit.as_ref())?;
-            retrace::at_change(here, &found.node, (&orbit, &node), step_in, tolerance)
-        };
-        let repeats = self.repeats_only_beyond(&found.node, &orbit, &node);
-        let stop = repeats
-            .map(|stop| (stop, true))
-            .or_else(|| image().map(|(_, stop)| (BranchStop::Own(stop), false)))
-            .or_else(|| Some((self.accumulation(&cascade, &change)?, true)));
+        let is_single = passed.is_empty();
+        let accumulation = || Some((self.accumulation(&cascade, &change)?, true));
+        let stop = self
+            .retraces_beyond(&found.node, is_single, (&orbit, &node), step_in, tolerance)
+            .or_else(accumulation);
         if let Some((stop, enters)) = stop {
             change.end = Some(stop.clone());
             if enters {
@@ -154,15 +149,13 @@ impl<O: Orbit> Track<O> {
         let orbit = Arc::new(orbit);
         let curve = Track {
             orbit: orbit.clone(),
-            limits: self.limits.clone(),
-            monitors: self.monitors.clone(),
-            heading: if change.turned_back {
-                -self.heading
-            } else {
-                self.heading
+            heading: match change.turned_back {
+                true => -self.heading,
+                false => self.heading,
             },
             cascade,
             told: None,
+            ..self.clone()
         };
         found.entered = Some((orbit, node.clone()));
         found.special = Some(Special::Change(Box::new(change)));
@@ -263,11 +256,23 @@ impl<O: Orbit> Track<O> {
         Outcome::Ended(vec![found, failure], end)
     }
 
-    /// Why the branch ends where the orbit beyond a change is one of a part of its period, and the one before is not.
-    fn repeats_only_beyond(&self, before: &Node, orbit: &O, node: &Node) -> Option<BranchStop<O>> {
-        let (_, stop) = orbit.repeats(node)?;
-        let already = self.orbit.repeats(before).is_some();
-        (!already).then_some(BranchStop::Own(stop))
+    /// Why the branch ends at a change where the orbit beyond is one of a part of its period, and the one before is not, or the
+    /// image of one before; and whether it is entered all the same.
+    fn retraces_beyond(
+        &self,
+        before: &Node,
+        is_single: bool,
+        (orbit, node): (&O, &Node),
+        ds: f64,
+        tolerance: f64,
+    ) -> Option<(BranchStop<O>, bool)> {
+        let repeats = orbit.repeats(node);
+        if let Some((_, stop)) = repeats.filter(|_| self.orbit.repeats(before).is_none()) {
+            return Some((BranchStop::Own(stop), true));
+        }
+        let here = is_single.then_some(self.orbit.as_ref())?;
+        let (_, stop) = retrace::at_change(here, before, (orbit, node), ds, tolerance)?;
+        Some((BranchStop::Own(stop), false))
     }
 
     /// Why the branch ends where changes of one type follow one another ever closer: their limit lies within the range.

@@ -99,6 +99,17 @@ impl OrbitCondition {
         }
     }
 
+    /// Whether a null vector is among the unknowns.
+    fn has_null_vector(&self) -> bool {
+        matches!(
+            self,
+            OrbitCondition::Fold
+                | OrbitCondition::Doubling
+                | OrbitCondition::Branching
+                | OrbitCondition::Torus { .. }
+        )
+    }
+
     /// A zone has no duration.
     pub fn closed(zone: usize) -> OrbitCondition {
         OrbitCondition::Margin {
@@ -270,14 +281,7 @@ impl<'a> OrbitSystem<'a> {
             system.stretches.truncate(system.stretches.len() / 2);
         }
         let mut guess = system.guess(near, &modes, condition, &layout.steps)?;
-        let crosses = matches!(
-            condition,
-            OrbitCondition::Fold
-                | OrbitCondition::Doubling
-                | OrbitCondition::Branching
-                | OrbitCondition::Torus { .. }
-        );
-        if crosses {
+        if condition.has_null_vector() {
             let critical = system.direction(&guess).ok_or(OpenOrbit::NotEnclosed)?;
             guess.extend(critical.guess());
             system.critical = Some(critical);

@@ -214,13 +214,10 @@ impl Characteristic {
             loop {
                 self.cross(&self.zones[index], lambda, &mut part, 2);
                 index += 1;
-                let separated = self
-                    .zones
-                    .get(index)
-                    .is_some_and(|zone| zone.regime == Regime::Separation);
+                let next = self.zones.get(index);
+                let separated = next.is_some_and(|zone| zone.regime == Regime::Separation);
                 // what friction damps quickly leaves nothing of such a difference: it has its own factor
-                let apart = self.zones[index - 1].course.is_some();
-                if index == self.zones.len() || !separated || apart {
+                if !separated || self.zones[index - 1].course.is_some() {
                     break;
                 }
             }

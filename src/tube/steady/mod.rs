@@ -171,12 +171,7 @@ fn full(
             .iter()
             .map(|lambda| SteadyWave::of(*lambda, mode))
             .collect();
-        let mut lead = 0;
-        for (index, wave) in waves.iter().enumerate() {
-            if wave.growth > waves[lead].growth {
-                lead = index;
-            }
-        }
+        let lead = fastest(&waves);
         let hopf = radial.hopf(families, damping, sliding)?;
         let mut least: Option<(usize, Hopf)> = None;
         for (index, point) in hopf.iter().enumerate() {
@@ -199,6 +194,17 @@ fn full(
             error,
         });
     }
+}
+
+/// The first of the waves that grow fastest.
+fn fastest(waves: &[SteadyWave]) -> usize {
+    let mut lead = 0;
+    for (index, wave) in waves.iter().enumerate() {
+        if wave.growth > waves[lead].growth {
+            lead = index;
+        }
+    }
+    lead
 }
 
 impl SteadyMode {

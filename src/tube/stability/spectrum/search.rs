@@ -29,33 +29,11 @@ pub fn spectrum(
     request: &SpectrumRequest,
     seeds: Option<&Spectrum>,
 ) -> Spectrum {
-    let mode = characteristic.mode as usize;
-    let mut halves: Vec<usize> = request.sectors.clone();
-    for sector in &request.sectors {
-        let conjugate = (mode - sector % mode) % mode;
-        if !halves.contains(&conjugate) {
-            halves.push(conjugate);
-        }
-    }
     characteristic.expand();
     let high = HighFrequency::new(characteristic);
-    // about two grid points from zero to zero, also where c² → a makes one delay long
-    let delay = high.longest_delay().max(characteristic.period);
-    let spacing = (0.6 / characteristic.period).min(3.0 / delay);
-    let mut search = ZeroSearch {
-        characteristic,
-        delay,
-        spacing,
-        rate: characteristic.period.recip(),
-        multipliers: halves
-            .iter()
-            .map(|sector| characteristic.multiplier(*sector))
-            .collect(),
-        halves,
-        edge: None,
-    };
+    let mut search = zero_search(characteristic, &high, request);
     let wanted = request.max_frequency + margin(request, characteristic);
-    let expected = wanted * delay / std::f64::consts::PI * request.sectors.len() as f64;
+    let expected = wanted * search.delay / std::f64::consts::PI * request.sectors.len() as f64;
     let along = characteristic.varies();
     let most = if along { MOST_ZEROS_ALONG } else { MOST_ZEROS };
     let cut = (most / expected).min(1.0);
@@ -72,43 +50,7 @@ pub fn spectrum(
         cut * wanted,
     );
     let guesses = seeds.map_or_else(Vec::new, |seeds| starts(&search, seeds));
-    let mut result = None;
-    let mut lefts = 0;
-    for attempt in 0..24 {
-        let guesses: &[Vec<C64>] = if attempt == 0 { &guesses } else { &[] };
-        let Some((mut found, complete)) = search.zeros(&window, &request.sectors, guesses) else {
-            // a zero sits on the edge
-            window.left *= 1.037;
-            window.top *= 1.0 + 1.3e-4;
-            continue;
-        };
-        // in a sector that is its own conjugate a zero that is one with its mirror image is real
-        let axis = SAME_ZERO * search.spacing;
-        for (zeros, sector) in found.iter_mut().zip(&request.sectors) {
-            let symmetric = symmetric(*sector, characteristic.mode);
-            for zero in zeros.iter_mut().filter(|_| symmetric) {
-                if zero.im.abs() < axis {
-                    zero.im = 0.0;
-                }
-            }
-        }
-        let few = found.iter().zip(&request.sectors).any(|(zeros, sector)| {
-            let symmetric = symmetric(*sector, characteristic.mode);
-            let listed = zeros
-                .iter()
-                .filter(|zero| !symmetric || zero.im >= 0.0)
-                .count();
-            // one more is wanted, for the translation mode
-            listed <= request.eigenvalues
-        });
-        result = Some((found, complete, window));
-        let deep = window.left * characteristic.period < -DEEPEST;
-        if !few || lefts == DEEPENINGS || cut < 1.0 || deep {
-            break;
-        }
-        lefts += 1;
-        window.left *= 1.5;
-    }
+    let result = listed(&search, request, &mut window, &guesses, cut < 1.0);
     let mut spectrum = Spectrum {
         sectors: Vec::new(),
         left: window.left,
@@ -149,6 +91,90 @@ pub fn spectrum(
     }
     (spectrum.stable, spectrum.reasons) = verdict(&search, &spectrum, request, &high);
     spectrum
+}
+
+/// The search for zeros in the sectors that are asked for and their conjugates.
+fn zero_search<'a>(
+    characteristic: &'a Characteristic,
+    high: &HighFrequency,
+    request: &SpectrumRequest,
+) -> ZeroSearch<'a> {
+    let halves = halves(characteristic.mode as usize, request);
+    // about two grid points from zero to zero, also where c² → a makes one delay long
+    let delay = high.longest_delay().max(characteristic.period);
+    ZeroSearch {
+        characteristic,
+        delay,
+        spacing: (0.6 / characteristic.period).min(3.0 / delay),
+        rate: characteristic.period.recip(),
+        multipliers: halves
+            .iter()
+            .map(|sector| characteristic.multiplier(*sector))
+            .collect(),
+        halves,
+        edge: None,
+    }
+}
+
+/// The sectors that are asked for and, of those that have one, their conjugates.
+fn halves(mode: usize, request: &SpectrumRequest) -> Vec<usize> {
+    let mut halves: Vec<usize> = request.sectors.clone();
+    for sector in &request.sectors {
+        let conjugate = (mode - sector % mode) % mode;
+        if !halves.contains(&conjugate) {
+            halves.push(conjugate);
+        }
+    }
+    halves
+}
+
+/// The zeros of every sector that is asked for, and whether these are all in the window: that moves from zeros on its edge, and
+/// goes deeper until it has as many as are asked for, unless it `is_cut`.
+fn listed(
+    search: &ZeroSearch,
+    request: &SpectrumRequest,
+    window: &mut SearchWindow,
+    guesses: &[Vec<C64>],
+    is_cut: bool,
+) -> Option<(Vec<Vec<WaveEigenvalue>>, bool, SearchWindow)> {
+    let mut result = None;
+    let mut lefts = 0;
+    for attempt in 0..24 {
+        let guesses: &[Vec<C64>] = if attempt == 0 { &guesses } else { &[] };
+        let Some((mut found, complete)) = search.zeros(window, &request.sectors, guesses) else {
+            // a zero sits on the edge
+            window.left *= 1.037;
+            window.top *= 1.0 + 1.3e-4;
+            continue;
+        };
+        // in a sector that is its own conjugate a zero that is one with its mirror image is real
+        let axis = SAME_ZERO * search.spacing;
+        for (zeros, sector) in found.iter_mut().zip(&request.sectors) {
+            let symmetric = symmetric(*sector, search.characteristic.mode);
+            for zero in zeros.iter_mut().filter(|_| symmetric) {
+                if zero.im.abs() < axis {
+                    zero.im = 0.0;
+                }
+            }
+        }
+        let few = found.iter().zip(&request.sectors).any(|(zeros, sector)| {
+            let symmetric = symmetric(*sector, search.characteristic.mode);
+            let listed = zeros
+                .iter()
+                .filter(|zero| !symmetric || zero.im >= 0.0)
+                .count();
+            // one more is wanted, for the translation mode
+            listed <= request.eigenvalues
+        });
+        result = Some((found, complete, *window));
+        let deep = window.left * search.characteristic.period < -DEEPEST;
+        if !few || lefts == DEEPENINGS || is_cut || deep {
+            break;
+        }
+        lefts += 1;
+        window.left *= 1.5;
+    }
+    result
 }
 
 /// Zeros of a neighbouring wave as starts, half by half, the translation mode with them.

@@ -28,10 +28,9 @@ pub(super) fn verdict(
         return (Stability::No, reasons);
     }
     let beyond = |one: &WaveEigenvalue| one.im.abs() > request.max_frequency;
-    let fastest = |lists: &[&[WaveEigenvalue]]| fastest(lists, spectrum.axis, request);
     let sectors = spectrum.sectors.iter();
     let lists: Vec<&[WaveEigenvalue]> = sectors.map(|one| one.eigenvalues.as_slice()).collect();
-    if let Some(reason) = fastest(&lists) {
+    if let Some(reason) = fastest(&lists, spectrum.axis, request) {
         reasons.push(reason);
         return (Stability::No, reasons);
     }
@@ -57,7 +56,32 @@ pub(super) fn verdict(
         reasons.push(unsettled);
         return (Stability::Undecided, reasons);
     }
-    // between the window and the frequencies where the limit holds
+    match beyond_window(search, spectrum, request, high) {
+        HighStrip::Grows(reason) => return (Stability::No, vec![reason]),
+        HighStrip::Settled if reasons.is_empty() => return (Stability::Yes, reasons),
+        HighStrip::Settled => {}
+        HighStrip::Unsettled => reasons.push(unsettled),
+    }
+    (Stability::Undecided, reasons)
+}
+
+/// What strips above the window show.
+enum HighStrip {
+    /// A perturbation grows there.
+    Grows(VerdictReason),
+    /// Nothing grows up to where the limit at high frequency holds.
+    Settled,
+    /// The limit is not reached.
+    Unsettled,
+}
+
+/// Looks between the window and the frequencies where the limit holds, in strips of twice the height each.
+fn beyond_window(
+    search: &ZeroSearch,
+    spectrum: &Spectrum,
+    request: &SpectrumRequest,
+    high: &HighFrequency,
+) -> HighStrip {
     let mut top = request.max_frequency.max(STRIPS.0 * search.rate);
     let most = if search.characteristic.varies() {
         MOST_TURNS_ALONG
@@ -71,20 +95,14 @@ pub(super) fn verdict(
             continue;
         };
         let lists: Vec<&[WaveEigenvalue]> = found.iter().map(Vec::as_slice).collect();
-        if let Some(reason) = fastest(&lists) {
-            return (Stability::No, vec![reason]);
+        if let Some(reason) = fastest(&lists, spectrum.axis, request) {
+            return HighStrip::Grows(reason);
         }
         if complete && settled(search.characteristic, high, top) {
-            let verdict = if reasons.is_empty() {
-                Stability::Yes
-            } else {
-                Stability::Undecided
-            };
-            return (verdict, reasons);
+            return HighStrip::Settled;
         }
     }
-    reasons.push(unsettled);
-    (Stability::Undecided, reasons)
+    HighStrip::Unsettled
 }
 
 /// Sectors of which neither they nor their conjugates are asked for.
