@@ -140,7 +140,7 @@ fn listed(
     let mut result = None;
     let mut lefts = 0;
     for attempt in 0..24 {
-        let guesses: &[Vec<C64>] = if attempt == 0 { &guesses } else { &[] };
+        let guesses: &[Vec<C64>] = if attempt == 0 { guesses } else { &[] };
         let Some((mut found, complete)) = search.zeros(window, &request.sectors, guesses) else {
             // a zero sits on the edge
             window.left *= 1.037;
