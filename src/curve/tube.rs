@@ -13,8 +13,8 @@ use crate::tube::flow::method::Method;
 use crate::tube::model::signature::Signature;
 use crate::tube::model::{Model, Parameter};
 use crate::tube::stability::characteristic::{Characteristic, NotLinearised};
-use crate::tube::stability::crossing_search;
 use crate::tube::stability::spectrum::symmetric;
+use crate::tube::stability::track;
 use crate::tube::wave::admissibility::{RegimeMargin, WaveWatch};
 use crate::tube::wave::{Wave, WaveScales, width};
 
@@ -197,7 +197,7 @@ impl ParameterPlane for WavesInPlane {
         }
         let characteristic = Characteristic::new(wave, point).ok()?;
         let z = characteristic.multiplier(pair.sector);
-        let lambda = crossing_search::follow(&characteristic, z, pair.lambda)?;
+        let lambda = track::follow(&characteristic, z, pair.lambda)?;
         let near = (lambda - pair.lambda).norm() <= pair.most;
         pair.lambda = lambda;
         near.then_some(Some(RegionName::Pair {

@@ -11,13 +11,12 @@
 use serde::{Deserialize, Serialize};
 
 use super::carry::SmoothSpan;
-use super::changed::VANISHES;
 use super::exact::NamePolynomial;
 use super::modes::{Row, through};
 use super::open::OrbitNotBeyond;
 use super::system::{NearOrbit, OrbitCondition, OrbitSegment, OrbitSystem, SegmentEnd};
 use super::zeros::{VanishingForm, less, unit, whole};
-use super::{OpenOrbit, OrbitProof, near};
+use super::{OpenOrbit, OrbitProof, VANISHES, near};
 use crate::affine::orbit::candidates::candidates;
 use crate::affine::orbit::{AffineOrbit, Margin, Sequence};
 use crate::certify::arc::Moving;

@@ -2,15 +2,14 @@
 //! zone; then in the others of the two that it lies between.
 
 use super::system::OrbitCondition;
-use super::{Changed, OpenOrbit, OrbitProof, PosedOrbit, SequenceOrbit, beyond, near, prove};
+use super::{
+    Changed, OpenOrbit, OrbitProof, PosedOrbit, SequenceOrbit, VANISHES, beyond, near, prove,
+};
 use crate::affine::orbit::candidates::candidates;
 use crate::affine::orbit::{AffineOrbit, Margin, Sequence, Watch};
 use crate::linalg::Vector;
 use crate::orbit::special::Change;
 use crate::orbit::{Examined, Orbit};
-
-/// A margin of order one that is smaller than this at an event may vanish there; whether it does is proven.
-pub(super) const VANISHES: f64 = 1e-6;
 
 /// Proves a change of the sequence: in the sequence before or, where a zone of that has no duration, in one without
 /// it, where another margin vanishes. At a graze several do, all for one reason: they are tried in turn.

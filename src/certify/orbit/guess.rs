@@ -4,7 +4,7 @@ use super::OpenOrbit;
 use super::enclosure::Enclosure;
 use super::flow::{IntervalExponential, IntervalFlow};
 use super::modes::IntervalModes;
-use super::system::{NearOrbit, OrbitCondition, OrbitSegment, OrbitSystem, SegmentEnd};
+use super::system::{NearOrbit, OrbitCondition, OrbitSystem, SegmentEnd};
 use crate::affine::orbit::setting::Scales;
 use crate::affine::orbit::{Watch, ZonePoint};
 use crate::interval::Interval;
@@ -189,38 +189,4 @@ impl OrbitSystem<'_> {
 pub fn times(step: &IntervalExponential, z: &[f64]) -> Vec<f64> {
     let row = |row: &Vec<Interval>| row.iter().zip(z).map(|(e, z)| e.middle() * z).sum();
     step.at.iter().map(row).collect()
-}
-
-/// The zones of an orbit, one of them cut where the condition says so.
-pub(super) fn stretches(
-    near: &NearOrbit,
-    condition: &OrbitCondition,
-) -> Result<Vec<OrbitSegment>, OpenOrbit> {
-    let mut stretches = Vec::new();
-    for (zone, at) in near.sequence.0.iter().enumerate() {
-        let end = match at.way {
-            Some(way) => SegmentEnd::Exit {
-                guard: way.guard,
-                exit: way.exit,
-            },
-            None if near.sequence.len() == 1 => SegmentEnd::Never,
-            None => return Err(OpenOrbit::Sequence),
-        };
-        let mode = at.mode;
-        if let OrbitCondition::Margin {
-            watch: Watch::Inside(guard),
-            zone: cut,
-            time,
-        } = condition
-            && *cut == zone
-        {
-            if !(*time > 0.0 && *time < near.zones.get(zone).map_or(0.0, |at| at.duration)) {
-                return Err(OpenOrbit::Sequence);
-            }
-            let end = SegmentEnd::Touch { guard: *guard };
-            stretches.push(OrbitSegment { zone, mode, end });
-        }
-        stretches.push(OrbitSegment { zone, mode, end });
-    }
-    Ok(stretches)
 }

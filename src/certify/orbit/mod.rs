@@ -60,6 +60,9 @@ use crate::problem::{decimal_at, decimal_of};
 
 use system::{Layout, OrbitSystem};
 
+/// A margin of order one that is smaller than this at an event may vanish there; whether it does is proven.
+const VANISHES: f64 = 1e-6;
+
 /// A change of the sequence as the continuation has found it: its type follows.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

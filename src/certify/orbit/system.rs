@@ -13,7 +13,6 @@ use super::critical::NullVector;
 use super::enclosure::Enclosure;
 use super::exact::NamePolynomial;
 use super::flow::{IntervalExponential, IntervalFlow};
-use super::guess::stretches;
 use super::modes::{IntervalModes, Structure};
 use super::products::Needed;
 use super::zeros::{Facts, InequalityEvent, VanishingForm};
@@ -456,4 +455,35 @@ fn fits(posed: &PosedOrbit, near: &NearOrbit, system: &System, states: usize) ->
         && positive
             .into_iter()
             .all(|unit| unit.is_finite() && *unit > 0.0)
+}
+
+/// The zones of an orbit, one of them cut where the condition says so.
+fn stretches(near: &NearOrbit, condition: &OrbitCondition) -> Result<Vec<OrbitSegment>, OpenOrbit> {
+    let mut stretches = Vec::new();
+    for (zone, at) in near.sequence.0.iter().enumerate() {
+        let end = match at.way {
+            Some(way) => SegmentEnd::Exit {
+                guard: way.guard,
+                exit: way.exit,
+            },
+            None if near.sequence.len() == 1 => SegmentEnd::Never,
+            None => return Err(OpenOrbit::Sequence),
+        };
+        let mode = at.mode;
+        if let OrbitCondition::Margin {
+            watch: Watch::Inside(guard),
+            zone: cut,
+            time,
+        } = condition
+            && *cut == zone
+        {
+            if !(*time > 0.0 && *time < near.zones.get(zone).map_or(0.0, |at| at.duration)) {
+                return Err(OpenOrbit::Sequence);
+            }
+            let end = SegmentEnd::Touch { guard: *guard };
+            stretches.push(OrbitSegment { zone, mode, end });
+        }
+        stretches.push(OrbitSegment { zone, mode, end });
+    }
+    Ok(stretches)
 }

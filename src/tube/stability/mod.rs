@@ -10,7 +10,6 @@ mod boundary;
 pub mod characteristic;
 mod course;
 mod crossing;
-pub(crate) mod crossing_search;
 mod dual;
 pub mod eigenfunction;
 mod material;

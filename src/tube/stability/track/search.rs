@@ -6,14 +6,14 @@
 
 use std::sync::Arc;
 
-use super::C64;
-use super::characteristic::Characteristic;
-use super::crossing::uncertainty;
-use super::spectrum::{Spectrum, WaveEigenvalue, beside_translation, margin};
-use super::track::{AxisCrossing, Crossing, Tracker, size};
+use super::{AxisCrossing, Crossing, Tracker, size};
 use crate::continuation::Node;
 use crate::continuation::locate::node_at;
 use crate::continuation::zero::{Bracket, Zero, zero};
+use crate::tube::stability::C64;
+use crate::tube::stability::characteristic::Characteristic;
+use crate::tube::stability::crossing::uncertainty;
+use crate::tube::stability::spectrum::{Spectrum, WaveEigenvalue, beside_translation, margin};
 use crate::tube::wave::Wave;
 
 /// Halvings of an interval before a count is given up.

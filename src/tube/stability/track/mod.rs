@@ -2,11 +2,12 @@
 //!
 //! Work is counted in eigenvalues, never in time. A run has an allowance of them, see [`ALLOWANCE`].
 
+mod search;
+
 use std::cell::Cell;
 use std::sync::Arc;
 
 use super::characteristic::Characteristic;
-use super::crossing_search::{CrossingSearch, MOST_HALVINGS, TrackEnd};
 use super::spectrum::{Spectrum, SpectrumRequest, spectrum, symmetric};
 use super::verdict::VerdictReason;
 use crate::continuation::Node;
@@ -14,6 +15,9 @@ use crate::continuation::arclength::advance;
 use crate::continuation::locate::node_at;
 use crate::tube::model::signature::Regime;
 use crate::tube::wave::Wave;
+
+pub(crate) use search::follow;
+use search::{CrossingSearch, MOST_HALVINGS, TrackEnd};
 
 /// Where an eigenvalue crosses the imaginary axis.
 #[derive(Clone, Debug)]
@@ -127,12 +131,12 @@ pub struct PassedPoint<'a> {
 /// Follows the spectrum along a branch.
 #[derive(Clone, Debug)]
 pub struct Tracker {
-    pub(super) request: SpectrumRequest,
-    pub(super) tolerance: f64,
+    request: SpectrumRequest,
+    tolerance: f64,
     /// Spectrum at the point where the next step sets out.
     last: Option<Spectrum>,
     /// Eigenvalues that may still be computed; once it is zero no spectrum is taken.
-    pub(super) allowance: Cell<usize>,
+    allowance: Cell<usize>,
 }
 
 /// Eigenvalues in closed form that a run may compute ahead of [`PER_POINT`]: a spectrum counts as many as it has,
@@ -182,7 +186,7 @@ impl Tracker {
         self.allowance.get()
     }
 
-    pub(super) fn spend(&self, eigenvalues: usize) {
+    fn spend(&self, eigenvalues: usize) {
         self.allowance
             .set(self.allowance.get().saturating_sub(eigenvalues));
     }
@@ -197,7 +201,7 @@ impl Tracker {
         self.spectrum_near(wave, node, self.last.as_ref())
     }
 
-    pub(super) fn spectrum_near(
+    fn spectrum_near(
         &self,
         wave: &Wave,
         node: &Node,
@@ -224,13 +228,7 @@ impl Tracker {
     }
 
     /// The end of an interval at a node.
-    pub(super) fn end(
-        &self,
-        wave: &Wave,
-        s: f64,
-        node: &Node,
-        seeds: Option<&Spectrum>,
-    ) -> Option<TrackEnd> {
+    fn end(&self, wave: &Wave, s: f64, node: &Node, seeds: Option<&Spectrum>) -> Option<TrackEnd> {
         let (characteristic, spectrum) = self.linearised_near(wave, node, seeds)?;
         Some(TrackEnd {
             s,
@@ -347,7 +345,7 @@ impl Tracker {
 }
 
 /// Eigenvalues of a spectrum, in all its sectors.
-pub(super) fn size(spectrum: &Spectrum) -> usize {
+fn size(spectrum: &Spectrum) -> usize {
     let lists = spectrum.sectors.iter();
     lists.map(|sector| sector.eigenvalues.len()).sum()
 }
