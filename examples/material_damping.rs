@@ -10,7 +10,7 @@
 
 use std::path::Path;
 
-use brakewave::branch::run::Runner;
+use brakewave::branch::run::WaveRunner;
 use brakewave::discretised::{RingSettings, solve};
 use brakewave::output::run::Restart;
 use brakewave::simulation::growth::{self, Listing, Request};
@@ -132,7 +132,7 @@ fn row(name: &str, speed: f64, found: &[c64]) {
 
 fn simulated(folder: &Path) -> Result<(), Box<dyn std::error::Error>> {
     println!("\n| label | β | sector | points | λ | scatter |\n|---|---|---|---|---|---|");
-    for saved in Restart::<Runner>::read(folder)?.labelled {
+    for saved in Restart::<WaveRunner>::read(folder)?.labelled {
         let parameters = saved.model.constants();
         let path = folder.join("profiles").join(format!("{}.csv", saved.label));
         if parameters.stiffness_damping == 0.0 || !path.exists() {

@@ -7,9 +7,9 @@
 
 use std::time::Instant;
 
-use brakewave::curve::start::find_of_system;
-use brakewave::curve::{Point, PointType, Run};
-use brakewave::hybrid::Runner;
+use brakewave::curve::search::find_of_system;
+use brakewave::curve::{CurvePoint, CurveRun, PointType};
+use brakewave::hybrid::OrbitRunner;
 use brakewave::orbit::legs::Run as _;
 use brakewave::problem::{
     Any, Continuation, CurveSection as Section, SystemCurveEvent, SystemProblem, parse_any,
@@ -96,7 +96,7 @@ fn branch_time(
     let begun = Instant::now();
     let (mut times, mut points, mut events) = (Vec::new(), 0, 0);
     while times.len() < RUNS && begun.elapsed().as_secs_f64() < SECONDS {
-        let mut run = Runner::begin(problem, continuation, None)?;
+        let mut run = OrbitRunner::begin(problem, continuation, None)?;
         let begun = Instant::now();
         while run.progress().end.is_none() {
             run.step();
@@ -113,17 +113,17 @@ fn curve_time(
     section: &Section<String, SystemCurveEvent>,
 ) -> Result<(f64, usize, usize), Box<dyn std::error::Error>> {
     let continuation = problem.continuation.as_ref().ok_or("no branch")?;
-    let begin = |problem: &SystemProblem| Runner::begin(problem, continuation, None);
+    let begin = |problem: &SystemProblem| OrbitRunner::begin(problem, continuation, None);
     let start = find_of_system(problem, section, begin, &mut |_| ())?;
     let begun = Instant::now();
     let (mut times, mut points, mut events) = (Vec::new(), 0, 0);
     while times.len() < RUNS && begun.elapsed().as_secs_f64() < SECONDS {
         let begun = Instant::now();
-        let mut run = Run::begin(&start.system, start.event, &start.point, start.limits)?;
+        let mut run = CurveRun::begin(&start.system, start.event, &start.point, start.limits)?;
         while run.step()?.is_some() {}
         times.push(1e3 * begun.elapsed().as_secs_f64());
         let curve = run.unnamed();
-        let is_two = |point: &&Point| !matches!(point.kind, None | Some(PointType::One(_)));
+        let is_two = |point: &&CurvePoint| !matches!(point.kind, None | Some(PointType::One(_)));
         events = curve.points.iter().filter(is_two).count();
         points = curve.points.len();
     }

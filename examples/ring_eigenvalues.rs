@@ -10,7 +10,7 @@
 
 use std::path::Path;
 
-use brakewave::branch::run::Runner;
+use brakewave::branch::run::WaveRunner;
 use brakewave::output::run::Restart;
 use brakewave::simulation::growth::{self, INSTANTS, Listing, Request};
 use brakewave::simulation::profile::Profile;
@@ -37,7 +37,7 @@ const LISTING: Listing = Listing {
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let argument = std::env::args().nth(1);
     let folder = Path::new(argument.as_deref().unwrap_or("results/mode4_mismatch"));
-    let restart = Restart::<Runner>::read(folder)?;
+    let restart = Restart::<WaveRunner>::read(folder)?;
     println!("| δ | sector | points | λ | scatter | residual |\n|---|---|---|---|---|---|");
     for (mismatch, sectors, amplitude) in WAVES {
         let Some(saved) = restart

@@ -6,7 +6,7 @@
 use brakewave::tube::model::coefficients::Geometry;
 use brakewave::tube::model::{Damping, FrictionLaw};
 use brakewave::tube::steady::radial::Radial;
-use brakewave::tube::steady::{Settings, mode};
+use brakewave::tube::steady::{SteadySettings, mode};
 
 const RATIOS: [f64; 6] = [1.02, 1.1, 1.25, 1.5, 2.0, 3.0];
 const POISSON: [f64; 6] = [0.0, 0.15, 0.3, 0.4, 0.45, 0.49];
@@ -67,7 +67,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 fn cell(tube: Geometry, k: u32) -> Result<String, Box<dyn std::error::Error>> {
     let coefficients = tube.coefficients();
     let solve = |damping| {
-        let settings = Settings {
+        let settings = SteadySettings {
             friction: FRICTION,
             law: FrictionLaw::Coulomb,
             mismatch: 0.2,

@@ -13,7 +13,7 @@ use brakewave::orbit::follow::Limits;
 use brakewave::tube::model::coefficients::Geometry;
 use brakewave::tube::model::{Model, Parameter};
 use brakewave::tube::stability::characteristic::Characteristic;
-use brakewave::tube::stability::spectrum::{Request, spectrum};
+use brakewave::tube::stability::spectrum::{SpectrumRequest, spectrum};
 use brakewave::tube::wave::start::{Which, slip_stick};
 
 const MODE: u32 = 4;
@@ -129,7 +129,7 @@ fn spectra() {
         (0.107573000269, 0.8365151274592),
     ];
     const POINTS: usize = 200;
-    let request = Request {
+    let request = SpectrumRequest {
         sectors: (0..4).collect(),
         eigenvalues: 6,
         max_frequency: 60.0,

@@ -2,11 +2,11 @@
 
 use std::time::{Duration, Instant};
 
-use super::measure::{Followed, Missed, Repeats, Subject, measure};
-use super::rung::{Row, Rung};
+use super::measure::{MeasuredBranch, MeasuredFamily, Missed, Repeats, measure};
+use super::rung::{Rung, RungRow};
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Limits {
+pub(crate) struct MeasurementLimits {
     /// Seconds for all rungs and the reference.
     pub budget: f64,
     /// Most repetitions of a rung.
@@ -14,13 +14,13 @@ pub(crate) struct Limits {
 }
 
 /// Measurements that are going on.
-pub(crate) struct Course<S: Subject> {
+pub(crate) struct Measurements<S: MeasuredFamily> {
     subject: S,
-    reference: Followed<S::Compared>,
+    reference: MeasuredBranch<S::Compared>,
     ladder: Vec<Rung>,
     /// Rungs that are left, by their place on the ladder.
     left: std::vec::IntoIter<usize>,
-    limits: Limits,
+    limits: MeasurementLimits,
     begun: Instant,
     until: Option<Instant>,
     /// The shortest time of the rung before, by method: a finer one takes no less.
@@ -28,12 +28,16 @@ pub(crate) struct Course<S: Subject> {
     left_out: usize,
 }
 
-impl<S: Subject> Course<S> {
+impl<S: MeasuredFamily> Measurements<S> {
     /// Computes the reference for all rungs that have no row yet.
     ///
     /// # Errors
     /// When the branch does not begin, or the time does not suffice.
-    pub(crate) fn begin(subject: S, rows: &[Row], limits: Limits) -> Result<Course<S>, Missed> {
+    pub(crate) fn begin(
+        subject: S,
+        rows: &[RungRow],
+        limits: MeasurementLimits,
+    ) -> Result<Measurements<S>, Missed> {
         let begun = Instant::now();
         let budget = Duration::try_from_secs_f64(limits.budget).ok();
         let until = budget.and_then(|budget| begun.checked_add(budget));
@@ -42,7 +46,7 @@ impl<S: Subject> Course<S> {
         let left: Vec<usize> = (0..ladder.len())
             .filter(|index| !measured(&ladder[*index]))
             .collect();
-        Ok(Course {
+        Ok(Measurements {
             reference: subject.follow(subject.reference(), until)?,
             subject,
             ladder,
@@ -62,7 +66,7 @@ impl<S: Subject> Course<S> {
     }
 
     /// Measures the next rung; none where the time does not suffice.
-    pub(crate) fn measure_next(&mut self) -> Option<Row> {
+    pub(crate) fn measure_next(&mut self) -> Option<RungRow> {
         let (index, rung) = self.next_rung()?;
         self.left.next();
         let seconds = self.limits.budget - self.begun.elapsed().as_secs_f64();

@@ -2,19 +2,19 @@
 
 use std::time::Instant;
 
-use super::rung::{Row, Rung};
+use super::rung::{Rung, RungRow};
 use nalgebra::Complex;
 
 use crate::branch::run::RunError;
 use crate::discretised;
-use crate::hybrid::NoStart;
+use crate::hybrid::NoFirstPoint;
 use crate::orbit::EventType;
-use crate::orbit::legs::{End, Run};
+use crate::orbit::legs::{Run, RunEnd};
 use crate::problem::Continuation;
 use crate::tube::flow::Unsolved;
 
 /// A branch that is followed by several methods.
-pub(crate) trait Subject {
+pub(crate) trait MeasuredFamily {
     /// What is compared at a value of the parameter that every method meets exactly.
     type Compared;
 
@@ -35,7 +35,7 @@ pub(crate) trait Subject {
         &self,
         rung: Rung,
         until: Option<Instant>,
-    ) -> Result<Followed<Self::Compared>, Missed>;
+    ) -> Result<MeasuredBranch<Self::Compared>, Missed>;
 
     /// Measures a rung against the reference.
     ///
@@ -44,13 +44,13 @@ pub(crate) trait Subject {
     fn row(
         &self,
         rung: Rung,
-        reference: &Followed<Self::Compared>,
+        reference: &MeasuredBranch<Self::Compared>,
         repeats: Repeats,
-    ) -> Result<Row, Missed>;
+    ) -> Result<RungRow, Missed>;
 }
 
 /// A branch followed by one method.
-pub(crate) struct Followed<C> {
+pub(crate) struct MeasuredBranch<C> {
     pub points: usize,
     pub events: Vec<(EventType, f64)>,
     /// At user points and at the ends of the range.
@@ -58,7 +58,7 @@ pub(crate) struct Followed<C> {
     pub failed: Option<String>,
 }
 
-impl<C> Followed<C> {
+impl<C> MeasuredBranch<C> {
     /// Takes every step of a branch. `see` has the type of a special point and the parameter, `keep` what is compared.
     ///
     /// # Errors
@@ -68,8 +68,8 @@ impl<C> Followed<C> {
         until: Option<Instant>,
         see: impl Fn(&R::Item) -> Option<(EventType, f64)>,
         keep: impl Fn(&R::Item) -> Option<C>,
-    ) -> Result<Followed<C>, Missed> {
-        let mut followed = Followed {
+    ) -> Result<MeasuredBranch<C>, Missed> {
+        let mut followed = MeasuredBranch {
             points: 0,
             events: Vec::new(),
             compared: Vec::new(),
@@ -88,19 +88,19 @@ impl<C> Followed<C> {
                 }
             }
         }
-        if let Some(End::Failed(reason)) = &branch.progress().end {
+        if let Some(RunEnd::Failed(reason)) = &branch.progress().end {
             followed.failed = Some(reason.to_string());
         }
         Ok(followed)
     }
 
     /// The row of a rung that took so long, with the errors of its events.
-    pub(crate) fn row(&self, rung: Rung, reference: &Followed<C>, seconds: f64) -> Row {
-        let mut row = Row {
+    pub(crate) fn row(&self, rung: Rung, reference: &MeasuredBranch<C>, seconds: f64) -> RungRow {
+        let mut row = RungRow {
             points: self.points,
             events_found: self.events.len(),
             failure: self.failed.clone(),
-            ..Row::failed(rung, reference.events.len(), None)
+            ..RungRow::failed(rung, reference.events.len(), None)
         };
         let both = || reference.events.iter().zip(&self.events);
         let same = reference.events.len() == self.events.len()
@@ -122,7 +122,7 @@ pub(crate) enum Missed {
     Run(#[from] RunError),
     /// The branch of orbits does not begin.
     #[error("{0}")]
-    Orbit(#[from] NoStart),
+    Orbit(#[from] NoFirstPoint),
     /// The ring is not solved.
     #[error("{0}")]
     Ring(#[from] discretised::Error),
@@ -203,15 +203,15 @@ pub(super) fn timed<T>(
 }
 
 /// Measures one rung against the reference; none if the time does not suffice.
-pub(crate) fn measure<S: Subject>(
+pub(crate) fn measure<S: MeasuredFamily>(
     subject: &S,
     rung: Rung,
-    reference: &Followed<S::Compared>,
+    reference: &MeasuredBranch<S::Compared>,
     repeats: Repeats,
-) -> Option<Row> {
+) -> Option<RungRow> {
     match subject.row(rung, reference, repeats) {
         Err(Missed::Time) => None,
-        Err(error) => Some(Row::failed(
+        Err(error) => Some(RungRow::failed(
             rung,
             reference.events.len(),
             Some(error.to_string()),

@@ -18,8 +18,8 @@ mod orbits;
 mod rung;
 mod waves;
 
-pub(crate) use course::{Course, Limits};
-pub(crate) use measure::{Missed, Subject};
-pub(crate) use orbits::Orbits;
-pub(crate) use rung::{Row, Rung};
-pub(crate) use waves::Waves;
+pub(crate) use course::{MeasurementLimits, Measurements};
+pub(crate) use measure::{MeasuredFamily, Missed};
+pub(crate) use orbits::OrbitBranch;
+pub(crate) use rung::{Rung, RungRow};
+pub(crate) use waves::WaveBranch;

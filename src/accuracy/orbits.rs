@@ -6,20 +6,21 @@ use differential_equations::traits::State;
 use nalgebra::Complex;
 
 use super::measure::{
-    Followed, Missed, Repeats, Subject, eigenvalue_error, in_time, timed, with_stops, worst,
+    MeasuredBranch, MeasuredFamily, Missed, Repeats, eigenvalue_error, in_time, timed, with_stops,
+    worst,
 };
-use super::rung::{Row, Rung, ladder_of_system};
+use super::rung::{Rung, RungRow, ladder_of_system};
 use crate::affine::mode::AffineSystem;
 use crate::affine::orbit::row::SavedOrbit;
 use crate::affine::orbit::start;
-use crate::hybrid::{EarlierPoint, NoStart, Runner};
+use crate::hybrid::{EarlierPoint, NoFirstPoint, OrbitRunner};
 use crate::linalg::Vector;
 use crate::problem::{Continuation, SystemProblem};
 use crate::tube::flow::Unsolved;
-use crate::tube::flow::numeric::shooting::{Steps, integrate};
+use crate::tube::flow::numeric::shooting::{ShootingSteps, integrate};
 
 /// A branch of orbits.
-pub(crate) struct Orbits {
+pub(crate) struct OrbitBranch {
     problem: SystemProblem,
     continuation: Continuation<String>,
     /// The orbit of an earlier run that it begins with.
@@ -31,7 +32,7 @@ pub(crate) struct Orbits {
 }
 
 /// An orbit at a value of the parameter that every method meets exactly.
-pub(crate) struct Compared {
+pub(crate) struct ComparedOrbit {
     orbit: SavedOrbit,
     /// The largest absolute value of every state over the orbit, or 1 where that is 0.
     units: Vec<f64>,
@@ -41,18 +42,18 @@ pub(crate) struct Compared {
 /// The tolerance of the reference: each step leaves out less than rounding.
 const FINEST: f64 = 1e-16;
 
-impl Orbits {
+impl OrbitBranch {
     /// The problem as every method follows it; `None` where its parameter or values make no sense.
     pub(crate) fn new(
         problem: &SystemProblem,
         continuation: &Continuation<String>,
         named: Option<&EarlierPoint>,
-    ) -> Option<Orbits> {
+    ) -> Option<OrbitBranch> {
         let mut problem = problem.clone();
         problem.output = Default::default();
         problem.expect.clear();
         let system = problem.system.at(&problem.values(), &[]).ok()?;
-        Some(Orbits {
+        Some(OrbitBranch {
             parameter: problem.parameter()?,
             exact: system.modes.are_exact(),
             continuation: with_stops(continuation),
@@ -62,8 +63,8 @@ impl Orbits {
     }
 }
 
-impl Subject for Orbits {
-    type Compared = Compared;
+impl MeasuredFamily for OrbitBranch {
+    type Compared = ComparedOrbit;
 
     fn ladder(&self) -> Vec<Rung> {
         ladder_of_system(self.exact)
@@ -79,13 +80,17 @@ impl Subject for Orbits {
          in periods. Eigenvalues: multipliers."
     }
 
-    fn follow(&self, rung: Rung, until: Option<Instant>) -> Result<Followed<Compared>, Missed> {
+    fn follow(
+        &self,
+        rung: Rung,
+        until: Option<Instant>,
+    ) -> Result<MeasuredBranch<ComparedOrbit>, Missed> {
         let mut problem = self.problem.clone();
         if let Rung::Taylor { tolerance } = rung {
             problem.system = problem.system.integrated(tolerance);
         }
-        let branch = Runner::begin(&problem, &self.continuation, self.named.as_ref())?;
-        Followed::collect(
+        let branch = OrbitRunner::begin(&problem, &self.continuation, self.named.as_ref())?;
+        MeasuredBranch::collect(
             branch,
             until,
             |item| {
@@ -98,7 +103,7 @@ impl Subject for Orbits {
                     size => size,
                 };
                 let multipliers = item.point.multipliers.iter();
-                Some(Compared {
+                Some(ComparedOrbit {
                     orbit: item.saved.as_ref()?.orbit.clone(),
                     units: item.point.extremes.iter().map(unit).collect(),
                     multipliers: multipliers.map(|one| one.value).collect(),
@@ -110,9 +115,9 @@ impl Subject for Orbits {
     fn row(
         &self,
         rung: Rung,
-        reference: &Followed<Compared>,
+        reference: &MeasuredBranch<ComparedOrbit>,
         repeats: Repeats,
-    ) -> Result<Row, Missed> {
+    ) -> Result<RungRow, Missed> {
         if let Rung::RungeKutta { tolerance } = rung {
             return self.integrated(rung, tolerance, reference, repeats);
         }
@@ -131,27 +136,27 @@ impl Subject for Orbits {
             })
         }));
         row.eigenvalue_error = worst(pairs().filter_map(|(one, other)| {
-            let list = |one: &Compared| [one.multipliers.clone()];
+            let list = |one: &ComparedOrbit| [one.multipliers.clone()];
             eigenvalue_error(&list(one), &list(other))
         }));
         Ok(row)
     }
 }
 
-impl Orbits {
+impl OrbitBranch {
     /// Single orbits of the reference, each zone by a Runge–Kutta method from its entry: where the next one begins.
     fn integrated(
         &self,
         rung: Rung,
         tolerance: f64,
-        reference: &Followed<Compared>,
+        reference: &MeasuredBranch<ComparedOrbit>,
         repeats: Repeats,
-    ) -> Result<Row, Missed> {
+    ) -> Result<RungRow, Missed> {
         let systems = reference.compared.iter().map(|compared| {
             let system = self.problem.system.at(&compared.orbit.values, &[]);
-            system.map_err(|error| NoStart::from(start::NoStart::System(error)))
+            system.map_err(|error| NoFirstPoint::from(start::NoStart::System(error)))
         });
-        let systems = systems.collect::<Result<Vec<_>, NoStart>>()?;
+        let systems = systems.collect::<Result<Vec<_>, NoFirstPoint>>()?;
         let work = || {
             let mut errors = Vec::new();
             for (compared, system) in reference.compared.iter().zip(&systems) {
@@ -161,16 +166,16 @@ impl Orbits {
             Ok(worst(errors.into_iter()))
         };
         let (seconds, error) = timed(repeats, work)?;
-        Ok(Row {
+        Ok(RungRow {
             points: reference.compared.len(),
             switch_error: error,
-            ..Row::failed(rung, 0, None)
+            ..RungRow::failed(rung, 0, None)
         }
         .took(seconds))
     }
 }
 
-impl Compared {
+impl ComparedOrbit {
     /// The largest difference of two states, each in its unit.
     fn off(&self, one: &[f64], other: &[f64]) -> f64 {
         let pairs = one.iter().zip(other).zip(&self.units);
@@ -182,7 +187,7 @@ impl Compared {
     fn closure(&self, system: &AffineSystem, tolerance: f64) -> Result<f64, Unsolved> {
         /// As a part of the zone.
         const LONGEST: f64 = 0.1;
-        let steps = Steps {
+        let steps = ShootingSteps {
             tolerance,
             longest: LONGEST,
         };

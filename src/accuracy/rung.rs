@@ -114,7 +114,7 @@ pub(crate) fn reference_method(law: FrictionLaw) -> Method {
 
 /// What one rung achieves: a row of `accuracy.csv`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Row {
+pub(crate) struct RungRow {
     pub method: String,
     /// Setting of the rung, in words.
     pub setting: String,
@@ -137,7 +137,7 @@ pub(crate) struct Row {
     pub failure: Option<String>,
 }
 
-impl Row {
+impl RungRow {
     /// Whether this is what a rung achieves.
     pub(crate) fn is_of(&self, rung: Rung) -> bool {
         self.method == rung.method() && self.setting == rung.setting()
@@ -151,8 +151,8 @@ impl Row {
             .reduce(f64::max)
     }
 
-    pub(super) fn took(self, seconds: f64) -> Row {
-        Row {
+    pub(super) fn took(self, seconds: f64) -> RungRow {
+        RungRow {
             seconds: Some(seconds),
             points_per_second: Some(self.points as f64 / seconds),
             ..self
@@ -160,13 +160,13 @@ impl Row {
     }
 
     /// What a rung failed at.
-    pub(super) fn failed(rung: Rung, events_expected: usize, failure: Option<String>) -> Row {
-        Row {
+    pub(super) fn failed(rung: Rung, events_expected: usize, failure: Option<String>) -> RungRow {
+        RungRow {
             method: rung.method().to_owned(),
             setting: rung.setting(),
             events_expected,
             failure,
-            ..Row::default()
+            ..RungRow::default()
         }
     }
 }

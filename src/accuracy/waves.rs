@@ -4,12 +4,13 @@ use std::cell::OnceCell;
 use std::time::Instant;
 
 use super::measure::{
-    Followed, Missed, Repeats, Subject, eigenvalue_error, in_time, timed, with_stops, worst,
+    MeasuredBranch, MeasuredFamily, Missed, Repeats, eigenvalue_error, in_time, timed, with_stops,
+    worst,
 };
-use super::rung::{Row, Rung, ladder, reference_method};
+use super::rung::{Rung, RungRow, ladder, reference_method};
 use nalgebra::Complex;
 
-use crate::branch::run::Runner;
+use crate::branch::run::WaveRunner;
 use crate::discretised;
 use crate::linalg::Vector;
 use crate::problem::{Continuation, Problem};
@@ -17,19 +18,19 @@ use crate::tube::flow::method::Method;
 use crate::tube::model::FrictionLaw;
 use crate::tube::model::signature::{Regime, Signature};
 use crate::tube::stability::characteristic::Characteristic;
-use crate::tube::stability::spectrum::{Request, spectrum};
+use crate::tube::stability::spectrum::{SpectrumRequest, spectrum};
 use crate::tube::wave::start::{self, SlipStick};
 use crate::tube::wave::{Wave, precise, profile};
 
 /// A wave at a value of the parameter that every method meets exactly.
-pub(crate) struct Compared {
+pub(crate) struct ComparedWave {
     wave: Wave,
     point: Vector,
     /// Leading eigenvalues, sector by sector, made when first asked for.
     leading: OnceCell<Option<Vec<Vec<Complex<f64>>>>>,
 }
 
-impl Compared {
+impl ComparedWave {
     fn leading(&self) -> Option<&Vec<Vec<Complex<f64>>>> {
         let made = || leading(&self.wave, &self.point);
         self.leading.get_or_init(made).as_ref()
@@ -52,27 +53,27 @@ const LEADING: usize = 1;
 const HIGHEST: f64 = 8.0;
 
 /// A branch of waves.
-pub(crate) struct Waves {
+pub(crate) struct WaveBranch {
     problem: Problem,
     continuation: Continuation,
 }
 
-impl Waves {
+impl WaveBranch {
     /// The problem as every method follows it: without stability and profiles.
-    pub(crate) fn new(problem: &Problem, continuation: &Continuation) -> Waves {
+    pub(crate) fn new(problem: &Problem, continuation: &Continuation) -> WaveBranch {
         let mut problem = problem.clone();
         problem.stability = None;
         problem.output = Default::default();
         problem.expect.clear();
-        Waves {
+        WaveBranch {
             problem,
             continuation: with_stops(continuation),
         }
     }
 }
 
-impl Subject for Waves {
-    type Compared = Compared;
+impl MeasuredFamily for WaveBranch {
+    type Compared = ComparedWave;
 
     fn ladder(&self) -> Vec<Rung> {
         ladder(self.problem.model.law)
@@ -92,13 +93,17 @@ impl Subject for Waves {
         }
     }
 
-    fn follow(&self, rung: Rung, until: Option<Instant>) -> Result<Followed<Compared>, Missed> {
+    fn follow(
+        &self,
+        rung: Rung,
+        until: Option<Instant>,
+    ) -> Result<MeasuredBranch<ComparedWave>, Missed> {
         let mut problem = self.problem.clone();
         if let Rung::Flow(method) = rung {
             problem.method = Some(method);
         }
-        let branch = Runner::begin(&problem, &self.continuation, None)?;
-        Followed::collect(
+        let branch = WaveRunner::begin(&problem, &self.continuation, None)?;
+        MeasuredBranch::collect(
             branch,
             until,
             |item| {
@@ -107,7 +112,7 @@ impl Subject for Waves {
             },
             |item| {
                 let (wave, point) = item.wave();
-                Some(Compared {
+                Some(ComparedWave {
                     leading: OnceCell::new(),
                     wave: wave.clone(),
                     point: point.clone(),
@@ -119,9 +124,9 @@ impl Subject for Waves {
     fn row(
         &self,
         rung: Rung,
-        reference: &Followed<Compared>,
+        reference: &MeasuredBranch<ComparedWave>,
         repeats: Repeats,
-    ) -> Result<Row, Missed> {
+    ) -> Result<RungRow, Missed> {
         match rung {
             Rung::Ring { points, epsilon } => ring_row(points, epsilon, reference, repeats),
             _ => self.flow_row(rung, reference, repeats),
@@ -129,13 +134,13 @@ impl Subject for Waves {
     }
 }
 
-impl Waves {
+impl WaveBranch {
     fn flow_row(
         &self,
         rung: Rung,
-        reference: &Followed<Compared>,
+        reference: &MeasuredBranch<ComparedWave>,
         repeats: Repeats,
-    ) -> Result<Row, Missed> {
+    ) -> Result<RungRow, Missed> {
         let (seconds, found) = timed(repeats, || self.follow(rung, repeats.until))?;
         let mut row = found.row(rung, reference, seconds);
         let exact = rung == Rung::Flow(Method::Exact);
@@ -173,7 +178,7 @@ impl Waves {
 
 fn leading(wave: &Wave, point: &Vector) -> Option<Vec<Vec<Complex<f64>>>> {
     let characteristic = Characteristic::new(wave, point).ok()?;
-    let request = Request {
+    let request = SpectrumRequest {
         sectors: (0..=wave.mode as usize / 2).collect(),
         eigenvalues: LEADING,
         max_frequency: HIGHEST,
@@ -193,8 +198,8 @@ fn leading(wave: &Wave, point: &Vector) -> Option<Vec<Vec<Complex<f64>>>> {
 
 /// Relative error of c and of the zone lengths of a slip-stick wave against the closed form in
 /// higher precision.
-fn against_closed_form(compared: &Compared) -> Option<(f64, f64)> {
-    let Compared { wave, point, .. } = compared;
+fn against_closed_form(compared: &ComparedWave) -> Option<(f64, f64)> {
+    let ComparedWave { wave, point, .. } = compared;
     // with material damping there is no closed form
     if wave.signature != Signature::slip_stick() || wave.material {
         return None;
@@ -218,17 +223,17 @@ fn against_closed_form(compared: &Compared) -> Option<(f64, f64)> {
 fn ring_row(
     points: usize,
     epsilon: f64,
-    reference: &Followed<Compared>,
+    reference: &MeasuredBranch<ComparedWave>,
     repeats: Repeats,
-) -> Result<Row, Missed> {
+) -> Result<RungRow, Missed> {
     let rung = Rung::Ring { points, epsilon };
-    let waves: Vec<&Compared> = reference
+    let waves: Vec<&ComparedWave> = reference
         .compared
         .iter()
         .filter(|compared| !compared.wave.signature.has(Regime::Separation))
         .collect();
     if waves.is_empty() {
-        return Ok(Row::failed(
+        return Ok(RungRow::failed(
             rung,
             reference.events.len(),
             Some("every wave has separation".into()),
@@ -243,7 +248,7 @@ fn ring_row(
     let solve = || -> Result<Vec<_>, Missed> {
         let solved = waves.iter().map(|compared| {
             in_time(repeats.until)?;
-            let Compared { wave, point, .. } = compared;
+            let ComparedWave { wave, point, .. } = compared;
             Ok(discretised::solve_from(wave, point, &settings)?)
         });
         solved.collect()
@@ -266,14 +271,14 @@ fn ring_row(
             errors.extend(eigenvalue_error(exact, &found));
         }
     }
-    Ok(Row {
+    Ok(RungRow {
         points: waves.len(),
         speed_error: worst(
             pairs().map(|(compared, ring)| (ring.speed / compared.speed() - 1.0).abs()),
         ),
         eigenvalue_error: worst(errors.into_iter()),
         events_expected: 0,
-        ..Row::failed(rung, reference.events.len(), None)
+        ..RungRow::failed(rung, reference.events.len(), None)
     }
     .took(seconds))
 }

@@ -3,7 +3,7 @@
 use super::first_wave::{self, beyond_hopf};
 use super::saved::SavedWave;
 use super::slip_stick::polish;
-use super::wanted::{NoStart, Wanted};
+use super::wanted::{NoFirstWave, WaveRequest};
 use crate::continuation::newton;
 use crate::linalg::Vector;
 use crate::orbit::switch;
@@ -19,10 +19,10 @@ use crate::tube::wave::start::{NoWave, Which};
 pub enum RunError {
     /// Something the problem asks for that this version does not do, or a bad restart.
     #[error("{0}")]
-    Asked(#[from] Refused),
+    Asked(#[from] RefusedRequest),
     /// There is no first wave.
     #[error("no start: {0}")]
-    NoStart(#[from] NoStart),
+    NoStart(#[from] NoFirstWave),
     /// There is no Hopf point to start from.
     #[error("no start: {0}")]
     NoHopf(#[from] NoHopf),
@@ -30,7 +30,7 @@ pub enum RunError {
 
 /// What a problem asks for in vain.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum Refused {
+pub enum RefusedRequest {
     /// Material damping under another friction law than Coulomb's.
     #[error("material damping β > 0 is posed for Coulomb's law, also as the parameter of a branch")]
     MaterialLaw,
@@ -85,25 +85,25 @@ pub enum Refused {
     },
 }
 
-impl Refused {
+impl RefusedRequest {
     /// The path of the field, and what would be right there.
     fn about(&self) -> Option<(&'static str, &'static str)> {
         Some(match self {
-            Refused::MaterialLaw => (
+            RefusedRequest::MaterialLaw => (
                 "model.friction_law",
                 "leave out `friction_law`, or take `damping: (stiffness: 0)` and another parameter",
             ),
-            Refused::MaterialMethod => ("method", "write `method: Exact`, or leave it out"),
-            Refused::HopfOutside { .. } => (
+            RefusedRequest::MaterialMethod => ("method", "write `method: Exact`, or leave it out"),
+            RefusedRequest::HopfOutside { .. } => (
                 "continuation.range",
                 "widen the range to contain the Hopf point",
             ),
-            Refused::LabelOutside { .. } => (
+            RefusedRequest::LabelOutside { .. } => (
                 "continuation.range",
                 "widen the range to contain the point to restart from",
             ),
-            Refused::NoRestart => return None,
-            Refused::Eigenvalues { .. } => (
+            RefusedRequest::NoRestart => return None,
+            RefusedRequest::Eigenvalues { .. } => (
                 "stability.max_frequency",
                 "leave it out for 12/√γ, or write a smaller one",
             ),
@@ -121,27 +121,27 @@ impl RunError {
         let elsewhere = "begin at other values of the model, or restart from a wave near these";
         Some(match self {
             RunError::Asked(refused) => return refused.about(),
-            RunError::NoStart(NoStart::NoWave(reason)) => match reason {
+            RunError::NoStart(NoFirstWave::NoWave(reason)) => match reason {
                 NoWave::Uncoupled => ("model.coefficients", "take coefficients with D ≠ 0"),
                 NoWave::Frictionless => (friction, "write for example `friction: 0.5`"),
                 NoWave::BeyondFold { .. } => (friction, "take a smaller friction coefficient"),
                 NoWave::BeyondHopf { .. } => (mass, "take less damping, or more friction"),
             },
-            RunError::NoStart(NoStart::Damped { .. }) => (
+            RunError::NoStart(NoFirstWave::Damped { .. }) => (
                 stiffness,
                 "take less damping, or follow the branch to it in StiffnessDamping from 0",
             ),
-            RunError::NoStart(NoStart::Unreached { .. }) => (
+            RunError::NoStart(NoFirstWave::Unreached { .. }) => (
                 mismatch,
                 "take a larger mismatch, or follow the branch to it in Mismatch",
             ),
-            RunError::NoStart(NoStart::Smoothing { .. }) => (
+            RunError::NoStart(NoFirstWave::Smoothing { .. }) => (
                 "model.friction_law",
                 "write `friction_law: Coulomb`, or take another ε",
             ),
-            RunError::NoStart(NoStart::Flow(_) | NoStart::Newton(_) | NoStart::NoBranch(_)) => {
-                ("wave.start", elsewhere)
-            }
+            RunError::NoStart(
+                NoFirstWave::Flow(_) | NoFirstWave::Newton(_) | NoFirstWave::NoBranch(_),
+            ) => ("wave.start", elsewhere),
             RunError::NoHopf(reason) => match reason {
                 NoHopf::Parameter => (
                     "continuation.parameter",
@@ -195,13 +195,13 @@ pub(super) fn begin(
     let model = problem.model;
     let material = model.has_material_damping(parameter);
     if material && model.law != FrictionLaw::Coulomb {
-        return Err(Refused::MaterialLaw.into());
+        return Err(RefusedRequest::MaterialLaw.into());
     }
     if material && problem.method.is_some_and(|method| method != Method::Exact) {
-        return Err(Refused::MaterialMethod.into());
+        return Err(RefusedRequest::MaterialMethod.into());
     }
     let mut slip_stick = |model: Model, which: Which| {
-        let wanted = Wanted {
+        let wanted = WaveRequest {
             model,
             parameter,
             mode: problem.wave.mode,
@@ -223,7 +223,7 @@ pub(super) fn begin(
             let family = family_in_range(&model, problem, continuation)?;
             let begun = if material {
                 let (wave, point) =
-                    beyond_hopf(&family, continuation.steps()).map_err(NoStart::Newton)?;
+                    beyond_hopf(&family, continuation.steps()).map_err(NoFirstWave::Newton)?;
                 Begun {
                     model: wave.model_at(&point),
                     wave,
@@ -246,26 +246,32 @@ pub(super) fn begin(
         (Start::Restart { .. }, Some(saved)) => restarted(saved, &model, problem, continuation)?,
         (Start::Switch { .. }, Some(saved)) => doubled(saved, &model, problem, continuation)?,
         (Start::Restart { .. } | Start::Switch { .. }, None) => {
-            return Err(Refused::NoRestart.into());
+            return Err(RefusedRequest::NoRestart.into());
         }
     };
     if let Some(method) = problem.method.filter(|method| *method != begun.wave.method) {
         begun.wave = begun.wave.with_method(method);
         begun.point = polish(&begun.wave, &begun.point)?;
     }
+    check_count(problem, &begun)?;
+    Ok(begun)
+}
+
+/// Refuses a window with more eigenvalues than a spectrum may take in.
+fn check_count(problem: &Problem, begun: &Begun) -> Result<(), RunError> {
     if let Some(request) = problem.request() {
         let zones = begun.wave.unpack(&begun.point);
         let period: f64 = zones.iter().map(|zone| zone.duration).sum();
         let count = request.max_frequency * period / std::f64::consts::PI;
         if count > MOST_EIGENVALUES {
-            return Err(RunError::Asked(Refused::Eigenvalues {
+            return Err(RunError::Asked(RefusedRequest::Eigenvalues {
                 max_frequency: request.max_frequency,
                 count,
                 most: MOST_EIGENVALUES * std::f64::consts::PI / period,
             }));
         }
     }
-    Ok(begun)
+    Ok(())
 }
 
 /// The vertical family at the Hopf point of steady sliding.
@@ -281,7 +287,7 @@ fn family_in_range(
     if (low..=high).contains(&found.critical) {
         return Ok(found);
     }
-    Err(RunError::Asked(Refused::HopfOutside {
+    Err(RunError::Asked(RefusedRequest::HopfOutside {
         mode,
         column: parameter.column(),
         value: found.critical,
@@ -305,7 +311,7 @@ fn posed(
     let value = model.value(parameter).unwrap_or(f64::NAN);
     let (low, high) = continuation.range;
     if !(value >= low && value <= high) {
-        return Err(RunError::Asked(Refused::LabelOutside {
+        return Err(RunError::Asked(RefusedRequest::LabelOutside {
             label: saved.label,
             column: parameter.column(),
             value,
@@ -320,7 +326,7 @@ fn posed(
     let wave = saved.wave(parameter, problem.wave.mode, high - low);
     let point = wave.pack(&saved.unknowns(), saved.excess, value);
     if wave.material && saved.layers.is_empty() {
-        return Ok(wave.with_layers(&point).map_err(NoStart::Flow)?);
+        return Ok(wave.with_layers(&point).map_err(NoFirstWave::Flow)?);
     }
     Ok((wave, point))
 }
@@ -357,7 +363,7 @@ fn doubled(
 ) -> Result<Begun, RunError> {
     let (wave, at) = posed(&saved.twice(), asked, problem, continuation)?;
     let asked = continuation.toward.directions();
-    let (point, directions) = switch::other(&wave, &at, asked).map_err(NoStart::NoBranch)?;
+    let (point, directions) = switch::other(&wave, &at, asked).map_err(NoFirstWave::NoBranch)?;
     Ok(Begun {
         model: wave.model_at(&point),
         wave,

@@ -4,20 +4,20 @@ use std::fmt;
 
 use super::orbit::Follower;
 use super::slip_stick::{polish, slip_stick_wave, smooth_wave};
-use super::special::{Inadmissible, Special};
-use super::wanted::{MOST_STEPS, NoStart, SearchFailure, Wanted};
+use super::special::{InadmissibleWave, Special};
+use super::wanted::{MOST_STEPS, NoFirstWave, SearchFailure, WaveRequest};
 use crate::continuation::arclength::{self, DEFAULT_DS, DEFAULT_DS_MAX, DEFAULT_DS_MIN, Steps};
 use crate::continuation::walk;
 use crate::orbit::change;
 use crate::orbit::follow::Limits;
-use crate::orbit::sign::Verdict;
+use crate::orbit::sign::SignVerdict;
 
 use crate::linalg::Vector;
 use crate::tube::model::{FrictionLaw, Model, Parameter};
 use crate::tube::wave::admissibility::examine;
 use crate::tube::wave::hopf::{Family, NoHopf, family};
 use crate::tube::wave::start::{self, Which};
-use crate::tube::wave::{Scales, Wave};
+use crate::tube::wave::{Wave, WaveScales};
 
 /// The wave of the model, as a boundary-value problem in `parameter` and its solution: the
 /// slip-stick wave in closed form or, at a mismatch where that is not admissible any more, the
@@ -32,8 +32,8 @@ pub fn first_wave(
     which: Which,
     width: f64,
     steps: Steps,
-) -> Result<(Wave, Vector), NoStart> {
-    let wanted = Wanted {
+) -> Result<(Wave, Vector), NoFirstWave> {
+    let wanted = WaveRequest {
         model: *model,
         parameter,
         mode,
@@ -47,8 +47,12 @@ pub fn first_wave(
 ///
 /// # Errors
 /// There is no such wave, or the search does not come to it.
-pub fn find(wanted: &Wanted, steps: Steps, observer: Observer) -> Result<(Wave, Vector), NoStart> {
-    let mut search = Search {
+pub fn find(
+    wanted: &WaveRequest,
+    steps: Steps,
+    observer: Observer,
+) -> Result<(Wave, Vector), NoFirstWave> {
+    let mut search = FirstWaveSearch {
         wanted,
         steps,
         observer,
@@ -61,15 +65,15 @@ pub fn find(wanted: &Wanted, steps: Steps, observer: Observer) -> Result<(Wave, 
 }
 
 /// A search for a first wave.
-struct Search<'a> {
-    wanted: &'a Wanted,
+struct FirstWaveSearch<'a> {
+    wanted: &'a WaveRequest,
     steps: Steps,
     observer: Observer<'a>,
 }
 
-impl Search<'_> {
+impl FirstWaveSearch<'_> {
     /// The slip-stick wave, or the wave that continues it.
-    fn slip_stick(&mut self) -> Result<(Wave, Vector), NoStart> {
+    fn slip_stick(&mut self) -> Result<(Wave, Vector), NoFirstWave> {
         let wanted = *self.wanted;
         let model = wanted.model;
         let coulomb = Model {
@@ -82,10 +86,10 @@ impl Search<'_> {
             let (wave, point) = slip_stick_wave(&wanted, &closed)?;
             let examination = examine(&wave, &point)?;
             match examination.verdict {
-                Verdict::Positive => return Ok((wave, point)),
+                SignVerdict::Positive => return Ok((wave, point)),
                 _ if model.law == FrictionLaw::Coulomb => {
-                    return Err(NoStart::Newton(
-                        Inadmissible::of(&wave, &examination).into(),
+                    return Err(NoFirstWave::Newton(
+                        InadmissibleWave::of(&wave, &examination).into(),
                     ));
                 }
                 _ => {}
@@ -101,8 +105,8 @@ impl Search<'_> {
         let start = loop {
             let from = wanted.posed_in(Parameter::Mismatch, above - model.mismatch);
             let model = from.model.with(Parameter::Mismatch, above);
-            let (wave, point) = slip_stick_wave(&Wanted { model, ..from }, &closed)?;
-            let admissible = examine(&wave, &point)?.verdict == Verdict::Positive;
+            let (wave, point) = slip_stick_wave(&WaveRequest { model, ..from }, &closed)?;
+            let admissible = examine(&wave, &point)?.verdict == SignVerdict::Positive;
             if admissible || model.law == FrictionLaw::Coulomb || above > MOST_ABOVE * least {
                 break (wave, point);
             }
@@ -117,7 +121,7 @@ impl Search<'_> {
     /// near.
     fn beside_coulomb(&mut self, epsilon: f64) -> Option<(Wave, Vector)> {
         let parameter = self.wanted.parameter;
-        let wanted = Wanted {
+        let wanted = WaveRequest {
             model: Model {
                 law: FrictionLaw::Coulomb,
                 ..self.wanted.model
@@ -129,7 +133,7 @@ impl Search<'_> {
             },
             ..*self.wanted
         };
-        let mut search = Search {
+        let mut search = FirstWaveSearch {
             wanted: &wanted,
             steps: self.steps,
             observer: self.observer,
@@ -137,7 +141,7 @@ impl Search<'_> {
         let (sharp, at) = search.slip_stick().ok()?;
         let (wave, point) = smooth_wave(&sharp, &at, parameter, epsilon).ok()?;
         let examination = examine(&wave, &point).ok()?;
-        (examination.verdict == Verdict::Positive).then_some((wave, point))
+        (examination.verdict == SignVerdict::Positive).then_some((wave, point))
     }
 
     /// Follows a wave posed in the mismatch from `above` down to that of the model, and poses it in
@@ -147,12 +151,12 @@ impl Search<'_> {
         start: (Wave, Vector),
         above: f64,
         least: f64,
-        scales: Scales,
-    ) -> Result<(Wave, Vector), NoStart> {
+        scales: WaveScales,
+    ) -> Result<(Wave, Vector), NoFirstWave> {
         let mismatch = self.wanted.model.mismatch;
         let range = (mismatch, above * (1.0 + 1e-9));
         let reached = self.followed(start, range, mismatch, true);
-        let (wave, point) = reached.map_err(|reason| NoStart::Unreached {
+        let (wave, point) = reached.map_err(|reason| NoFirstWave::Unreached {
             mismatch,
             least,
             reason,
@@ -233,8 +237,8 @@ impl Search<'_> {
     /// The wave of a model with material damping. Slip-stick waves are followed from β = 0, where they
     /// are known in closed form, at a mismatch at which they stay in contact; the fast wave, where the
     /// undamped one does not exist, from the Hopf point of steady sliding in f.
-    fn with_material_damping(&mut self) -> Result<(Wave, Vector), NoStart> {
-        let Wanted {
+    fn with_material_damping(&mut self) -> Result<(Wave, Vector), NoFirstWave> {
+        let WaveRequest {
             ref model,
             parameter,
             which,
@@ -247,7 +251,7 @@ impl Search<'_> {
             Which::Slow => Err(reason),
         });
         let beta = model.damping.stiffness;
-        let (wave, point) = found.map_err(|reason| NoStart::Damped { beta, reason })?;
+        let (wave, point) = found.map_err(|reason| NoFirstWave::Damped { beta, reason })?;
         let examination = examine(&wave, &point)?;
         // in units that do not depend on where the search came from
         let above = wave.model_at(&point).mismatch;
@@ -256,12 +260,12 @@ impl Search<'_> {
         let scales = self.wanted.scales(wave.excess_at(&point), largest);
         // slip-stick waves do not depend on δ: that of the model may be one too
         let direct = posed(&wave, &point, model, parameter, scales)?;
-        if examine(&direct.0, &direct.1)?.verdict == Verdict::Positive {
+        if examine(&direct.0, &direct.1)?.verdict == SignVerdict::Positive {
             return Ok(direct);
         }
         // if not, it is followed down from where it is one, within a factor of two
         let at = |mismatch: f64| {
-            let unit = Scales {
+            let unit = WaveScales {
                 parameter: mismatch - model.mismatch,
                 ..scales
             };
@@ -272,7 +276,7 @@ impl Search<'_> {
         while from.0 > 2.0 * model.mismatch {
             let lower = 0.5 * from.0;
             let (wave, point) = at(lower)?;
-            if examine(&wave, &point)?.verdict != Verdict::Positive {
+            if examine(&wave, &point)?.verdict != SignVerdict::Positive {
                 break;
             }
             from = (lower, (wave, point));
@@ -287,10 +291,10 @@ impl Search<'_> {
         let beta = wanted.model.damping.stiffness;
         let undamped = wanted.model.with(Parameter::StiffnessDamping, 0.0);
         let closed =
-            start::slip_stick(&undamped, wanted.mode, wanted.which).map_err(NoStart::from)?;
+            start::slip_stick(&undamped, wanted.mode, wanted.which).map_err(NoFirstWave::from)?;
         let least = start::least_mismatch(&undamped, &closed);
         let above = wanted.model.mismatch.max(ABOVE_UNDAMPED * least);
-        let from = Wanted {
+        let from = WaveRequest {
             model: undamped.with(Parameter::Mismatch, above),
             ..wanted.posed_in(Parameter::StiffnessDamping, beta)
         };
@@ -300,7 +304,7 @@ impl Search<'_> {
 
     /// The slip-stick wave at this friction from the Hopf point of steady sliding, posed in f.
     fn begin_at_hopf(&mut self) -> Result<(Wave, Vector), SearchFailure> {
-        let Wanted { model, mode, .. } = *self.wanted;
+        let WaveRequest { model, mode, .. } = *self.wanted;
         let in_friction =
             |model: &Model| family(model, Parameter::Friction, mode, model.friction, 2);
         let found = in_friction(&model).or_else(|error| match error {
@@ -322,8 +326,8 @@ fn posed(
     point: &Vector,
     model: &Model,
     parameter: Parameter,
-    scales: Scales,
-) -> Result<(Wave, Vector), NoStart> {
+    scales: WaveScales,
+) -> Result<(Wave, Vector), NoFirstWave> {
     let signature = wave.signature.clone();
     let moved = Wave::new(*model, parameter, wave.mode, signature, scales);
     let value = model.value(parameter).unwrap_or(f64::NAN);

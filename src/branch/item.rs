@@ -6,7 +6,7 @@ use super::orbit::Found;
 use super::row::EigenvalueRow;
 use super::saved::SavedWave;
 use super::special::{OfWaves, Special};
-use super::{BranchPoint, Event, LeadingEigenvalue, ProfileSample, Reason, Stability};
+use super::{BranchPoint, Event, LeadingEigenvalue, ProfileSample, Stability, VerdictReason};
 use crate::linalg::Vector;
 use crate::tube::flow::FlowError;
 use crate::tube::model::Model;
@@ -16,7 +16,7 @@ use crate::tube::wave::{Wave, profile};
 
 /// A row of the branch, with the wave behind it.
 #[derive(Clone, Debug)]
-pub struct Item {
+pub struct WaveItem {
     /// The row.
     pub point: BranchPoint,
     /// Leg it belongs to.
@@ -33,7 +33,7 @@ pub struct Item {
     pub(super) unknowns: Vector,
 }
 
-impl Item {
+impl WaveItem {
     /// The wave as a boundary-value problem and its solution in scaled unknowns.
     pub fn wave(&self) -> (&Wave, &Vector) {
         (&self.wave, &self.unknowns)
@@ -94,8 +94,8 @@ pub fn answer(
     point.why = match spectrum {
         Some(spectrum) => spectrum.reasons.clone(),
         None => vec![match Characteristic::new(wave, unknowns) {
-            Err(error) => Reason::NotLinearised(error.to_string()),
-            Ok(_) => Reason::NoWindow,
+            Err(error) => VerdictReason::NotLinearised(error.to_string()),
+            Ok(_) => VerdictReason::NoWindow,
         }],
     };
 }

@@ -4,16 +4,16 @@ use crate::orbit::legs::Run as _;
 use std::collections::VecDeque;
 
 use super::begin::RunError;
-use super::item::Item;
+use super::item::WaveItem;
 
-use super::run::{End, Runner};
+use super::run::{End, WaveRunner};
 use crate::problem::{Continuation, Problem};
 
 /// The points of a branch in their order, special ones with their events, computed as they are asked for.
 pub struct Branch {
-    runner: Runner,
+    runner: WaveRunner,
     /// Points of the last step that are not yet handed out.
-    waiting: VecDeque<Item>,
+    waiting: VecDeque<WaveItem>,
 }
 
 impl Branch {
@@ -23,7 +23,7 @@ impl Branch {
     /// The problem asks for what is not there, or there is no first wave.
     pub fn follow(problem: &Problem, continuation: &Continuation) -> Result<Branch, RunError> {
         Ok(Branch {
-            runner: Runner::begin(problem, continuation, None)?,
+            runner: WaveRunner::begin(problem, continuation, None)?,
             waiting: VecDeque::new(),
         })
     }
@@ -35,9 +35,9 @@ impl Branch {
 }
 
 impl Iterator for Branch {
-    type Item = Item;
+    type Item = WaveItem;
 
-    fn next(&mut self) -> Option<Item> {
+    fn next(&mut self) -> Option<WaveItem> {
         // a step may find nothing to hand out
         while self.waiting.is_empty() && self.end().is_none() {
             self.waiting.extend(self.runner.step());

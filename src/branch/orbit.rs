@@ -1,28 +1,30 @@
 //! Waves of the tube as orbits that the engine follows.
 
 use super::EventType;
-use super::special::{Inadmissible, OfWaves, WaveMargin, WaveStop};
+use super::special::{InadmissibleWave, OfWaves, WaveMargin, WaveStop};
 use crate::continuation::Node;
 use crate::continuation::newton::System;
 use crate::linalg::{Matrix, Vector};
 use crate::orbit::located::AT_ZERO;
-use crate::orbit::sign::Verdict;
+use crate::orbit::sign::SignVerdict;
 use crate::orbit::{Candidate, Examined, Orbit};
 use crate::orbit::{change, follow};
 use crate::tube::flow::FlowError;
 use crate::tube::model::Parameter;
-use crate::tube::model::signature::{Entry, Regime, Signature, Zone};
+use crate::tube::model::signature::{Regime, Signature, WaveZone, ZoneEntry};
 use crate::tube::stability::track::Remark;
 use crate::tube::wave::Wave;
-use crate::tube::wave::admissibility::{AtZero, Examination, Margin, Watch, examine};
+use crate::tube::wave::admissibility::{
+    MarginConstraint, RegimeMargin, WaveExamination, WaveWatch, examine,
+};
 use crate::tube::wave::successor::candidates;
 
 /// A point of a branch of waves.
-pub type Found = follow::Found<Wave>;
+pub type Found = follow::LocatedPoint<Wave>;
 /// A branch of waves being followed.
 pub type Follower = follow::Follower<Wave>;
 /// The state of a branch of waves between two steps.
-pub type State = follow::State<Signature>;
+pub type State = follow::BranchState<Signature>;
 /// Why a candidate for a wave is not entered.
 pub type NotEntered = change::NotEntered<Wave>;
 
@@ -31,14 +33,14 @@ pub type NotEntered = change::NotEntered<Wave>;
 const SONIC: f64 = 1e-4;
 const SETTLED: f64 = 1e-3;
 
-impl Examined for Examination {
-    type Margin = Margin;
+impl Examined for WaveExamination {
+    type Margin = RegimeMargin;
 
-    fn margins(&self) -> &[Margin] {
+    fn margins(&self) -> &[RegimeMargin] {
         &self.margins
     }
 
-    fn verdict(&self) -> Verdict {
+    fn verdict(&self) -> SignVerdict {
         self.verdict
     }
 }
@@ -46,10 +48,10 @@ impl Examined for Examination {
 impl Orbit for Wave {
     type Signature = Signature;
     type Parameter = Parameter;
-    type Margin = Margin;
-    type Examination = Examination;
+    type Margin = RegimeMargin;
+    type Examination = WaveExamination;
     type Held = WaveMargin;
-    type Inadmissible = Inadmissible;
+    type Inadmissible = InadmissibleWave;
     type Special = OfWaves;
     type Remark = Remark;
     type Stop = WaveStop;
@@ -82,73 +84,76 @@ impl Orbit for Wave {
         self.scales.parameter
     }
 
-    fn examination(&self, point: &Vector) -> Result<Examination, FlowError> {
+    fn examination(&self, point: &Vector) -> Result<WaveExamination, FlowError> {
         examine(self, point)
     }
 
-    fn margin_at(&self, seen: &Margin, point: &Vector) -> Result<Margin, FlowError> {
-        AtZero { margin: *seen }.margin_at(self, point)
+    fn margin_at(&self, seen: &RegimeMargin, point: &Vector) -> Result<RegimeMargin, FlowError> {
+        MarginConstraint { margin: *seen }.margin_at(self, point)
     }
 
-    fn value(margin: &Margin) -> f64 {
+    fn value(margin: &RegimeMargin) -> f64 {
         margin.jet.value
     }
 
-    fn add_gradient(&self, margin: &Margin, gradient: &mut [f64]) {
+    fn add_gradient(&self, margin: &RegimeMargin, gradient: &mut [f64]) {
         margin.add_gradient(self, gradient);
     }
 
-    fn is_same(one: &Margin, other: &Margin) -> bool {
+    fn is_same(one: &RegimeMargin, other: &RegimeMargin) -> bool {
         (one.watch, one.zone) == (other.watch, other.zone)
     }
 
     /// A zone without length says most.
-    fn precedence(margin: &Margin) -> usize {
-        usize::from(margin.watch != Watch::Duration)
+    fn precedence(margin: &RegimeMargin) -> usize {
+        usize::from(margin.watch != WaveWatch::Duration)
     }
 
-    fn is_alike(&self, margin: &Margin, other: &Wave, of_other: &Margin) -> bool {
+    fn is_alike(&self, margin: &RegimeMargin, other: &Wave, of_other: &RegimeMargin) -> bool {
         self.held(margin) == other.held(of_other)
     }
 
-    fn held(&self, margin: &Margin) -> WaveMargin {
+    fn held(&self, margin: &RegimeMargin) -> WaveMargin {
         WaveMargin {
             regime: self.signature.zone(margin.zone).regime,
             watch: margin.watch,
         }
     }
 
-    fn inadmissible(&self, examination: &Examination) -> Inadmissible {
-        Inadmissible::of(self, examination)
+    fn inadmissible(&self, examination: &WaveExamination) -> InadmissibleWave {
+        InadmissibleWave::of(self, examination)
     }
 
     fn candidates(
         &self,
         point: &Vector,
-        margin: &Margin,
+        margin: &RegimeMargin,
     ) -> Result<Vec<Candidate<Wave>>, FlowError> {
         candidates(self, point, margin)
     }
 
     /// The same from either side, one of which sees open what the other sees close.
-    fn classify(before: &Signature, after: Option<&Signature>, margin: &Margin) -> EventType {
+    fn classify(before: &Signature, after: Option<&Signature>, margin: &RegimeMargin) -> EventType {
         // reverse slip that begins at V̇ = 1: what lands in reverse slip is arrested before it closes
-        let begins_at_rest = |zone: Zone| {
+        let begins_at_rest = |zone: WaveZone| {
             zone.regime == Regime::Reverse
-                && matches!(zone.entry, Entry::Reversal | Entry::ArrestedLanding)
+                && matches!(zone.entry, ZoneEntry::Reversal | ZoneEntry::ArrestedLanding)
         };
-        let closed = (margin.watch == Watch::Duration).then(|| before.zone(margin.zone));
+        let closed = (margin.watch == WaveWatch::Duration).then(|| before.zone(margin.zone));
         // a zone that begins with a touch closes on the impact, not at zero pressure
-        let lifts = |zone: Zone| zone.regime == Regime::Separation && zone.entry != Entry::Touch;
-        if margin.watch == Watch::Pressure || closed.is_some_and(lifts) {
+        let lifts =
+            |zone: WaveZone| zone.regime == Regime::Separation && zone.entry != ZoneEntry::Touch;
+        if margin.watch == WaveWatch::Pressure || closed.is_some_and(lifts) {
             return EventType::GR;
         }
         let Some(after) = after else {
             let reverses = closed.is_some_and(begins_at_rest)
                 && before.zone(margin.zone + 1).regime == Regime::Stick;
             return match (closed.map(|zone| zone.regime), margin.watch) {
-                (Some(Regime::Stick), _) | (None, Watch::UpperForce | Watch::Rate) => EventType::ST,
-                (None, Watch::LowerForce) => EventType::RV,
+                (Some(Regime::Stick), _) | (None, WaveWatch::UpperForce | WaveWatch::Rate) => {
+                    EventType::ST
+                }
+                (None, WaveWatch::LowerForce) => EventType::RV,
                 _ if reverses => EventType::RV,
                 _ => EventType::CO,
             };
@@ -176,7 +181,7 @@ impl Orbit for Wave {
     /// Beyond the opening of a separation zone the branch starts with no change of the parameter.
     fn opens(&self, point: &Vector) -> bool {
         let opens = |zone: usize| {
-            self.signature.zone(zone).entry == Entry::TakeOff
+            self.signature.zone(zone).entry == ZoneEntry::TakeOff
                 && self.duration_at(point, zone) == 0.0
         };
         (0..self.zones()).any(opens)
@@ -195,15 +200,15 @@ impl Orbit for Wave {
     }
 
     /// Waves run in the direction of D.
-    fn barred(&self, margin: &Margin) -> Option<WaveStop> {
-        (margin.watch == Watch::Coupling).then_some(WaveStop::Against)
+    fn barred(&self, margin: &RegimeMargin) -> Option<WaveStop> {
+        (margin.watch == WaveWatch::Coupling).then_some(WaveStop::Against)
     }
 
-    fn ends_at(&self, point: &Vector, margin: &Margin) -> Option<WaveStop> {
+    fn ends_at(&self, point: &Vector, margin: &RegimeMargin) -> Option<WaveStop> {
         if is_undriven(self, point) {
             return Some(WaveStop::Undriven);
         }
-        let alone = margin.watch == Watch::Duration && self.zones() == 2;
+        let alone = margin.watch == WaveWatch::Duration && self.zones() == 2;
         alone.then_some(WaveStop::SlipAlone)
     }
 
@@ -265,11 +270,11 @@ impl Orbit for Wave {
         (*stop == WaveStop::SlipAlone).then(Signature::slip_alone)
     }
 
-    fn slope(&self, margin: &Margin, direction: &Vector) -> f64 {
+    fn slope(&self, margin: &RegimeMargin, direction: &Vector) -> f64 {
         margin.slope(self, direction)
     }
 
-    fn reach(&self, margin: &Margin, changes: &Vector) -> f64 {
+    fn reach(&self, margin: &RegimeMargin, changes: &Vector) -> f64 {
         margin.reach(self, changes)
     }
 }

@@ -2,15 +2,15 @@
 //! turns back.
 
 use super::EventType;
-use super::run::{End, Item, Runner};
+use super::run::{End, WaveItem, WaveRunner};
 use crate::orbit::legs::Run as _;
 
 /// Steps in which other passages are looked for, at least.
 const STEPS_BEYOND: usize = 2000;
 
 /// A search along a branch.
-pub struct Passage {
-    branch: Runner,
+pub struct PassageSearch {
+    branch: WaveRunner,
     /// Value of the parameter; the first wave of the branch where none is asked for.
     target: Option<f64>,
     /// The passage asked for, from 1.
@@ -19,13 +19,13 @@ pub struct Passage {
     steps: usize,
     /// Steps after which no more are looked for.
     most: usize,
-    found: Option<Item>,
+    found: Option<WaveItem>,
 }
 
-impl Passage {
+impl PassageSearch {
     /// Looks for a passage through a value on a branch that stops there.
-    pub fn new(branch: Runner, target: Option<f64>, wanted: usize) -> Passage {
-        Passage {
+    pub fn new(branch: WaveRunner, target: Option<f64>, wanted: usize) -> PassageSearch {
+        PassageSearch {
             branch,
             target,
             wanted,
@@ -60,7 +60,7 @@ impl Passage {
         true
     }
 
-    fn meets(&self, item: &Item) -> bool {
+    fn meets(&self, item: &WaveItem) -> bool {
         let parameter = self.branch.parameter();
         let saved = item.saved.as_ref();
         let here = saved.and_then(|saved| saved.model.value(parameter));
@@ -89,7 +89,7 @@ impl Passage {
     }
 
     /// The point that was asked for.
-    pub fn found(&self) -> Option<&Item> {
+    pub fn found(&self) -> Option<&WaveItem> {
         self.found.as_ref()
     }
 }

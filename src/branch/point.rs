@@ -7,7 +7,7 @@ pub use crate::orbit::EventType;
 pub use crate::orbit::Stability;
 use crate::problem::compare::Occurrence;
 use crate::tube::model::{Model, Parameter};
-pub use crate::tube::stability::verdict::Reason;
+pub use crate::tube::stability::verdict::VerdictReason;
 pub use crate::tube::wave::profile::ProfileSample;
 
 /// The leading eigenvalue of a wave, the translation mode left out.
@@ -51,7 +51,7 @@ pub struct BranchPoint {
     /// Leading eigenvalue; `None` when not asked for.
     pub lead: Option<LeadingEigenvalue>,
     /// What the verdict and the count rest on, where that is not plain.
-    pub why: Vec<Reason>,
+    pub why: Vec<VerdictReason>,
     /// Newton iterations spent on the point.
     pub newton: usize,
     /// Largest scaled residual of the boundary-value problem.

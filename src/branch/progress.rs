@@ -10,24 +10,24 @@ use crate::tube::flow::method::Method;
 use crate::tube::model::Model;
 use crate::tube::stability::spectrum::Spectrum;
 use crate::tube::stability::track::ALLOWANCE;
-use crate::tube::wave::{Scales, Wave};
+use crate::tube::wave::{Wave, WaveScales};
 
 /// The state of a run of waves between two steps.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Progress {
+pub struct WaveProgress {
     /// The legs.
     pub legs: legs::Progress<Wave>,
     /// What waves add.
-    pub beside: Beside,
+    pub beside: WaveMemory,
 }
 
 /// What a run of waves remembers beside the state of its legs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Beside {
+pub struct WaveMemory {
     /// Rows of `spectrum.csv` handed out so far.
     pub eigenvalues: usize,
     /// Units of the unknowns.
-    pub scales: Scales,
+    pub scales: WaveScales,
     /// Spectrum at the point the branch has reached, where stability is asked for.
     pub spectrum: Option<Spectrum>,
     /// Eigenvalues that may still be computed; zero once no more spectra are taken.
@@ -37,10 +37,10 @@ pub struct Beside {
     pub directions: Vec<bool>,
 }
 
-impl Beside {
+impl WaveMemory {
     /// Before the first step from a first wave.
-    pub(super) fn new(wave: &Wave, directions: Vec<bool>) -> Beside {
-        Beside {
+    pub(super) fn new(wave: &Wave, directions: Vec<bool>) -> WaveMemory {
+        WaveMemory {
             eigenvalues: 0,
             scales: wave.scales,
             spectrum: None,
@@ -63,7 +63,7 @@ impl Beside {
 
     /// Whether it may be one of a problem.
     fn fits(&self, problem: &Problem) -> bool {
-        let Scales {
+        let WaveScales {
             time,
             rate,
             excess,
@@ -79,7 +79,7 @@ impl Beside {
     }
 }
 
-impl Progress {
+impl WaveProgress {
     /// The first wave, posed by `method`.
     ///
     /// # Errors

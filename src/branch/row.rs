@@ -4,7 +4,7 @@ use serde::{Serialize, Serializer};
 
 use super::{BranchPoint, Event, EventType, Stability};
 use crate::tube::model::{Model, Parameter};
-use crate::tube::stability::spectrum::Eigenvalue;
+use crate::tube::stability::spectrum::WaveEigenvalue;
 
 /// The parameters of a model, each in its column: the later ones, or those before them.
 #[derive(Clone, Copy, Debug, Default)]
@@ -208,7 +208,7 @@ pub struct EigenvalueRow {
 
 impl EigenvalueRow {
     /// An eigenvalue of a sector.
-    pub fn new(sector: usize, eigenvalue: &Eigenvalue) -> EigenvalueRow {
+    pub fn new(sector: usize, eigenvalue: &WaveEigenvalue) -> EigenvalueRow {
         EigenvalueRow {
             sector,
             re: eigenvalue.re,

@@ -1,7 +1,7 @@
 //! The pipeline from a problem to a branch: first wave, legs, points, labels and events.
 //!
-//! A [`Runner`] is advanced one step at a time and hands out what it found; it prints nothing and
-//! touches no file. Its [`Progress`] after any step is all that is needed to go on from there.
+//! A [`WaveRunner`] is advanced one step at a time and hands out what it found; it prints nothing and
+//! touches no file. Its [`WaveProgress`] after any step is all that is needed to go on from there.
 
 use std::sync::Arc;
 
@@ -10,37 +10,38 @@ use super::conditioning::conditioning;
 use super::first_wave::Observer;
 use super::item::{event, row};
 use super::orbit::Found;
-use super::progress::Beside;
+use super::progress::WaveMemory;
 use super::row::EigenvalueRow;
 use super::saved::SavedWave;
-use super::special::{Note, OfWaves, Special};
-use super::wanted::NoStart;
-use super::{BranchPoint, Reason, Stability};
+use super::special::{OfWaves, Special, WaveNote};
+use super::wanted::NoFirstWave;
+use super::{BranchPoint, Stability, VerdictReason};
 use crate::continuation::Node;
 use crate::linalg::Vector;
+use crate::orbit::follow::LocatedPoint;
 pub use crate::orbit::legs::Run;
-use crate::orbit::legs::{self, Legs, Stretch};
+use crate::orbit::legs::{self, LegStep, Legs};
 use crate::problem::{Continuation, Problem};
 use crate::tube::flow::method::Method;
 use crate::tube::model::{Model, Parameter};
 use crate::tube::stability::spectrum::Spectrum;
 use crate::tube::stability::track::{
-    ALLOWANCE, Crossing, Growing, PER_POINT, Passed, Remark, Tracked, Tracker,
+    ALLOWANCE, Crossing, GrowingEigenvalues, PER_POINT, PassedPoint, Remark, Tracked, Tracker,
 };
 use crate::tube::wave::Wave;
 use crate::tube::wave::admissibility::examine;
 use crate::tube::wave::hopf::Family;
 
-pub use super::begin::{Refused, RunError};
-pub use super::item::{Item, answer};
-pub use super::progress::Progress;
+pub use super::begin::{RefusedRequest, RunError};
+pub use super::item::{WaveItem, answer};
+pub use super::progress::WaveProgress;
 pub use super::special::ResumeMismatch;
 
 /// How a run of waves ended.
-pub type End = legs::End<Wave>;
+pub type End = legs::RunEnd<Wave>;
 
 /// A branch being computed from a problem.
-pub struct Runner {
+pub struct WaveRunner {
     problem: Problem,
     continuation: Continuation,
     /// The model of the first wave.
@@ -49,11 +50,11 @@ pub struct Runner {
     family: Option<Family>,
     legs: Legs<Wave>,
     /// What is saved beside the state of the legs.
-    beside: Beside,
-    notes: Vec<Note>,
+    beside: WaveMemory,
+    notes: Vec<WaveNote>,
 }
 
-impl Runner {
+impl WaveRunner {
     /// Finds the first wave. `restart` is the wave that `start: Restart(…)` names.
     ///
     /// # Errors
@@ -62,11 +63,11 @@ impl Runner {
         problem: &Problem,
         continuation: &Continuation,
         restart: Option<&SavedWave>,
-    ) -> Result<Runner, RunError> {
-        Runner::begin_watched(problem, continuation, restart, &mut |_| {})
+    ) -> Result<WaveRunner, RunError> {
+        WaveRunner::begin_watched(problem, continuation, restart, &mut |_| {})
     }
 
-    /// [`Runner::begin`], with somebody told where the search for the first wave is.
+    /// [`WaveRunner::begin`], with somebody told where the search for the first wave is.
     ///
     /// # Errors
     /// The problem asks for what is not there, or there is no first wave.
@@ -75,7 +76,7 @@ impl Runner {
         continuation: &Continuation,
         restart: Option<&SavedWave>,
         observer: Observer,
-    ) -> Result<Runner, RunError> {
+    ) -> Result<WaveRunner, RunError> {
         let Begun {
             wave,
             point,
@@ -83,13 +84,13 @@ impl Runner {
             family,
             directions,
         } = begin(problem, continuation, restart, observer)?;
-        let beside = Beside::new(&wave, directions);
+        let beside = WaveMemory::new(&wave, directions);
         let plan = beside.plan(problem, continuation, model);
         let legs =
-            Legs::begin(wave, &point, plan).map_err(|reason| NoStart::Newton(reason.into()))?;
-        Ok(Runner {
+            Legs::begin(wave, &point, plan).map_err(|reason| NoFirstWave::Newton(reason.into()))?;
+        Ok(WaveRunner {
             family,
-            ..Runner::at(problem, continuation, model, legs, beside)
+            ..WaveRunner::at(problem, continuation, model, legs, beside)
         })
     }
 
@@ -101,14 +102,14 @@ impl Runner {
         problem: &Problem,
         continuation: &Continuation,
         saved: &SavedWave,
-        progress: Progress,
-    ) -> Result<Runner, ResumeMismatch> {
+        progress: WaveProgress,
+    ) -> Result<WaveRunner, ResumeMismatch> {
         let model = saved.model;
         let method = problem.method.unwrap_or(Method::cheapest(model.law));
         let wave = progress.wave(problem, continuation, model, method)?;
         let plan = progress.beside.plan(problem, continuation, model);
         let legs = Legs::resume(&wave, progress.legs, plan)?;
-        Ok(Runner::at(
+        Ok(WaveRunner::at(
             problem,
             continuation,
             model,
@@ -122,9 +123,9 @@ impl Runner {
         continuation: &Continuation,
         model: Model,
         legs: Legs<Wave>,
-        beside: Beside,
-    ) -> Runner {
-        Runner {
+        beside: WaveMemory,
+    ) -> WaveRunner {
+        WaveRunner {
             problem: problem.clone(),
             continuation: continuation.clone(),
             model,
@@ -136,8 +137,8 @@ impl Runner {
     }
 
     /// All that is needed to go on from here.
-    pub fn state(&self) -> Progress {
-        Progress {
+    pub fn state(&self) -> WaveProgress {
+        WaveProgress {
             legs: self.legs.progress().clone(),
             beside: self.beside.clone(),
         }
@@ -149,7 +150,7 @@ impl Runner {
     }
 
     /// The first points of a leg: the waves of a vertical family, the first wave.
-    fn first_step(&mut self, tracker: Option<&mut Tracker>) -> Vec<Item> {
+    fn first_step(&mut self, tracker: Option<&mut Tracker>) -> Vec<WaveItem> {
         let mut items = self.family();
         let mut found = self.legs.set_out();
         if !items.is_empty() {
@@ -171,11 +172,11 @@ impl Runner {
     /// Adds the points and the crossings of a step in order. Returns whether the run is to stop there.
     fn add(
         &mut self,
-        items: &mut Vec<Item>,
+        items: &mut Vec<WaveItem>,
         wave: &Arc<Wave>,
         found: Vec<Found>,
         tracked: Tracked,
-        mut growing: Option<Growing>,
+        mut growing: Option<GrowingEigenvalues>,
     ) -> bool {
         let Tracked {
             crossings,
@@ -199,7 +200,8 @@ impl Runner {
                 }
                 let item = self.crossing(wave, crossing);
                 if item.is_none() {
-                    self.notes.push(Note::CrossingLeftOut { parameter, value });
+                    self.notes
+                        .push(WaveNote::CrossingLeftOut { parameter, value });
                 }
                 let kind = item.as_ref().and_then(|item| item.point.kind);
                 items.extend(item);
@@ -207,32 +209,15 @@ impl Runner {
                     return true;
                 }
             }
-            match &mut found.special {
-                Some(Special::Change(change)) if found.entered.is_some() => {
-                    change.spectrum = remark.take();
-                }
-                special if special.is_none() || index == last => {
-                    let note = |remark| Note::Spectrum {
-                        parameter,
-                        value,
-                        remark,
-                    };
-                    self.notes.extend(remark.clone().map(note));
-                }
-                _ => {}
-            }
-            if let Some(what) = found.close {
-                self.notes.push(Note::Close {
-                    parameter,
-                    value,
-                    what,
-                });
-            }
+            self.note(&mut found, &mut remark, index == last);
             let kind = found.kind();
             let folds = matches!(found.special, Some(Special::Fold(_)));
             let spectrum = spectra.next().flatten();
             let mut item = self.item(found, spectrum.as_ref());
-            let here = spectrum.as_ref().map(Growing::new).filter(|_| !folds);
+            let here = spectrum
+                .as_ref()
+                .map(GrowingEigenvalues::new)
+                .filter(|_| !folds);
             if let (Some(before), Some(here)) = (&growing, &here) {
                 item.point.why.extend(before.unexplained(here, is_lost));
             }
@@ -245,8 +230,34 @@ impl Runner {
         false
     }
 
+    /// Notes what remains to be said of the spectrum, at a change of regime in its event, and what rounding decides at a point.
+    fn note(&mut self, found: &mut LocatedPoint<Wave>, remark: &mut Option<Remark>, is_last: bool) {
+        let (parameter, value) = (self.continuation.parameter, found.parameter);
+        match &mut found.special {
+            Some(Special::Change(change)) if found.entered.is_some() => {
+                change.spectrum = remark.take();
+            }
+            special if special.is_none() || is_last => {
+                let note = |remark| WaveNote::Spectrum {
+                    parameter,
+                    value,
+                    remark,
+                };
+                self.notes.extend(remark.clone().map(note));
+            }
+            _ => {}
+        }
+        if let Some(what) = found.close {
+            self.notes.push(WaveNote::Close {
+                parameter,
+                value,
+                what,
+            });
+        }
+    }
+
     /// Ends a leg that has as many points as it may, with a row that says so.
-    fn check_points(&mut self, items: &mut Vec<Item>) {
+    fn check_points(&mut self, items: &mut Vec<WaveItem>) {
         let Some((found, end)) = self.legs.at_most_points() else {
             return;
         };
@@ -256,7 +267,7 @@ impl Runner {
     }
 
     /// The waves at the Hopf point, from steady sliding to where a stick zone opens.
-    fn family(&mut self) -> Vec<Item> {
+    fn family(&mut self) -> Vec<WaveItem> {
         let Some(family) = self.family.take() else {
             return Vec::new();
         };
@@ -281,7 +292,7 @@ impl Runner {
             };
             let mut item = self.item(found, None);
             if self.with_stability() {
-                item.point.why = vec![Reason::Family];
+                item.point.why = vec![VerdictReason::Family];
             }
             items.push(item);
         }
@@ -289,7 +300,7 @@ impl Runner {
     }
 
     /// A crossing of the imaginary axis as a point of the branch.
-    fn crossing(&mut self, wave: &Arc<Wave>, (located, spectrum): Crossing) -> Option<Item> {
+    fn crossing(&mut self, wave: &Arc<Wave>, (located, spectrum): Crossing) -> Option<WaveItem> {
         let examination = examine(wave, &located.node.point).ok()?;
         let spectrum = spectrum.with_crossing(located.sector, located.omega);
         let found = Found {
@@ -304,7 +315,7 @@ impl Runner {
         Some(self.item(found, Some(&spectrum)))
     }
 
-    fn item(&mut self, found: Found, spectrum: Option<&Spectrum>) -> Item {
+    fn item(&mut self, found: Found, spectrum: Option<&Spectrum>) -> WaveItem {
         let model = self.model.with(found.orbit.parameter, found.parameter);
         let mut point = row(&found, &model);
         let numbers = self.legs.number(&found);
@@ -324,7 +335,7 @@ impl Runner {
         let unknowns = found.node.point;
         let saved = point.label;
         let saved = saved.map(|label| SavedWave::new(label, model, &found.orbit, &unknowns));
-        Item {
+        WaveItem {
             point,
             leg: numbers.leg,
             eigenvalues,
@@ -346,19 +357,23 @@ impl Runner {
         let on_axis = matches!(found.special, Some(Special::Own(OfWaves::Crossing { .. })));
         if on_axis && point.stable == Some(Stability::Yes) {
             point.stable = Some(Stability::Undecided);
-            point.why.push(Reason::OnAxis);
+            point.why.push(VerdictReason::OnAxis);
         }
         if self.beside.allowance == 0 && spectrum.is_none() {
-            for reason in point.why.iter_mut().filter(|one| **one == Reason::NoWindow) {
-                *reason = Reason::Spent;
+            for reason in point
+                .why
+                .iter_mut()
+                .filter(|one| **one == VerdictReason::NoWindow)
+            {
+                *reason = VerdictReason::Spent;
             }
         }
         let mut reasons = point.why.iter();
-        let incomplete = reasons.find(|reason| matches!(reason, Reason::Incomplete { .. }));
+        let incomplete = reasons.find(|reason| matches!(reason, VerdictReason::Incomplete { .. }));
         let mut notes = self.notes.iter();
-        let noted = notes.any(|note| matches!(note, Note::Incomplete { .. }));
+        let noted = notes.any(|note| matches!(note, WaveNote::Incomplete { .. }));
         if let (Some(reason), false) = (incomplete, noted) {
-            self.notes.push(Note::Incomplete {
+            self.notes.push(WaveNote::Incomplete {
                 point: point.point,
                 reason: reason.clone(),
             });
@@ -375,7 +390,7 @@ impl Runner {
             left => ALLOWANCE.min(left + PER_POINT),
         };
         if before > 0 && self.beside.allowance == 0 {
-            self.notes.push(Note::Spent {
+            self.notes.push(WaveNote::Spent {
                 points: self.progress().points,
                 allowance: ALLOWANCE,
             });
@@ -391,7 +406,7 @@ impl Runner {
         let known = conditioning(wave, node).ok()?;
         let tolerance = self.continuation.tolerance;
         if known.expected_error.is_nan() || known.expected_error > tolerance {
-            self.notes.push(Note::NotConverged {
+            self.notes.push(WaveNote::NotConverged {
                 point: self.progress().points,
                 parameter: self.continuation.parameter,
                 value: wave.parameter_at(&node.point),
@@ -403,7 +418,7 @@ impl Runner {
     }
 
     /// What could not be settled so far.
-    pub fn notes(&self) -> &[Note] {
+    pub fn notes(&self) -> &[WaveNote] {
         &self.notes
     }
 
@@ -418,15 +433,15 @@ impl Runner {
     }
 }
 
-impl Run for Runner {
+impl Run for WaveRunner {
     type Orbit = Wave;
-    type Item = Item;
+    type Item = WaveItem;
 
     fn progress(&self) -> &legs::Progress<Wave> {
         self.legs.progress()
     }
 
-    fn step(&mut self) -> Vec<Item> {
+    fn step(&mut self) -> Vec<WaveItem> {
         if self.progress().end.is_some() {
             return Vec::new();
         }
@@ -437,16 +452,19 @@ impl Run for Runner {
         if self.legs.at_beginning() {
             return self.first_step(tracker.as_mut());
         }
-        let Stretch {
+        let LegStep {
             orbit,
             node,
             found,
             end,
         } = self.legs.step();
         let mut tracked = Tracked::default();
-        let growing = tracker.as_ref().and_then(Tracker::last).map(Growing::new);
+        let growing = tracker
+            .as_ref()
+            .and_then(Tracker::last)
+            .map(GrowingEigenvalues::new);
         if let Some(tracker) = &mut tracker {
-            let passed: Vec<Passed> = found.iter().map(passed).collect();
+            let passed: Vec<PassedPoint> = found.iter().map(passed).collect();
             tracked = tracker.step(&orbit, &node, &passed);
             self.take_over(tracker);
         }
@@ -466,9 +484,9 @@ impl Run for Runner {
 }
 
 /// A point found, as far as the spectrum is concerned.
-fn passed(found: &Found) -> Passed<'_> {
+fn passed(found: &Found) -> PassedPoint<'_> {
     let entered = found.entered.as_ref();
-    Passed {
+    PassedPoint {
         s: found.s,
         wave: &found.orbit,
         node: &found.node,

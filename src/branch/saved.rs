@@ -6,7 +6,7 @@ use crate::linalg::Vector;
 use crate::tube::flow::Slide;
 use crate::tube::model::signature::Signature;
 use crate::tube::model::{Model, Parameter};
-use crate::tube::wave::{Scales, Wave};
+use crate::tube::wave::{Wave, WaveScales};
 
 /// A wave in physical numbers: what a restart needs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -81,7 +81,7 @@ impl SavedWave {
             .zones
             .iter()
             .fold(1.0_f64, |size, [_, w, _]| size.max(w.abs()));
-        let scales = Scales::new(&self.model, mode, self.excess, largest, width);
+        let scales = WaveScales::new(&self.model, mode, self.excess, largest, width);
         Wave::new(self.model, parameter, mode, self.signature.clone(), scales)
     }
 

@@ -1,10 +1,10 @@
 //! The slip-stick wave of a model under every friction law, as a boundary-value problem.
 
-use super::wanted::{NoStart, Wanted};
+use super::wanted::{NoFirstWave, WaveRequest};
 use crate::continuation::newton::{self, Fixed, System};
 use crate::linalg::Vector;
 use crate::tube::flow::{FlowError, Slide};
-use crate::tube::model::signature::{Entry, Regime, Signature, Zone};
+use crate::tube::model::signature::{Regime, Signature, WaveZone, ZoneEntry};
 use crate::tube::model::{FrictionLaw, Model, Parameter};
 use crate::tube::wave::Wave;
 use crate::tube::wave::start;
@@ -15,10 +15,10 @@ const LAW_STEPS: usize = 8;
 /// The slip-stick wave of a model as a boundary-value problem, admissible or not: in closed form
 /// under Coulomb's law, and from there in steps of the law.
 pub(super) fn slip_stick_wave(
-    wanted: &Wanted,
+    wanted: &WaveRequest,
     closed: &start::SlipStick,
-) -> Result<(Wave, Vector), NoStart> {
-    let Wanted {
+) -> Result<(Wave, Vector), NoFirstWave> {
+    let WaveRequest {
         ref model,
         parameter,
         ..
@@ -96,9 +96,9 @@ fn smoothed(sharp: &Wave, at: &Vector) -> Result<(Signature, Vec<Slide>), FlowEr
                 let entered = sharp.signature.zone(index);
                 signature.push(match entered.regime {
                     Regime::Separation => entered,
-                    _ => Zone {
+                    _ => WaveZone {
                         regime: Regime::Contact,
-                        entry: Entry::Landing,
+                        entry: ZoneEntry::Landing,
                     },
                 });
                 merged.push(zone);
@@ -114,7 +114,7 @@ pub(super) fn smooth_wave(
     at: &Vector,
     parameter: Parameter,
     epsilon: f64,
-) -> Result<(Wave, Vector), NoStart> {
+) -> Result<(Wave, Vector), NoFirstWave> {
     let (signature, first) = smoothed(sharp, at)?;
     let posed = |epsilon: f64| {
         let law = FrictionLaw::Regularised { epsilon };
@@ -149,7 +149,7 @@ pub(super) fn smooth_wave(
         // V̇ comes to rest at 1 in layers of this length
         let period: f64 = first.iter().map(|zone| zone.duration).sum();
         let pull = frame.friction * (frame.g * frame.mismatch + frame.kappa);
-        NoStart::Smoothing {
+        NoFirstWave::Smoothing {
             epsilon: reached,
             layer: frame.ma * reached / pull / period,
             reason: Box::new(error),
@@ -170,11 +170,15 @@ pub(super) fn smooth_wave(
 const SMOOTH_ITERATIONS: usize = 12;
 
 /// Newton's method at the parameter value of the guess.
-pub fn polish(wave: &Wave, guess: &Vector) -> Result<Vector, NoStart> {
+pub fn polish(wave: &Wave, guess: &Vector) -> Result<Vector, NoFirstWave> {
     polish_within(wave, guess, 40)
 }
 
-fn polish_within(wave: &Wave, guess: &Vector, most_iterations: usize) -> Result<Vector, NoStart> {
+fn polish_within(
+    wave: &Wave,
+    guess: &Vector,
+    most_iterations: usize,
+) -> Result<Vector, NoFirstWave> {
     let index = wave.unknowns() - 1;
     let mut fixed = Fixed {
         index,
@@ -188,5 +192,5 @@ fn polish_within(wave: &Wave, guess: &Vector, most_iterations: usize) -> Result<
     };
     newton::solve(wave, &mut fixed, guess, &settings)
         .map(|solution| solution.point)
-        .map_err(|failure| NoStart::Newton(failure.into()))
+        .map_err(|failure| NoFirstWave::Newton(failure.into()))
 }

@@ -3,15 +3,15 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::Reason;
+use super::VerdictReason;
 use super::conditioning::Conditioning;
-use crate::orbit::sign::Verdict;
+use crate::orbit::sign::SignVerdict;
 use crate::orbit::special as engine;
 use crate::tube::model::Parameter;
 use crate::tube::model::signature::Regime;
 use crate::tube::stability::track::Remark;
 use crate::tube::wave::Wave;
-use crate::tube::wave::admissibility::{Examination, Watch};
+use crate::tube::wave::admissibility::{WaveExamination, WaveWatch};
 
 /// What makes a wave special for reasons of the tube.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,7 +41,7 @@ pub struct WaveMargin {
     /// Regime of its zone.
     pub regime: Regime,
     /// What it measures.
-    pub watch: Watch,
+    pub watch: WaveWatch,
 }
 
 /// Why a branch of waves ends for reasons of the tube.
@@ -75,9 +75,9 @@ pub type Special = engine::Special<Wave>;
 /// A change of regime.
 pub type Change = engine::Change<Wave>;
 /// Why a wave refuses a step.
-pub type Refusal = engine::Refusal<Wave>;
+pub type Refusal = engine::OrbitRefusal<Wave>;
 /// Why a branch of waves ends for reasons of its own.
-pub type Stop = engine::Stop<Wave>;
+pub type Stop = engine::BranchStop<Wave>;
 /// A signature tried beyond an event and refused.
 pub type Tried = engine::Tried<Wave>;
 /// Why a branch cannot be followed from a wave.
@@ -91,17 +91,17 @@ pub type StepRefused = engine::StepRefused<Wave>;
 /// How the walk along a branch of waves ended.
 pub type Ending = engine::Ending<Wave>;
 /// Why a branch of waves ended before its range.
-pub type Failure = engine::Failure<Wave>;
+pub type Failure = engine::BranchFailure<Wave>;
 
 /// Why a point is not admissible.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, thiserror::Error)]
-pub enum Inadmissible {
+pub enum InadmissibleWave {
     /// A margin is negative.
     Margin {
         /// Regime of its zone.
         regime: Regime,
         /// What it measures.
-        watch: Watch,
+        watch: WaveWatch,
         /// Its value.
         value: f64,
     },
@@ -111,26 +111,26 @@ pub enum Inadmissible {
     WrongWay,
 }
 
-impl Inadmissible {
+impl InadmissibleWave {
     /// The worst of what an examination found.
-    pub fn of(wave: &Wave, examination: &Examination) -> Inadmissible {
+    pub fn of(wave: &Wave, examination: &WaveExamination) -> InadmissibleWave {
         let negative = examination.margins.iter();
         let negative = negative.filter(|margin| margin.jet.value <= 0.0);
         match negative.min_by(|one, other| one.jet.value.total_cmp(&other.jet.value)) {
-            Some(margin) => Inadmissible::Margin {
+            Some(margin) => InadmissibleWave::Margin {
                 regime: wave.signature.zone(margin.zone).regime,
                 watch: margin.watch,
                 value: margin.jet.value,
             },
-            None if examination.verdict == Verdict::Undecided => Inadmissible::Undecided,
-            None => Inadmissible::WrongWay,
+            None if examination.verdict == SignVerdict::Undecided => InadmissibleWave::Undecided,
+            None => InadmissibleWave::WrongWay,
         }
     }
 }
 
 /// What could not be settled in a run.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Note {
+pub enum WaveNote {
     /// A crossing before a point is left out: its wave cannot be examined.
     CrossingLeftOut {
         /// Parameter of the branch.
@@ -159,7 +159,7 @@ pub enum Note {
         /// Its number.
         point: usize,
         /// Why.
-        reason: Reason,
+        reason: VerdictReason,
     },
     /// What comes so close to zero at a point, or between it and the one before, that rounding decides.
     Close {
@@ -200,9 +200,9 @@ mod tests {
             duration: 0.1 + 0.2,
             reason: Unsolved::NotConverged,
         };
-        let inadmissible = Refusal::Inadmissible(Inadmissible::Margin {
+        let inadmissible = Refusal::Inadmissible(InadmissibleWave::Margin {
             regime: Regime::Slip,
-            watch: Watch::Pressure,
+            watch: WaveWatch::Pressure,
             value: -1.0e-300,
         });
         let tried = |reason| Tried {

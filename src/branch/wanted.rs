@@ -2,14 +2,14 @@
 
 use super::orbit::NotEntered;
 use super::special::ResumeMismatch;
-use super::special::{Ending, Inadmissible, NoFollower};
+use super::special::{Ending, InadmissibleWave, NoFollower};
 use crate::continuation::{arclength, newton};
 use crate::orbit::switch::NoBranch;
 use crate::tube::flow::FlowError;
 use crate::tube::model::{Model, Parameter};
 use crate::tube::wave::hopf::NoHopf;
 use crate::tube::wave::start::{NoWave, Which};
-use crate::tube::wave::{Scales, Wave};
+use crate::tube::wave::{Wave, WaveScales};
 
 /// Most steps of a search for a first wave. At the default step lengths a branch takes a hundred
 /// through its parameter and up to three hundred more through its changes of regime.
@@ -17,7 +17,7 @@ pub(super) const MOST_STEPS: usize = 5_000;
 
 /// Why there is no first wave.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum NoStart {
+pub enum NoFirstWave {
     /// No slip-stick wave exists.
     #[error("{0}")]
     NoWave(#[from] NoWave),
@@ -46,7 +46,7 @@ pub enum NoStart {
         /// Length of the layers in units of the period.
         layer: f64,
         /// How Newton's method ended.
-        reason: Box<NoStart>,
+        reason: Box<NoFirstWave>,
     },
     /// The slip-stick wave does not exist at this δ, and the branch from where it exists does
     /// not reach it.
@@ -67,19 +67,19 @@ pub enum NoStart {
     NoBranch(NoBranch<Wave>),
 }
 
-impl NoStart {
+impl NoFirstWave {
     /// Whether the search came to its end: the branch that leads to the model was followed until it turned
     /// back, or there is none. Otherwise it was cut short.
     pub fn came_to_an_end(&self) -> bool {
         match self {
-            NoStart::NoWave(_) => true,
-            NoStart::Damped { reason, .. } | NoStart::Unreached { reason, .. } => {
+            NoFirstWave::NoWave(_) => true,
+            NoFirstWave::Damped { reason, .. } | NoFirstWave::Unreached { reason, .. } => {
                 reason.came_to_an_end()
             }
-            NoStart::Flow(_)
-            | NoStart::Newton(_)
-            | NoStart::Smoothing { .. }
-            | NoStart::NoBranch(_) => false,
+            NoFirstWave::Flow(_)
+            | NoFirstWave::Newton(_)
+            | NoFirstWave::Smoothing { .. }
+            | NoFirstWave::NoBranch(_) => false,
         }
     }
 }
@@ -102,7 +102,7 @@ impl SearchFailure {
 pub enum SearchFailure {
     /// There is no wave to set out from.
     #[error("{0}")]
-    NoStart(Box<NoStart>),
+    NoStart(Box<NoFirstWave>),
     /// There is no Hopf point to set out from.
     #[error("{0}")]
     NoHopf(#[from] NoHopf),
@@ -114,7 +114,7 @@ pub enum SearchFailure {
     Newton(#[from] newton::Failure<FlowError>),
     /// The wave is not admissible.
     #[error("{0}")]
-    Inadmissible(#[from] Inadmissible),
+    Inadmissible(#[from] InadmissibleWave),
     /// The slip-stick branch is not entered from its Hopf point.
     #[error("{0}")]
     NotEntered(#[from] NotEntered),
@@ -170,15 +170,15 @@ pub enum SearchFailure {
     },
 }
 
-impl From<NoStart> for SearchFailure {
-    fn from(reason: NoStart) -> SearchFailure {
+impl From<NoFirstWave> for SearchFailure {
+    fn from(reason: NoFirstWave) -> SearchFailure {
         SearchFailure::NoStart(Box::new(reason))
     }
 }
 
 /// A first wave that is wanted.
 #[derive(Clone, Copy, Debug)]
-pub struct Wanted {
+pub struct WaveRequest {
     /// Its model.
     pub model: Model,
     /// The parameter in which it is posed.
@@ -191,10 +191,10 @@ pub struct Wanted {
     pub width: f64,
 }
 
-impl Wanted {
+impl WaveRequest {
     /// The same posed in another parameter.
-    pub(super) fn posed_in(&self, parameter: Parameter, width: f64) -> Wanted {
-        Wanted {
+    pub(super) fn posed_in(&self, parameter: Parameter, width: f64) -> WaveRequest {
+        WaveRequest {
             parameter,
             width,
             ..*self
@@ -202,7 +202,7 @@ impl Wanted {
     }
 
     /// Units of the wave when it has this excess speed and this largest |V̇|.
-    pub(super) fn scales(&self, excess: f64, largest_rate: f64) -> Scales {
-        Scales::new(&self.model, self.mode, excess, largest_rate, self.width)
+    pub(super) fn scales(&self, excess: f64, largest_rate: f64) -> WaveScales {
+        WaveScales::new(&self.model, self.mode, excess, largest_rate, self.width)
     }
 }

@@ -14,7 +14,7 @@
 //! is not positive over the piece grows from there. Where x_κ is the parameter there is no fold; otherwise the
 //! tangent says so, or next to a fold the curve: it is the only one in the tube.
 //!
-//! What solves equations along a curve is a [`Curve`]: waves ([`super::stretch`]) and orbits ([`super::orbit::arc`]).
+//! What solves equations along a curve is a [`ArcEquations`]: waves ([`super::stretch`]) and orbits ([`super::orbit::arc`]).
 //!
 //! Compare J.B. van den Berg, J.-P. Lessard, K. Mischaikow, Math. Comp. 79 (2010) 1565.
 
@@ -52,7 +52,7 @@ pub enum Broken<U, B> {
 }
 
 /// Equations with one unknown more than there are, and inequalities.
-pub trait Curve {
+pub trait ArcEquations {
     /// Which inequality is not proven.
     type Unproven;
     /// Why nothing is known of what begins beyond an event.
@@ -119,7 +119,7 @@ pub trait Curve {
 }
 
 /// Reasons of a kind of curves.
-pub type BrokenOf<C> = Broken<<C as Curve>::Unproven, <C as Curve>::Beyond>;
+pub type BrokenOf<C> = Broken<<C as ArcEquations>::Unproven, <C as ArcEquations>::Beyond>;
 
 const PIECES: usize = 1000;
 /// Pieces shorter than this share of the arc are not tried.
@@ -152,7 +152,7 @@ impl Joint {
 
 /// Which way an arc leaves its first end.
 #[derive(Clone, Copy)]
-pub enum Way {
+pub enum ArcDirection {
     /// Toward the last in the parameter.
     Parameter,
     /// From a fold, which does not say on which of its sides the last is; toward it in this unknown first, if there is one
@@ -163,12 +163,12 @@ pub enum Way {
 }
 
 /// A piece of the curve.
-struct Piece {
+struct ArcPiece {
     chord: Chord,
     radius: Vec<f64>,
 }
 
-impl Piece {
+impl ArcPiece {
     fn hull(&self) -> Vec<Interval> {
         self.chord.hull(&self.radius)
     }
@@ -231,18 +231,22 @@ pub fn direction<'a>(
 ///
 /// # Errors
 /// It is not proven.
-pub fn prove<C: Curve>(curve: &C, ends: [&Joint; 2], way: Way) -> Result<(), BrokenOf<C>> {
+pub fn prove<C: ArcEquations>(
+    curve: &C,
+    ends: [&Joint; 2],
+    way: ArcDirection,
+) -> Result<(), BrokenOf<C>> {
     match (follow(curve, ends, way, 1.0), way) {
-        (Err(_), Way::Fold(_)) => follow(curve, ends, way, -1.0),
+        (Err(_), ArcDirection::Fold(_)) => follow(curve, ends, way, -1.0),
         (followed, _) => followed,
     }
 }
 
 /// Follows an arc from its first end to its last; from a fold a `side` of −1 leaves the other way.
-fn follow<C: Curve>(
+fn follow<C: ArcEquations>(
     curve: &C,
     [first, last]: [&Joint; 2],
-    way: Way,
+    way: ArcDirection,
     side: f64,
 ) -> Result<(), BrokenOf<C>> {
     let parameter = curve.parameter();
@@ -265,9 +269,9 @@ fn follow<C: Curve>(
             .max_by(|a, b| moves(*a).total_cmp(&moves(*b)))
             .unwrap_or(parameter);
         let leaves = || match way {
-            Way::Parameter => tangent[parameter] * whole(parameter),
-            Way::Grows(index) => tangent[index],
-            Way::Fold(index) => {
+            ArcDirection::Parameter => tangent[parameter] * whole(parameter),
+            ArcDirection::Grows(index) => tangent[index],
+            ArcDirection::Fold(index) => {
                 let lead = index.unwrap_or(coordinate);
                 tangent[lead] * whole(lead) * side
             }
@@ -297,36 +301,48 @@ fn follow<C: Curve>(
                 }
             }
         }
-        let mut growth = 2.0;
-        loop {
-            let to = joint.near[coordinate] + direction * length;
-            let next_to = (count == 0).then_some(0);
-            let next = curve.joint(&joint, &tangent, coordinate, to);
-            let next = next.ok_or(Broken::Tube(value)).and_then(|next| {
-                piece(curve, [&joint, &next], coordinate, direction, next_to)?;
-                Ok(next)
-            });
-            match next {
-                Ok(next) => {
-                    joint = next;
-                    count += 1;
-                    longest = growth * length;
-                    break;
-                }
-                Err(reason) if length < shortest => return Err(blocked.unwrap_or(reason)),
-                Err(_) => {
-                    length *= 0.5;
-                    growth = 1.0;
-                }
-            }
-        }
+        let lengths = [length, shortest];
+        let step = (coordinate, direction);
+        let next = advanced(curve, &joint, &tangent, step, lengths, count == 0);
+        (joint, longest) = next.map_err(|reason| blocked.take().unwrap_or(reason))?;
+        count += 1;
         if count >= PIECES {
             return Err(blocked.unwrap_or(Broken::Tube(value)));
         }
     }
 }
 
-fn piece<C: Curve>(
+/// The joint a length further, or less where no piece to it is proven, and the longest step to be tried from there.
+fn advanced<C: ArcEquations>(
+    curve: &C,
+    joint: &Joint,
+    tangent: &[f64],
+    (coordinate, direction): (usize, f64),
+    [mut length, shortest]: [f64; 2],
+    is_first: bool,
+) -> Result<(Joint, f64), BrokenOf<C>> {
+    let value = joint.near[curve.parameter()];
+    let next_to = is_first.then_some(0);
+    let mut growth = 2.0;
+    loop {
+        let to = joint.near[coordinate] + direction * length;
+        let next = curve.joint(joint, tangent, coordinate, to);
+        let next = next.ok_or(Broken::Tube(value)).and_then(|next| {
+            piece(curve, [joint, &next], coordinate, direction, next_to)?;
+            Ok(next)
+        });
+        match next {
+            Ok(next) => return Ok((next, growth * length)),
+            Err(reason) if length < shortest => return Err(reason),
+            Err(_) => {
+                length *= 0.5;
+                growth = 1.0;
+            }
+        }
+    }
+}
+
+fn piece<C: ArcEquations>(
     curve: &C,
     [from, to]: [&Joint; 2],
     coordinate: usize,
@@ -342,7 +358,7 @@ fn piece<C: Curve>(
         .collect();
     let equations = |x: &[Interval]| curve.located(x, coordinate, chord.middle[coordinate]);
     let radius = krawczyk::tube(&equations, &chord, &narrowest).ok_or(Broken::Tube(value))?;
-    let piece = Piece { chord, radius };
+    let piece = ArcPiece { chord, radius };
     if !(piece.has(&from.at) && piece.has(&to.at)) {
         return Err(Broken::Tube(value));
     }

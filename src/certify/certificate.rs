@@ -5,11 +5,11 @@ use std::fmt::Display;
 use serde::{Deserialize, Serialize};
 
 use super::arc::Broken;
-use super::change::Beyond;
-use super::count::Growth;
-use super::open::Open;
-use super::perturbation::Eigenvalue;
-use super::system::{Condition, Near, Posed};
+use super::change::WaveBeyond;
+use super::count::GrowthCount;
+use super::open::OpenPoint;
+use super::perturbation::ProvenEigenvalue;
+use super::system::{NearWave, PosedWave, WaveCondition};
 use crate::affine::system::System;
 use crate::interval::Interval;
 use crate::orbit::{Data, EventType};
@@ -30,7 +30,7 @@ pub trait Provable: Data {
     fn arc(from: &Self, to: &Self) -> Result<(), Broken<Self::Unproven, Self::Beyond>>;
 
     /// What a point says of the number of multipliers or eigenvalues that grow.
-    fn tally(point: &Point<Self>) -> Tally;
+    fn tally(point: &CertifiedPoint<Self>) -> GrowthTally;
 
     /// Whether the event of another proof may be the same one. A value of the parameter is none: several may be one orbit, for a
     /// closed branch ends where it began.
@@ -47,7 +47,7 @@ pub trait Provable: Data {
 
 /// What a point says of the number of multipliers or eigenvalues that grow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Tally {
+pub enum GrowthTally {
     /// So many grow there. Others are on the circle or the axis, and grow on one of its sides.
     Known {
         /// They are outside the circle, or right of the axis.
@@ -64,21 +64,21 @@ pub enum Tally {
 /// All that was proven of a branch, and what proves it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, bound = "")]
-pub struct Certificate<P: Provable = Proof> {
+pub struct Certificate<P: Provable = WaveProof> {
     /// Version of the program.
     pub version: String,
     /// The user's system that all points are of.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub system: Option<System>,
     /// The special points in their order.
-    pub points: Vec<Point<P>>,
+    pub points: Vec<CertifiedPoint<P>>,
 }
 
 impl<P: Provable> Certificate<P> {
     /// The certificate of a branch.
-    pub fn new(mut points: Vec<Point<P>>) -> Certificate<P> {
+    pub fn new(mut points: Vec<CertifiedPoint<P>>) -> Certificate<P> {
         let mut system = None;
-        for proof in points.iter_mut().filter_map(Point::proof_mut) {
+        for proof in points.iter_mut().filter_map(CertifiedPoint::proof_mut) {
             system = proof.take_system().or(system);
         }
         Certificate {
@@ -92,7 +92,7 @@ impl<P: Provable> Certificate<P> {
     #[cfg(feature = "cli")]
     pub(crate) fn spread(mut self) -> Certificate<P> {
         if let Some(system) = &self.system {
-            let proofs = self.points.iter_mut().filter_map(Point::proof_mut);
+            let proofs = self.points.iter_mut().filter_map(CertifiedPoint::proof_mut);
             proofs.for_each(|proof| proof.give_system(system));
         }
         self
@@ -101,8 +101,8 @@ impl<P: Provable> Certificate<P> {
 
 /// Labels of events that an earlier one of a certificate is already: of the same type, at the same orbit, whatever zone that begins
 /// with and from whatever side it is seen.
-pub fn repeated<P: Provable>(points: &[Point<P>]) -> Vec<usize> {
-    let is_one = |one: &Point<P>, other: &Point<P>| {
+pub fn repeated<P: Provable>(points: &[CertifiedPoint<P>]) -> Vec<usize> {
+    let is_one = |one: &CertifiedPoint<P>, other: &CertifiedPoint<P>| {
         let proofs = one.proof().zip(other.proof());
         one.kind == other.kind && proofs.is_some_and(|(a, b)| a.is_event_of(b))
     };
@@ -135,7 +135,7 @@ pub(super) fn begin_alike(one: &[Vec<f64>], other: &[Vec<f64>]) -> bool {
 /// A special point of a branch.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, bound = "")]
-pub struct Point<P: Provable = Proof> {
+pub struct CertifiedPoint<P: Provable = WaveProof> {
     /// Label of the event.
     pub label: usize,
     /// Its type.
@@ -146,11 +146,11 @@ pub struct Point<P: Provable = Proof> {
     #[serde(default)]
     pub leg: usize,
     /// What was found.
-    pub outcome: Outcome<P>,
+    pub outcome: ProofOutcome<P>,
     /// Whether the branch from the point before has no other special point but where multipliers or eigenvalues cross,
     /// where that was asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub arc: Option<Stretch>,
+    pub arc: Option<ArcOutcome>,
     /// How many eigenvalues grow, where that was asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub growth: Option<Counted>,
@@ -158,43 +158,43 @@ pub struct Point<P: Provable = Proof> {
 
 /// Whether there is no further special point between two.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Stretch {
+pub enum ArcOutcome {
     /// It is proven.
     Proven,
     /// It is not, for this reason.
     Open(String),
 }
 
-impl<P: Provable> Point<P> {
+impl<P: Provable> CertifiedPoint<P> {
     /// Whether it is proven.
     pub fn is_proven(&self) -> bool {
-        matches!(self.outcome, Outcome::Proven(_))
+        matches!(self.outcome, ProofOutcome::Proven(_))
     }
 
     pub(crate) fn proof(&self) -> Option<&P> {
         match &self.outcome {
-            Outcome::Proven(proof) => Some(proof),
-            Outcome::Open(_) => None,
+            ProofOutcome::Proven(proof) => Some(proof),
+            ProofOutcome::Open(_) => None,
         }
     }
 
     fn proof_mut(&mut self) -> Option<&mut P> {
         match &mut self.outcome {
-            Outcome::Proven(proof) => Some(proof),
-            Outcome::Open(_) => None,
+            ProofOutcome::Proven(proof) => Some(proof),
+            ProofOutcome::Open(_) => None,
         }
     }
 
     /// Proves that on the branch from an earlier point to this there is no other but where multipliers or eigenvalues
     /// cross; `None` if the branch does not lead from there to here.
-    pub fn stretch(&self, before: &Point<P>) -> Option<Stretch> {
+    pub fn stretch(&self, before: &CertifiedPoint<P>) -> Option<ArcOutcome> {
         if self.leg != before.leg {
             return None;
         }
         let ends = before.proof().zip(self.proof()).ok_or(Broken::End);
         Some(match ends.and_then(|(from, to)| P::arc(from, to)) {
-            Ok(()) => Stretch::Proven,
-            Err(reason) => Stretch::Open(reason.to_string()),
+            Ok(()) => ArcOutcome::Proven,
+            Err(reason) => ArcOutcome::Open(reason.to_string()),
         })
     }
 }
@@ -203,7 +203,7 @@ impl<P: Provable> Point<P> {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Counted {
     /// They are.
-    Proven(Growth),
+    Proven(GrowthCount),
     /// They are not, for this reason.
     Open(String),
 }
@@ -211,18 +211,18 @@ pub enum Counted {
 /// Whether a point is proven.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(bound = "")]
-pub enum Outcome<P: Provable = Proof> {
+pub enum ProofOutcome<P: Provable = WaveProof> {
     /// It is.
     Proven(Box<P>),
     /// It is not, for this reason.
     Open(String),
 }
 
-impl<P: Provable, O: Display> From<Result<P, O>> for Outcome<P> {
-    fn from(proven: Result<P, O>) -> Outcome<P> {
+impl<P: Provable, O: Display> From<Result<P, O>> for ProofOutcome<P> {
+    fn from(proven: Result<P, O>) -> ProofOutcome<P> {
         match proven {
-            Ok(proof) => Outcome::Proven(Box::new(proof)),
-            Err(reason) => Outcome::Open(reason.to_string()),
+            Ok(proof) => ProofOutcome::Proven(Box::new(proof)),
+            Err(reason) => ProofOutcome::Open(reason.to_string()),
         }
     }
 }
@@ -230,23 +230,23 @@ impl<P: Provable, O: Display> From<Result<P, O>> for Outcome<P> {
 /// A statement, and what it takes to check it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Proof {
+pub struct WaveProof {
     /// The model and its equations.
-    pub posed: Posed,
+    pub posed: PosedWave,
     /// What singles out the point.
-    pub condition: Condition,
+    pub condition: WaveCondition,
     /// The wave beyond a change of regime, as the continuation has entered it.
-    pub beyond: Option<Beyond>,
+    pub beyond: Option<WaveBeyond>,
     /// The wave in doubles.
-    pub near: Near,
+    pub near: NearWave,
     /// What is proven.
-    pub statement: Statement,
+    pub statement: WaveStatement,
     /// Eigenvalues: at values of the parameter, the one of every Bloch sector that was found to lead.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub eigenvalues: Vec<Eigenvalue>,
+    pub eigenvalues: Vec<ProvenEigenvalue>,
 }
 
-impl Proof {
+impl WaveProof {
     /// Whether the wave is unstable.
     pub fn is_unstable(&self) -> bool {
         let mut eigenvalues = self.eigenvalues.iter();
@@ -257,7 +257,7 @@ impl Proof {
 /// What is proven of a point.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Statement {
+pub struct WaveStatement {
     /// The continuation parameter lies in here.
     pub parameter: Interval,
     /// The speed c.
@@ -274,15 +274,15 @@ pub struct Statement {
     pub inequalities: usize,
 }
 
-impl From<Open> for Refused {
-    fn from(reason: Open) -> Refused {
-        Refused::NoProof(reason.to_string())
+impl From<OpenPoint> for RefusedProof {
+    fn from(reason: OpenPoint) -> RefusedProof {
+        RefusedProof::NoProof(reason.to_string())
     }
 }
 
 /// Why a stored proof does not hold.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum Refused {
+pub enum RefusedProof {
     /// The proof fails, for this reason.
     #[error("it is no proof: {0}")]
     NoProof(String),

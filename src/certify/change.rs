@@ -17,60 +17,64 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::inequality::{self, Part};
-use super::system::{Condition, Near, System, TIME};
-use super::{Open, Posed, enclosed, krawczyk, system};
+use super::inequality::{self, ProvenPart};
+use super::system::{NearWave, TIME, WaveCondition, WaveSystem};
+use super::{OpenPoint, PosedWave, enclosed, krawczyk, system};
 use crate::branch::special::Change;
 use crate::interval::Interval;
 use crate::linalg::Vector;
 use crate::tube::model::Impact;
-use crate::tube::model::signature::{Entry, Regime, Signature};
+use crate::tube::model::signature::{Regime, Signature, ZoneEntry};
 use crate::tube::wave::Wave;
-use crate::tube::wave::admissibility::{Margin, Watch, examine};
+use crate::tube::wave::admissibility::{RegimeMargin, WaveWatch, examine};
 use crate::tube::wave::successor::candidates;
 
 /// The wave of an event in the signature beyond it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Beyond {
+pub struct WaveBeyond {
     /// What vanishes there in this signature.
-    pub condition: Condition,
+    pub condition: WaveCondition,
     /// The wave in doubles.
-    pub near: Near,
+    pub near: NearWave,
 }
 
-impl Beyond {
+impl WaveBeyond {
     /// The wave beyond a change of regime as the continuation has entered it.
-    pub(super) fn new(wave: &Wave, point: &Vector, change: &Change) -> Option<Beyond> {
+    pub(super) fn new(wave: &Wave, point: &Vector, change: &Change) -> Option<WaveBeyond> {
         let after = change.after.as_ref()?;
         let mut list = candidates(wave, point, &change.margin).ok()?.into_iter();
         let candidate = list.find(|candidate| candidate.orbit.signature == *after)?;
         let condition = match candidate.nascent.first() {
-            Some(zone) => Condition::Margin {
-                watch: Watch::Duration,
+            Some(zone) => WaveCondition::Margin {
+                watch: WaveWatch::Duration,
                 zone: *zone,
                 time: 0.0,
             },
             None => {
                 let margins = examine(&candidate.orbit, &candidate.point).ok()?.margins;
-                let size = |margin: &Margin| margin.jet.value.abs();
+                let size = |margin: &RegimeMargin| margin.jet.value.abs();
                 // a flight that lands at P = 0 may land without speed, too
-                let grazes = matches!(change.margin.watch, Watch::Gap | Watch::LandingSpeed);
-                let named = |margin: &Margin| grazes || margin.watch != Watch::LandingSpeed;
+                let grazes = matches!(
+                    change.margin.watch,
+                    WaveWatch::Gap | WaveWatch::LandingSpeed
+                );
+                let named =
+                    |margin: &RegimeMargin| grazes || margin.watch != WaveWatch::LandingSpeed;
                 let least = margins.into_iter().filter(named);
                 least.min_by(|a, b| size(a).total_cmp(&size(b)))?.into()
             }
         };
-        Some(Beyond {
+        Some(WaveBeyond {
             condition,
-            near: Near::new(&candidate.orbit, &candidate.point),
+            near: NearWave::new(&candidate.orbit, &candidate.point),
         })
     }
 }
 
 /// What holds at the instant of an event besides the equations of the flows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Law {
+enum EventLaw {
     /// W = 1.
     Sticking,
     /// Q = fP.
@@ -87,10 +91,15 @@ enum Law {
     Grazing,
 }
 
-use Law::{Grazing, Landed, Level, Lifted, Lower, Sticking, Upper};
+use EventLaw::{Grazing, Landed, Level, Lifted, Lower, Sticking, Upper};
 
 /// What holds at the instant of an event, in order; `None` where that is not covered.
-fn laws(posed: &Posed, signature: &Signature, watch: Watch, index: usize) -> Option<[Law; 2]> {
+fn laws(
+    posed: &PosedWave,
+    signature: &Signature,
+    watch: WaveWatch,
+    index: usize,
+) -> Option<[EventLaw; 2]> {
     let zone = signature.zone(index);
     let next = signature.zone(index + 1).entry;
     let force = match zone.regime {
@@ -98,32 +107,38 @@ fn laws(posed: &Posed, signature: &Signature, watch: Watch, index: usize) -> Opt
         _ => Upper,
     };
     let laws = match (watch, zone.regime, zone.entry) {
-        (Watch::Duration, Regime::Stick, Entry::Arrest | Entry::ArrestedLanding) => {
+        (WaveWatch::Duration, Regime::Stick, ZoneEntry::Arrest | ZoneEntry::ArrestedLanding) => {
             [Sticking, Upper]
         }
-        (Watch::Duration, Regime::Slip | Regime::Reverse, Entry::Landing) => match next {
-            Entry::TakeOff => [Lifted, Landed],
+        (WaveWatch::Duration, Regime::Slip | Regime::Reverse, ZoneEntry::Landing) => match next {
+            ZoneEntry::TakeOff => [Lifted, Landed],
             _ => [Sticking, Landed],
         },
-        (Watch::Duration, Regime::Slip | Regime::Reverse, Entry::Reversal)
-            if next != Entry::TakeOff =>
+        (WaveWatch::Duration, Regime::Slip | Regime::Reverse, ZoneEntry::Reversal)
+            if next != ZoneEntry::TakeOff =>
         {
             [Sticking, force]
         }
-        (Watch::Duration, Regime::Reverse, Entry::ArrestedLanding) if next == Entry::Arrest => {
+        (WaveWatch::Duration, Regime::Reverse, ZoneEntry::ArrestedLanding)
+            if next == ZoneEntry::Arrest =>
+        {
             [Sticking, Lower]
         }
-        (Watch::Duration, Regime::Separation, Entry::TakeOff) if next == Entry::Landing => {
+        (WaveWatch::Duration, Regime::Separation, ZoneEntry::TakeOff)
+            if next == ZoneEntry::Landing =>
+        {
             [Lifted, Level]
         }
-        (Watch::Duration, Regime::Separation, Entry::Touch) => [Lifted, Landed],
-        (Watch::LandingRate, ..) => [Sticking, Landed],
-        (Watch::LandingPressure | Watch::Tension, ..) => [Lifted, Landed],
-        (Watch::LowerForce, _, Entry::Arrest | Entry::ArrestedLanding) => [Sticking, Lower],
-        (Watch::UpperForce, ..) => [Sticking, Upper],
-        (Watch::LandingSpeed | Watch::Gap, ..) => [Landed, Grazing],
-        (Watch::Pressure, ..) => [Lifted, Level],
-        (Watch::Rate, ..) => [Sticking, force],
+        (WaveWatch::Duration, Regime::Separation, ZoneEntry::Touch) => [Lifted, Landed],
+        (WaveWatch::LandingRate, ..) => [Sticking, Landed],
+        (WaveWatch::LandingPressure | WaveWatch::Tension, ..) => [Lifted, Landed],
+        (WaveWatch::LowerForce, _, ZoneEntry::Arrest | ZoneEntry::ArrestedLanding) => {
+            [Sticking, Lower]
+        }
+        (WaveWatch::UpperForce, ..) => [Sticking, Upper],
+        (WaveWatch::LandingSpeed | WaveWatch::Gap, ..) => [Landed, Grazing],
+        (WaveWatch::Pressure, ..) => [Lifted, Level],
+        (WaveWatch::Rate, ..) => [Sticking, force],
         _ => return None,
     };
     // static friction holds more than kinetic friction does; an impact changes W where something lands; with
@@ -137,7 +152,7 @@ fn laws(posed: &Posed, signature: &Signature, watch: Watch, index: usize) -> Opt
 
 /// A zone, or one of the two parts into which an event inside it cuts it.
 #[derive(Clone, Copy)]
-struct Stretch {
+struct CutZone {
     zone: usize,
     /// Time after the entry of the zone at which it begins.
     from: Interval,
@@ -145,27 +160,27 @@ struct Stretch {
 }
 
 /// The zones that have a length, from the instant of an event to its return; of waves without an event all.
-fn stretches(system: &System, x: &[Interval]) -> Vec<Stretch> {
+fn stretches(system: &WaveSystem, x: &[Interval]) -> Vec<CutZone> {
     let zones = system.near.zones.len();
-    let whole = |zone: usize| Stretch {
+    let whole = |zone: usize| CutZone {
         zone: zone % zones,
         from: Interval::ZERO,
         time: x[system.duration(zone % zones)],
     };
-    let Condition::Margin { watch, zone, .. } = &system.condition else {
+    let WaveCondition::Margin { watch, zone, .. } = &system.condition else {
         return (0..zones).map(whole).collect();
     };
     if let Some((zone, step, place)) = system.minimum(x) {
-        let Stretch { time, .. } = whole(zone);
+        let CutZone { time, .. } = whole(zone);
         let at = time * Interval::point(step as f64) / Interval::point(system.steps(zone) as f64)
             + place;
         let (first, last) = (
-            Stretch {
+            CutZone {
                 zone,
                 from: at,
                 time: time - at,
             },
-            Stretch {
+            CutZone {
                 zone,
                 from: Interval::ZERO,
                 time: at,
@@ -178,8 +193,8 @@ fn stretches(system: &System, x: &[Interval]) -> Vec<Stretch> {
             .collect();
     }
     let (from, to) = match watch {
-        Watch::Duration => (zone + 1, zone + zones),
-        Watch::UpperForce | Watch::LandingSpeed => (zone + 1, zone + 1 + zones),
+        WaveWatch::Duration => (zone + 1, zone + zones),
+        WaveWatch::UpperForce | WaveWatch::LandingSpeed => (zone + 1, zone + 1 + zones),
         _ => (*zone, zone + zones),
     };
     (from..to).map(whole).collect()
@@ -187,12 +202,12 @@ fn stretches(system: &System, x: &[Interval]) -> Vec<Stretch> {
 
 /// The state at a time after the beginning of a stretch.
 fn state_at(
-    system: &System,
+    system: &WaveSystem,
     x: &[Interval],
-    stretch: Stretch,
+    stretch: CutZone,
     time: Interval,
 ) -> Option<[Interval; 4]> {
-    let Stretch { zone, from, .. } = stretch;
+    let CutZone { zone, from, .. } = stretch;
     let frame = system.frame_at(x)?;
     let (_, step) = system.step_at(x, zone, 0);
     let time = from + time;
@@ -206,14 +221,14 @@ fn state_at(
 
 /// A wave enclosed by one system in the unknowns of another with the same stretches; `None` if they are not.
 pub(super) fn carried(
-    from: &System,
+    from: &WaveSystem,
     x: &[Interval],
-    to: &System,
+    to: &WaveSystem,
     middle: &[f64],
 ) -> Option<Vec<Interval>> {
     let points: Vec<Interval> = middle.iter().copied().map(Interval::point).collect();
     let (sources, targets) = (stretches(from, x), stretches(to, &points));
-    let alike = |(index, (one, other)): (usize, (&Stretch, &Stretch))| {
+    let alike = |(index, (one, other)): (usize, (&CutZone, &CutZone))| {
         let one = from.near.signature.zone(one.zone);
         let other = to.near.signature.zone(other.zone);
         one.regime == other.regime && (index == 0 || one.entry == other.entry)
@@ -233,7 +248,7 @@ pub(super) fn carried(
         let duration = to.duration(zone);
         // of a zone that is cut the last stretch comes first
         let own = targets.iter().zip(&sources).rev();
-        let own: Vec<Stretch> = own
+        let own: Vec<CutZone> = own
             .filter(|(target, _)| target.zone == zone)
             .map(|(_, source)| *source)
             .collect();
@@ -267,13 +282,13 @@ pub(super) fn carried(
 
 /// Why the wave beyond an event is not proven.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum NotBeyond {
+pub enum WaveNotBeyond {
     /// What holds at the instant is not covered.
     #[error("not covered: how the zones of this event open or close")]
     Laws,
     /// It is not proven, or an inequality is not.
     #[error(transparent)]
-    Open(#[from] Open),
+    Open(#[from] OpenPoint),
     #[error("undecided: the wave beyond may be another")]
     Another,
     /// The certificate of the event has none beyond it.
@@ -283,39 +298,40 @@ pub enum NotBeyond {
 
 /// Proves that the wave of an event is a wave of the signature beyond it.
 pub(super) fn prove(
-    posed: &Posed,
-    near: &Near,
-    condition: &Condition,
-    beyond: &Beyond,
-) -> Result<(), NotBeyond> {
-    let instant = |near: &Near, condition: &Condition| match condition {
-        Condition::Margin { watch, zone, .. } if *zone < near.signature.len() => {
+    posed: &PosedWave,
+    near: &NearWave,
+    condition: &WaveCondition,
+    beyond: &WaveBeyond,
+) -> Result<(), WaveNotBeyond> {
+    let instant = |near: &NearWave, condition: &WaveCondition| match condition {
+        WaveCondition::Margin { watch, zone, .. } if *zone < near.signature.len() => {
             laws(posed, &near.signature, *watch, *zone)
         }
         _ => None,
     };
     let both = instant(near, condition).zip(instant(&beyond.near, &beyond.condition));
     if both.is_none_or(|(one, other)| one != other) {
-        return Err(NotBeyond::Laws);
+        return Err(WaveNotBeyond::Laws);
     }
     let (event, middle) = system(posed, near, condition)?;
     let (other, guess) = system(posed, &beyond.near, &beyond.condition)?;
-    let zero = enclosed(posed, &other, &guess).ok_or(Open::NotIsolated)?;
-    inequality::prove(&other, &beyond.condition, Part::All, &zero).map_err(Open::from)?;
-    let carried = carried(&other, &zero, &event, &middle).ok_or(NotBeyond::Laws)?;
+    let zero = enclosed(posed, &other, &guess).ok_or(OpenPoint::NotIsolated)?;
+    inequality::prove(&other, &beyond.condition, ProvenPart::All, &zero)
+        .map_err(OpenPoint::from)?;
+    let carried = carried(&other, &zero, &event, &middle).ok_or(WaveNotBeyond::Laws)?;
     if is_same(posed, &event, &middle, &carried) {
         Ok(())
     } else {
-        Err(NotBeyond::Another)
+        Err(WaveNotBeyond::Another)
     }
 }
 
 /// Whether two systems that cut the zones of a wave otherwise have the same wave by the value of its parameter.
-pub(super) fn is_cut_anew(posed: &Posed, near: &Near, cuts: [&System; 2]) -> bool {
+pub(super) fn is_cut_anew(posed: &PosedWave, near: &NearWave, cuts: [&WaveSystem; 2]) -> bool {
     let [one, other] = cuts.map(|cut| {
         let zones = 0..near.zones.len();
         let steps: Vec<usize> = zones.map(|zone| cut.steps(zone)).collect();
-        System::cut(posed, near, &near.value(), Some(&steps))
+        WaveSystem::cut(posed, near, &near.value(), Some(&steps))
     });
     let Some(((one, guess), (other, middle))) = one.zip(other) else {
         return false;
@@ -326,7 +342,7 @@ pub(super) fn is_cut_anew(posed: &Posed, near: &Near, cuts: [&System; 2]) -> boo
 }
 
 /// Whether a wave that solves the equations of a system is the one that they have next to `middle`.
-fn is_same(posed: &Posed, system: &System, middle: &[f64], wave: &[Interval]) -> bool {
+fn is_same(posed: &PosedWave, system: &WaveSystem, middle: &[f64], wave: &[Interval]) -> bool {
     let Some(zero) = enclosed(posed, system, middle) else {
         return false;
     };
@@ -338,9 +354,9 @@ fn is_same(posed: &Posed, system: &System, middle: &[f64], wave: &[Interval]) ->
 /// Whether at an event a zone closes where the zones on both sides of it touch a limit and turn back: W = 1 and
 /// Ẇ = 0 in slip, or P = 0 and Ẇ = 0. To first order the zone takes its length from its neighbours and changes
 /// nothing else, so that parameter and speed are stationary in it.
-pub(super) fn is_touch(posed: &Posed, near: &Near, condition: &Condition) -> bool {
-    let Condition::Margin {
-        watch: Watch::Duration,
+pub(super) fn is_touch(posed: &PosedWave, near: &NearWave, condition: &WaveCondition) -> bool {
+    let WaveCondition::Margin {
+        watch: WaveWatch::Duration,
         zone,
         ..
     } = condition
@@ -349,7 +365,7 @@ pub(super) fn is_touch(posed: &Posed, near: &Near, condition: &Condition) -> boo
     };
     let regime = |zone: usize| near.signature.zone(zone).regime;
     let before = regime(zone + near.signature.len() - 1);
-    let touched = match laws(posed, &near.signature, Watch::Duration, *zone) {
+    let touched = match laws(posed, &near.signature, WaveWatch::Duration, *zone) {
         Some([Sticking, Upper]) => regime(*zone) == Regime::Stick && before == Regime::Slip,
         Some([Lifted, Level]) => true,
         _ => false,

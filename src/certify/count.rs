@@ -19,14 +19,14 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::frame::Frame;
-use super::perturbation::Eigenvalue;
+use super::frame::IntervalFrame;
+use super::perturbation::ProvenEigenvalue;
 use super::propagator::{
-    Complex, ETA, ETA_RATE, Linear, Perturbation, combined, dimension, nothing, unit,
+    Complex, ETA, ETA_RATE, Perturbation, PerturbationEquations, combined, dimension, nothing, unit,
 };
-use super::system::{Condition, System};
+use super::system::{WaveCondition, WaveSystem};
 use crate::interval::{Interval, Number, PI, TaylorModel};
-use crate::tube::model::signature::{Entry, Regime};
+use crate::tube::model::signature::{Regime, ZoneEntry};
 
 type C64 = nalgebra::Complex<f64>;
 type Model = Complex<TaylorModel>;
@@ -34,7 +34,7 @@ type Model = Complex<TaylorModel>;
 /// Growing eigenvalues of a wave.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Growth {
+pub struct GrowthCount {
     /// Largest |Im λ| that counts.
     pub window: f64,
     /// Mode k.
@@ -45,7 +45,7 @@ pub struct Growth {
     /// Enclosed eigenvalues that lead their sector.
     pub leading: Vec<Leading>,
     /// What follows for the wave.
-    pub verdict: Verdict,
+    pub verdict: ProvenVerdict,
 }
 
 /// An enclosed eigenvalue that leads its sector in the window.
@@ -61,7 +61,7 @@ pub struct Leading {
 /// Stability, as far as it is proven.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub enum Verdict {
+pub enum ProvenVerdict {
     /// On the full circle: no eigenvalue but λ = 0 of translation has Re λ ≥ 0.
     Stable {
         /// None has |λ| of at least this; below they are counted.
@@ -75,7 +75,7 @@ pub enum Verdict {
     HighFrequency,
 }
 
-impl Growth {
+impl GrowthCount {
     /// Number on the full circle.
     pub fn on_circle(&self) -> usize {
         let counts = self.counts.iter().enumerate();
@@ -117,7 +117,7 @@ pub enum Uncounted {
 
 /// A part of the path of F on a contour: a half-plane in which it lies, by its normal, and about its ends.
 #[derive(Clone, Copy, Debug)]
-struct Side {
+struct ContourSide {
     normal: C64,
     from: C64,
     to: C64,
@@ -158,7 +158,7 @@ fn crossing(from: C64, to: C64) -> Option<i32> {
 }
 
 /// Turns of a closed path round 0.
-fn turns(path: &[Side]) -> Option<i32> {
+fn turns(path: &[ContourSide]) -> Option<i32> {
     if path.is_empty() {
         return None;
     }
@@ -176,8 +176,8 @@ fn turns(path: &[Side]) -> Option<i32> {
 }
 
 /// A path, and back over the conjugates of λ, where F is the conjugate of `partner`.
-fn mirrored(path: &[Side], partner: &[Side]) -> Vec<Side> {
-    let back = partner.iter().rev().map(|side| Side {
+fn mirrored(path: &[ContourSide], partner: &[ContourSide]) -> Vec<ContourSide> {
+    let back = partner.iter().rev().map(|side| ContourSide {
         normal: side.normal.conj(),
         from: side.to.conj(),
         to: side.from.conj(),
@@ -186,7 +186,7 @@ fn mirrored(path: &[Side], partner: &[Side]) -> Vec<Side> {
 }
 
 /// Covers the path of F for t in a range; false where it comes too near 0.
-fn cover(f: &Model, [from, to]: [f64; 2], bisections: usize, path: &mut Vec<Side>) -> bool {
+fn cover(f: &Model, [from, to]: [f64; 2], bisections: usize, path: &mut Vec<ContourSide>) -> bool {
     let at = |t: f64| {
         let [[re, re_by], [im, im_by]] = [f.re.at(t), f.im.at(t)];
         (C64::new(re, im), C64::new(re_by, im_by))
@@ -199,7 +199,7 @@ fn cover(f: &Model, [from, to]: [f64; 2], bisections: usize, path: &mut Vec<Side
     let least = size - along(normal, slope).abs() / size * half - bent;
     if least > ROOM * size {
         let [(from, _), (to, _)] = [at(from), at(to)];
-        path.push(Side { normal, from, to });
+        path.push(ContourSide { normal, from, to });
         return true;
     }
     bisections > 0
@@ -209,10 +209,10 @@ fn cover(f: &Model, [from, to]: [f64; 2], bisections: usize, path: &mut Vec<Side
 }
 
 /// The characteristic function of a wave that is known to intervals.
-struct Characteristic<'a> {
-    system: &'a System<'a>,
+struct IntervalCharacteristic<'a> {
+    system: &'a WaveSystem<'a>,
     wave: &'a [Interval],
-    frame: Frame<TaylorModel>,
+    frame: IntervalFrame<TaylorModel>,
     /// Zones in their order, and the state at the end of each.
     course: Vec<(usize, [TaylorModel; 4])>,
     /// 1/z_j.
@@ -221,8 +221,8 @@ struct Characteristic<'a> {
     delay: f64,
 }
 
-impl<'a> Characteristic<'a> {
-    fn new(system: &'a System, wave: &'a [Interval]) -> Option<Characteristic<'a>> {
+impl<'a> IntervalCharacteristic<'a> {
+    fn new(system: &'a WaveSystem, wave: &'a [Interval]) -> Option<IntervalCharacteristic<'a>> {
         let [excess, parameter] = system.tail();
         let known = |column: usize| TaylorModel::constant(wave[column]);
         let exact = system.frame_at(wave)?;
@@ -253,7 +253,7 @@ impl<'a> Characteristic<'a> {
                 _ => time * slowest.max(1.0),
             };
         }
-        Some(Characteristic {
+        Some(IntervalCharacteristic {
             system,
             wave,
             frame: system.frame(known(excess), known(parameter))?,
@@ -281,8 +281,8 @@ impl<'a> Characteristic<'a> {
         let mut columns: Vec<Perturbation<TaylorModel>> = (0..columns).map(unit).collect();
         for (zone, end) in &self.course {
             let linear = match regime(*zone) {
-                Regime::Stick => Linear::still(lambda),
-                regime => Linear::new(frame, regime, lambda, weights)?,
+                Regime::Stick => PerturbationEquations::still(lambda),
+                regime => PerturbationEquations::new(frame, regime, lambda, weights)?,
             };
             let (moved, _) = linear.propagator(self.wave[self.system.duration(*zone)])?;
             for x in &mut columns {
@@ -303,7 +303,11 @@ impl<'a> Characteristic<'a> {
     }
 
     /// Follows F_j of the sectors needed along straight lines between corners; `None` where a zero is too near.
-    fn walk(&self, corners: &[C64], needed: impl Fn(usize) -> bool) -> Vec<Option<Vec<Side>>> {
+    fn walk(
+        &self,
+        corners: &[C64],
+        needed: impl Fn(usize) -> bool,
+    ) -> Vec<Option<Vec<ContourSide>>> {
         let halves = 0..self.multipliers.len();
         let mut paths: Vec<_> = halves.map(|half| needed(half).then(Vec::new)).collect();
         if corners.iter().any(|corner| !corner.is_finite()) {
@@ -339,7 +343,7 @@ impl<'a> Characteristic<'a> {
                 };
                 let halve = [[0.5 * (from + to), to], [from, 0.5 * (from + to)]];
                 let invariants = self.invariants(lambda);
-                let parts: Vec<Option<Vec<Side>>> = paths
+                let parts: Vec<Option<Vec<ContourSide>>> = paths
                     .iter()
                     .zip(&self.multipliers)
                     .map(|(path, multiplier)| {
@@ -352,9 +356,10 @@ impl<'a> Characteristic<'a> {
                         cover(&f, [-1.0, 1.0], BISECTIONS, &mut part).then_some(part)
                     })
                     .collect();
-                let lost = |(path, part): (&Option<Vec<Side>>, &Option<Vec<Side>>)| {
-                    path.is_some() && part.is_none()
-                };
+                let lost =
+                    |(path, part): (&Option<Vec<ContourSide>>, &Option<Vec<ContourSide>>)| {
+                        path.is_some() && part.is_none()
+                    };
                 if paths.iter().zip(&parts).any(lost) && to - from > SHORTEST {
                     waiting.extend(halve);
                     continue;
@@ -412,7 +417,7 @@ impl<'a> Characteristic<'a> {
     /// and no switch changes it.
     fn on_axis(&self) -> Vec<(usize, f64)> {
         let mut known = Vec::new();
-        if let Condition::Crossing { sector, omega } = self.system.condition {
+        if let WaveCondition::Crossing { sector, omega } = self.system.condition {
             // in the upper half: of the sector, or of its conjugate
             known.push(match omega < 0.0 {
                 true => (self.conjugate(sector), -omega),
@@ -421,7 +426,7 @@ impl<'a> Characteristic<'a> {
         }
         let swings = |(zone, _): &(usize, [TaylorModel; 4])| {
             let zone = self.system.near.signature.zone(*zone);
-            zone.regime != Regime::Stick && zone.entry != Entry::Reversal
+            zone.regime != Regime::Stick && zone.entry != ZoneEntry::Reversal
         };
         if self.frame.damping.is_zero() && self.course.iter().all(swings) {
             known.push((0, self.frame.h.value().middle().sqrt()));
@@ -467,7 +472,7 @@ impl<'a> Characteristic<'a> {
                 continue;
             }
             let corner = [at(d, low), at(d, high), at(-d, high), at(-d, low)];
-            let alone = |(half, path): (usize, &Option<Vec<Side>>)| {
+            let alone = |(half, path): (usize, &Option<Vec<ContourSide>>)| {
                 let zeros = path.as_ref().and_then(|path| turns(path));
                 zeros == Some(i32::from(half == sector))
             };
@@ -492,7 +497,7 @@ impl<'a> Characteristic<'a> {
 
     /// Whether right of a line there is only an enclosed eigenvalue, with its conjugate and λ = 0. The translation mode
     /// itself does not lead: a statement about it would hide the eigenvalue that comes next.
-    fn leads(&self, eigenvalue: &Eigenvalue, line: f64, window: f64) -> bool {
+    fn leads(&self, eigenvalue: &ProvenEigenvalue, line: f64, window: f64) -> bool {
         let sector = eigenvalue.sector;
         if sector == 0 && eigenvalue.growth.contains(0.0) && eigenvalue.omega.contains(0.0) {
             return false;
@@ -514,20 +519,21 @@ impl<'a> Characteristic<'a> {
     }
 }
 
-impl System<'_> {
+impl WaveSystem<'_> {
     /// Counts the growing eigenvalues of a wave that is known to intervals. Where a line and a bound are stored
     /// they are not looked for.
     pub(super) fn growth(
         &self,
         wave: &[Interval],
         window: f64,
-        eigenvalues: &[Eigenvalue],
-        stored: Option<&Growth>,
-    ) -> Result<Growth, Uncounted> {
+        eigenvalues: &[ProvenEigenvalue],
+        stored: Option<&GrowthCount>,
+    ) -> Result<GrowthCount, Uncounted> {
         /// First distance of a line from the eigenvalue, in units of 1/T, and tries, each a quarter as far.
         const ASIDE: f64 = 0.1;
         const TRIES: i32 = 5;
-        let characteristic = Characteristic::new(self, wave).ok_or(Uncounted::NotEnclosed)?;
+        let characteristic =
+            IntervalCharacteristic::new(self, wave).ok_or(Uncounted::NotEnclosed)?;
         if !(window > 0.0 && window.is_finite()) {
             return Err(Uncounted::NotEnclosed);
         }
@@ -535,7 +541,7 @@ impl System<'_> {
             return Err(Uncounted::Beyond);
         }
         let counts = characteristic.growing(window)?;
-        let lead = |eigenvalue: &Eigenvalue| {
+        let lead = |eigenvalue: &ProvenEigenvalue| {
             let lines: Vec<f64> = match stored {
                 Some(stored) => {
                     let same = |one: &&Leading| one.sector == eigenvalue.sector;
@@ -564,19 +570,21 @@ impl System<'_> {
             characteristic.is_free_beyond(beyond) && counts().is_ok_and(|counts| none(&counts))
         };
         let beyond = || match stored.map(|stored| stored.verdict) {
-            Some(Verdict::Stable { beyond }) => Some(beyond),
+            Some(ProvenVerdict::Stable { beyond }) => Some(beyond),
             Some(_) => None,
             None => characteristic.top_edge(window),
         };
         let verdict = if !none(&counts) {
-            Verdict::Unstable
+            ProvenVerdict::Unstable
         } else if !characteristic.on_axis().is_empty() {
-            Verdict::Neutral
+            ProvenVerdict::Neutral
         } else {
             let beyond = beyond().filter(|beyond| stable(*beyond));
-            beyond.map_or(Verdict::HighFrequency, |beyond| Verdict::Stable { beyond })
+            beyond.map_or(ProvenVerdict::HighFrequency, |beyond| {
+                ProvenVerdict::Stable { beyond }
+            })
         };
-        Ok(Growth {
+        Ok(GrowthCount {
             window,
             mode: self.mode(),
             counts,

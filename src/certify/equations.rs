@@ -1,18 +1,18 @@
 //! The equations of a wave at an event, term by term, and its margins at the ends of zones.
 
 use super::flow::{ACCELERATION, JERK, WHOLE};
-use super::flow::{Flow, GAP, GAP_RATE, W, Y};
-use super::frame::Frame;
-use super::system::{Columns, Condition, EXCESS, PARAMETER, SLOTS, System, TIME};
+use super::flow::{GAP, GAP_RATE, RegimeFlow, W, Y};
+use super::frame::IntervalFrame;
+use super::system::{Columns, EXCESS, PARAMETER, SLOTS, TIME, WaveCondition, WaveSystem};
 use crate::interval::{Gradient, Interval, Number, PI};
 use crate::tube::model::Impact;
-use crate::tube::model::signature::{Entry, Regime};
-use crate::tube::wave::admissibility::Watch;
+use crate::tube::model::signature::{Regime, ZoneEntry};
+use crate::tube::wave::admissibility::WaveWatch;
 
 type First = Gradient<Interval, SLOTS>;
 
 /// A term of an equation.
-pub(super) enum Term<N> {
+pub(super) enum EquationTerm<N> {
     /// A function of the slots of a step.
     Local(usize, Columns, N),
     Minus(usize, usize),
@@ -24,15 +24,19 @@ pub struct Evaluated {
     pub jacobian: Vec<Vec<Interval>>,
 }
 
-impl System<'_> {
+impl WaveSystem<'_> {
     /// W after the switch at the end of a zone, from W before it.
-    fn rate_after<N: Number>(&self, frame: &Frame<N>, end: &[N; 4], zone: usize) -> N {
+    fn rate_after<N: Number>(&self, frame: &IntervalFrame<N>, end: &[N; 4], zone: usize) -> N {
         let next = self.near.signature.zone(zone + 1);
         match (next.entry, self.posed.impact) {
-            (Entry::Arrest | Entry::Release | Entry::Reversal | Entry::ArrestedLanding, _) => {
-                N::double(1.0)
-            }
-            (Entry::Landing | Entry::Touch, Impact::Coulomb) => {
+            (
+                ZoneEntry::Arrest
+                | ZoneEntry::Release
+                | ZoneEntry::Reversal
+                | ZoneEntry::ArrestedLanding,
+                _,
+            ) => N::double(1.0),
+            (ZoneEntry::Landing | ZoneEntry::Touch, Impact::Coulomb) => {
                 let impulse = self.impulse(frame, end[GAP_RATE]);
                 if next.regime == Regime::Reverse {
                     end[W] + impulse
@@ -48,8 +52,8 @@ impl System<'_> {
     /// its end.
     fn edge<N: Number>(
         &self,
-        frame: &Frame<N>,
-        watch: Watch,
+        frame: &IntervalFrame<N>,
+        watch: WaveWatch,
         zone: usize,
         entry: &[N; 4],
         end: &[N; 4],
@@ -58,7 +62,7 @@ impl System<'_> {
         let force = frame.weight + frame.kappa;
         let excess = |y: N| frame.h * (y - frame.release);
         Some(match watch {
-            Watch::LandingRate => {
+            WaveWatch::LandingRate => {
                 let lag = entry[W] - N::double(1.0);
                 if self.near.signature.zone(zone).regime == Regime::Reverse {
                     lag
@@ -66,17 +70,17 @@ impl System<'_> {
                     -lag
                 }
             }
-            Watch::LandingPressure => pressure,
-            Watch::Tension => -pressure,
+            WaveWatch::LandingPressure => pressure,
+            WaveWatch::Tension => -pressure,
             // Q + rfP at W = 1
-            Watch::LowerForce => {
+            WaveWatch::LowerForce => {
                 excess(entry[Y]) + (frame.static_friction * force).scaled(Interval::point(2.0))
             }
-            Watch::UpperForce if self.is_layered(zone) => -end[ACCELERATION],
-            Watch::UpperForce => excess(end[Y]),
-            Watch::Release if self.is_layered(zone) => -entry[JERK],
-            Watch::LandingSpeed => -end[GAP_RATE],
-            Watch::Impulse => {
+            WaveWatch::UpperForce if self.is_layered(zone) => -end[ACCELERATION],
+            WaveWatch::UpperForce => excess(end[Y]),
+            WaveWatch::Release if self.is_layered(zone) => -entry[JERK],
+            WaveWatch::LandingSpeed => -end[GAP_RATE],
+            WaveWatch::Impulse => {
                 let lag = end[W] - N::double(1.0);
                 let lag = if lag.value().middle() < 0.0 {
                     lag
@@ -92,9 +96,9 @@ impl System<'_> {
     /// A margin at the ends of a zone at values of the unknowns.
     pub fn edge_at<N: Number>(
         &self,
-        frame: &Frame<N>,
+        frame: &IntervalFrame<N>,
         x: &[N],
-        watch: Watch,
+        watch: WaveWatch,
         zone: usize,
     ) -> Option<N> {
         let (entry, _) = self.step_at(x, zone, 0);
@@ -106,16 +110,16 @@ impl System<'_> {
     /// All terms of the equations, with the slots of steps from `local`.
     pub(super) fn terms<N: Number>(
         &self,
-        frame: &Frame<N>,
+        frame: &IntervalFrame<N>,
         local: impl Fn(&Columns) -> [N; SLOTS],
-    ) -> Option<Vec<Term<N>>> {
+    ) -> Option<Vec<EquationTerm<N>>> {
         let zones = self.near.zones.len();
         let mut terms = Vec::new();
         let mut row = 0;
         let [_, parameter] = self.tail();
         let period = self.waves - 2 - usize::from(self.minimum.is_some());
         let wanted = match &self.condition {
-            Condition::Margin { watch, zone, .. } => Some((*watch, *zone)),
+            WaveCondition::Margin { watch, zone, .. } => Some((*watch, *zone)),
             _ => None,
         };
         let one = N::double(1.0);
@@ -139,14 +143,14 @@ impl System<'_> {
                     true => self.moving(frame, zone, end, N::double(0.0)),
                     false => end,
                 };
-                let mut put = |row, value| terms.push(Term::Local(row, columns, value));
+                let mut put = |row, value| terms.push(EquationTerm::Local(row, columns, value));
                 if let (Some((watch, at)), true) = (wanted, self.minimum.is_none()) {
                     let at_end = matches!(
                         watch,
-                        Watch::UpperForce | Watch::LandingSpeed | Watch::Impulse
+                        WaveWatch::UpperForce | WaveWatch::LandingSpeed | WaveWatch::Impulse
                     );
                     if at == zone && step == if at_end { steps - 1 } else { 0 } {
-                        let value = if watch == Watch::Duration {
+                        let value = if watch == WaveWatch::Duration {
                             slots[TIME]
                         } else {
                             let entry = self.entered(frame, zone, given);
@@ -156,11 +160,11 @@ impl System<'_> {
                     }
                 }
                 if step + 1 < steps {
-                    let dimension = flow.as_ref().map_or(2, Flow::dimension);
+                    let dimension = flow.as_ref().map_or(2, RegimeFlow::dimension);
                     let node = self.columns(zone, step + 1, self.duration(zone));
                     for (component, value) in end.iter().enumerate().take(dimension) {
-                        terms.push(Term::Local(row, columns, *value));
-                        terms.push(Term::Minus(row, node[component]?));
+                        terms.push(EquationTerm::Local(row, columns, *value));
+                        terms.push(EquationTerm::Minus(row, node[component]?));
                         row += 1;
                     }
                     continue;
@@ -179,7 +183,7 @@ impl System<'_> {
                         (None, ..) if released => N::double(0.0),
                         (None, ..) => end[Y] - frame.release,
                         (Some(series), Regime::Separation, _) => series.at(GAP, time, order),
-                        (Some(_), _, Entry::TakeOff) => frame.weight + frame.kappa * end[W],
+                        (Some(_), _, ZoneEntry::TakeOff) => frame.weight + frame.kappa * end[W],
                         (Some(_), ..) if order == 0 || layered => end[W] - one,
                         (Some(series), ..) => series.at(W, time, order),
                     },
@@ -196,23 +200,27 @@ impl System<'_> {
                     let state = [slots[0], slots[1], slots[2], slots[3]];
                     let entry = self.entered(frame, following, state);
                     let row = row + 2 + usize::from(layered);
-                    terms.push(Term::Local(row, columns, -entry[ACCELERATION]));
+                    terms.push(EquationTerm::Local(row, columns, -entry[ACCELERATION]));
                 }
-                terms.push(Term::Minus(row, follower));
-                terms.push(Term::Minus(row + 1, follower + 1));
+                terms.push(EquationTerm::Minus(row, follower));
+                terms.push(EquationTerm::Minus(row + 1, follower + 1));
                 row += self.head(zone);
             }
         }
         let wavelength = PI * Interval::point(2.0) / Interval::point(f64::from(self.posed.mode));
-        terms.push(Term::Local(period, [None; SLOTS], -N::constant(wavelength)));
+        terms.push(EquationTerm::Local(
+            period,
+            [None; SLOTS],
+            -N::constant(wavelength),
+        ));
         match (&self.condition, self.minimum) {
-            (Condition::Value(value), _) => {
+            (WaveCondition::Value(value), _) => {
                 let mut columns = [None; SLOTS];
                 columns[PARAMETER] = Some(parameter);
                 let there = local(&columns)[PARAMETER] - N::constant(value.interval());
-                terms.push(Term::Local(self.waves - 1, columns, there));
+                terms.push(EquationTerm::Local(self.waves - 1, columns, there));
             }
-            (Condition::Margin { watch, zone, .. }, Some(step)) => {
+            (WaveCondition::Margin { watch, zone, .. }, Some(step)) => {
                 let columns = self.columns(*zone, step, self.waves - 3);
                 let slots = local(&columns);
                 let flow = self.flow(frame, *zone)?;
@@ -223,7 +231,7 @@ impl System<'_> {
                 let left = self.left(*zone, step, there[WHOLE]) - slots[TIME];
                 let moving = self.moving(frame, *zone, there, left);
                 let (value, slope) = match (watch, self.layered(frame, *zone)) {
-                    (Watch::Pressure, Some(layered)) => {
+                    (WaveWatch::Pressure, Some(layered)) => {
                         let [_, w, acceleration, jerk] = moving;
                         (
                             frame.weight + frame.kappa * (w + layered.beta * acceleration),
@@ -232,13 +240,13 @@ impl System<'_> {
                     }
                     (_, Some(_)) => (moving[W] - one, moving[ACCELERATION]),
                     (watch, None) => match watch {
-                        Watch::Gap => (there[GAP], rate[GAP]),
-                        Watch::Pressure => (frame.weight + frame.kappa * there[W], rate[W]),
+                        WaveWatch::Gap => (there[GAP], rate[GAP]),
+                        WaveWatch::Pressure => (frame.weight + frame.kappa * there[W], rate[W]),
                         _ => (there[W] - one, rate[W]),
                     },
                 };
-                terms.push(Term::Local(self.waves - 2, columns, value));
-                terms.push(Term::Local(self.waves - 1, columns, slope));
+                terms.push(EquationTerm::Local(self.waves - 2, columns, value));
+                terms.push(EquationTerm::Local(self.waves - 1, columns, slope));
             }
             _ => {}
         }
@@ -248,8 +256,8 @@ impl System<'_> {
     /// Residual and derivatives over intervals of the unknowns.
     pub fn evaluate(&self, x: &[Interval]) -> Option<Evaluated> {
         match &self.condition {
-            Condition::Fold => self.fold_at(x),
-            Condition::Crossing { .. } => self.crossing_at(x),
+            WaveCondition::Fold => self.fold_at(x),
+            WaveCondition::Crossing { .. } => self.crossing_at(x),
             _ => self.waves_into(x, self.waves),
         }
     }
@@ -270,10 +278,10 @@ impl System<'_> {
         let mut evaluated = Evaluated::zero(size);
         for term in terms {
             match term {
-                Term::Local(row, columns, value) => {
+                EquationTerm::Local(row, columns, value) => {
                     evaluated.add(row, value.value, columns.into_iter().zip(value.by));
                 }
-                Term::Minus(row, column) => evaluated.subtract(row, column, x),
+                EquationTerm::Minus(row, column) => evaluated.subtract(row, column, x),
             }
         }
         Some(evaluated)

@@ -9,7 +9,7 @@
 //!
 //! A zone is cut into steps with Θ about 1, whose ends are unknowns of the system: nothing wraps.
 
-use super::frame::Frame;
+use super::frame::IntervalFrame;
 use crate::interval::{Gradient, Interval, Number};
 
 /// Index of Y in a state.
@@ -62,7 +62,7 @@ pub fn geometric(theta: Interval) -> Interval {
 
 /// The equations of one regime.
 #[derive(Clone, Copy, Debug)]
-pub struct Flow<N> {
+pub struct RegimeFlow<N> {
     /// ∂Ẇ/∂(Y, W, U̇) and ∂Ü/∂(W, U − δ, U̇); none in contact.
     tangential: [N; 3],
     radial: Option<[N; 3]>,
@@ -74,9 +74,9 @@ pub struct Flow<N> {
     norm: f64,
 }
 
-impl<N: Number> Flow<N> {
+impl<N: Number> RegimeFlow<N> {
     /// Slip (σ = 1) and reverse slip (σ = −1); with material damping what a layer leaves of it.
-    pub fn contact(frame: &Frame<N>, sigma: f64) -> Flow<N> {
+    pub fn contact(frame: &IntervalFrame<N>, sigma: f64) -> RegimeFlow<N> {
         let sign = Interval::point(sigma);
         let layered = frame
             .layers
@@ -90,7 +90,7 @@ impl<N: Number> Flow<N> {
             None => (frame.friction * frame.kappa).scaled(sign) - frame.damping,
         };
         let zero = N::double(0.0);
-        Flow::new(
+        RegimeFlow::new(
             frame,
             [-frame.h * mass, rate * mass, zero],
             None,
@@ -98,10 +98,10 @@ impl<N: Number> Flow<N> {
         )
     }
 
-    pub fn separation(frame: &Frame<N>) -> Flow<N> {
+    pub fn separation(frame: &IntervalFrame<N>) -> RegimeFlow<N> {
         let (ma, mb) = (frame.ma.recip(), frame.mb.recip());
         let [g, h, kappa, damping] = [frame.g, frame.h, frame.kappa, frame.damping];
-        Flow::new(
+        RegimeFlow::new(
             frame,
             [-h * ma, -damping * ma, kappa * ma],
             Some([-kappa * mb, -g * mb, -damping * mb]),
@@ -109,7 +109,12 @@ impl<N: Number> Flow<N> {
         )
     }
 
-    fn new(frame: &Frame<N>, tangential: [N; 3], radial: Option<[N; 3]>, force: [N; 2]) -> Flow<N> {
+    fn new(
+        frame: &IntervalFrame<N>,
+        tangential: [N; 3],
+        radial: Option<[N; 3]>,
+        force: [N; 2],
+    ) -> RegimeFlow<N> {
         let size = |x: &N| x.value().middle().abs().sqrt().max(f64::MIN_POSITIVE);
         let weights = [
             size(&frame.h),
@@ -131,7 +136,7 @@ impl<N: Number> Flow<N> {
             let row = by(GAP_RATE, &[(w, W), (gap, GAP), (rate, GAP_RATE)]);
             norm = norm.max(row).max(by(GAP, &[(1.0, GAP_RATE)]));
         }
-        Flow {
+        RegimeFlow {
             tangential,
             radial,
             force,
@@ -179,7 +184,7 @@ impl<N: Number> Flow<N> {
     }
 
     /// The series from a state.
-    pub fn series(&self, state: [N; 4]) -> Series<N> {
+    pub fn series(&self, state: [N; 4]) -> IntervalSeries<N> {
         let mut coefficients = Vec::with_capacity(DEGREE + 1);
         let mut last = state;
         coefficients.push(last);
@@ -192,7 +197,7 @@ impl<N: Number> Flow<N> {
         let weighted =
             |(x, weight): (&N, &f64)| (Interval::point(x.norm()) * Interval::point(*weight)).high;
         let size = last.iter().zip(&self.weights).map(weighted);
-        Series {
+        IntervalSeries {
             size: size.fold(0.0, f64::max),
             coefficients,
             norm: self.norm,
@@ -203,7 +208,7 @@ impl<N: Number> Flow<N> {
 
 /// A solution as a power series in time.
 #[derive(Clone, Debug)]
-pub struct Series<N> {
+pub struct IntervalSeries<N> {
     coefficients: Vec<[N; 4]>,
     /// |c_K|.
     size: f64,
@@ -211,7 +216,7 @@ pub struct Series<N> {
     weights: [f64; 4],
 }
 
-impl<N: Number> Series<N> {
+impl<N: Number> IntervalSeries<N> {
     /// Bound of Σ_{j>K} c_j t^{j−m} over |t| ≤ `time`.
     fn rest(&self, component: usize, time: f64, m: usize) -> f64 {
         let t = Interval::point(time);
@@ -230,7 +235,7 @@ impl<N: Number> Series<N> {
         sum.widened(self.rest(component, time.norm(), m))
     }
 
-    /// The derivative of [`Series::at`] in time, over an interval.
+    /// The derivative of [`IntervalSeries::at`] in time, over an interval.
     pub fn slope(&self, component: usize, time: N, m: usize) -> N {
         let terms = self.coefficients.iter().enumerate().skip(m + 1).rev();
         let sum = terms.fold(N::double(0.0), |sum, (j, c)| {

@@ -1,14 +1,14 @@
 //! A fold: the equations of the wave, and those of the direction in which the parameter is stationary.
 
-use super::equations::{Evaluated, Term};
-use super::system::{EXCESS, PARAMETER, SLOTS, System};
+use super::equations::{EquationTerm, Evaluated};
+use super::system::{EXCESS, PARAMETER, SLOTS, WaveSystem};
 use crate::interval::{Gradient, Interval, Number};
 use crate::linalg::{Matrix, kernel};
 
 /// The derivative along a direction v, with first derivatives in the quantities and in v.
 type Second = Gradient<Gradient<Interval, { 2 * SLOTS }>, 1>;
 
-impl System<'_> {
+impl WaveSystem<'_> {
     /// The direction of the branch at a fold, without its vanishing component of the parameter.
     pub(super) fn fold_direction(&self, guess: &[f64]) -> Option<Vec<f64>> {
         let points: Vec<Interval> = guess.iter().copied().map(Interval::point).collect();
@@ -43,14 +43,14 @@ impl System<'_> {
         let mut evaluated = Evaluated::zero(2 * n - 1);
         for term in terms {
             match term {
-                Term::Local(row, columns, value) => {
+                EquationTerm::Local(row, columns, value) => {
                     let directions = columns.map(|column| column.and_then(along));
                     for (row, part) in [(row, value.value), (row + n - 1, value.by[0])] {
                         let all = columns.into_iter().chain(directions).zip(part.by);
                         evaluated.add(row, part.value, all);
                     }
                 }
-                Term::Minus(row, column) => {
+                EquationTerm::Minus(row, column) => {
                     evaluated.subtract(row, column, x);
                     if let Some(direction) = along(column) {
                         evaluated.subtract(row + n - 1, direction, x);

@@ -8,11 +8,11 @@ use serde::{Deserialize, Serialize};
 
 use crate::interval::{Decimal, Interval, Number};
 use crate::tube::flow::material;
-use crate::tube::model::{FrictionLaw, Model, Parameter, Source};
+use crate::tube::model::{CoefficientSource, FrictionLaw, Model, Parameter};
 
 /// Where a, b, D, g, h come from, as written.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Origin {
+pub enum WrittenCoefficients {
     /// ν, ξ, γ.
     Geometry([Decimal; 3]),
     /// a, b, D, g, h.
@@ -22,9 +22,9 @@ pub enum Origin {
 /// The numbers of a model as the decimals that were written.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Written {
+pub struct WrittenModel {
     /// Origin of the coefficients.
-    pub origin: Origin,
+    pub origin: WrittenCoefficients,
     /// Friction coefficient f.
     pub friction: Decimal,
     /// Mismatch δ.
@@ -38,29 +38,33 @@ pub struct Written {
     pub ratio: Option<Decimal>,
 }
 
-impl Written {
+impl WrittenModel {
     /// The numbers of a model, with material damping or without. `text` looks a number up by its path in a problem file; one that it does not
     /// know, or knows otherwise than the model does, is the shortest decimal that reads as the double.
-    pub fn new(model: &Model, material: bool, text: impl Fn(&str) -> Option<Decimal>) -> Written {
+    pub fn new(
+        model: &Model,
+        material: bool,
+        text: impl Fn(&str) -> Option<Decimal>,
+    ) -> WrittenModel {
         let decimal = |path: &str, value: f64| {
             let written = text(path).filter(|decimal| decimal.nearest() == value);
             written.unwrap_or_else(|| Decimal::of(value))
         };
         let coefficient = |name: &str, value| decimal(&format!("model.coefficients.{name}"), value);
-        Written {
+        WrittenModel {
             origin: match model.source {
-                Source::Geometry { nu, xi, gamma } => Origin::Geometry([
+                CoefficientSource::Geometry { nu, xi, gamma } => WrittenCoefficients::Geometry([
                     coefficient("nu", nu),
                     coefficient("xi", xi),
                     coefficient("gamma", gamma),
                 ]),
-                Source::Given {
+                CoefficientSource::Given {
                     a,
                     b,
                     coupling,
                     g,
                     h,
-                } => Origin::Given([
+                } => WrittenCoefficients::Given([
                     coefficient("a", a),
                     coefficient("b", b),
                     coefficient("D", coupling),
@@ -149,7 +153,7 @@ fn coefficients<N: Number>([nu, xi, gamma]: [N; 3]) -> [N; 5] {
 
 /// The numbers of the equations in a frame that moves with c, see [`crate::tube::flow::Quantities`].
 #[derive(Clone, Copy, Debug)]
-pub struct Frame<N> {
+pub struct IntervalFrame<N> {
     pub ma: N,
     pub mb: N,
     /// κ = |D/c|.
@@ -233,7 +237,19 @@ fn slope<N: Number>([m, s, h]: [N; 3], rho: N) -> N {
     ((h * rho).scaled(three) + s.scaled(two)) * rho + m
 }
 
-impl Written {
+impl WrittenModel {
+    /// a, b, D, g and h: of these proportions where the parameter is one of them, as written otherwise.
+    fn coefficients_of<N: Number>(&self, tube: Option<[N; 3]>) -> [N; 5] {
+        let known = |decimal: &Decimal| N::constant(decimal.interval());
+        match (tube, &self.origin) {
+            (Some(tube), _) => coefficients(tube),
+            (None, WrittenCoefficients::Geometry(tube)) => {
+                coefficients(tube.each_ref().map(Decimal::interval)).map(N::constant)
+            }
+            (None, WrittenCoefficients::Given(given)) => given.each_ref().map(known),
+        }
+    }
+
     /// The frame of excess speed e where the continuation parameter has a value; `direction` is the sign of
     /// c. `None` for a parameter that the equations here have not.
     pub fn frame<N: Number>(
@@ -242,7 +258,7 @@ impl Written {
         value: N,
         excess: N,
         direction: f64,
-    ) -> Option<Frame<N>> {
+    ) -> Option<IntervalFrame<N>> {
         let known = |decimal: &Decimal| N::constant(decimal.interval());
         let [mut friction, mut mismatch, mut damping] =
             [&self.friction, &self.mismatch, &self.damping].map(known);
@@ -253,7 +269,7 @@ impl Written {
             (Parameter::Mismatch, _) => mismatch = value,
             (Parameter::MassDamping, _) => damping = value,
             (Parameter::StiffnessDamping, _) => material = Some(value),
-            (_, Origin::Geometry([nu, xi, gamma])) => {
+            (_, WrittenCoefficients::Geometry([nu, xi, gamma])) => {
                 tube = Some(match parameter {
                     Parameter::Nu => [value, known(xi), known(gamma)],
                     Parameter::Xi => [known(nu), value, known(gamma)],
@@ -263,13 +279,7 @@ impl Written {
             }
             _ => return None,
         }
-        let [a, b, coupling, g, h] = match (tube, &self.origin) {
-            (Some(tube), _) => coefficients(tube),
-            (None, Origin::Geometry(tube)) => {
-                coefficients(tube.each_ref().map(Decimal::interval)).map(N::constant)
-            }
-            (None, Origin::Given(given)) => given.each_ref().map(known),
-        };
+        let [a, b, coupling, g, h] = self.coefficients_of(tube);
         let one = N::double(1.0);
         let ratio = (one + excess).recip();
         let square = ratio * ratio;
@@ -295,7 +305,7 @@ impl Written {
             Some(beta) => Some([sliding(beta, 1.0)?, sliding(beta, -1.0)?]),
             None => None,
         };
-        Some(Frame {
+        Some(IntervalFrame {
             ma,
             mb: one - b * a.recip() * square,
             kappa,

@@ -4,18 +4,18 @@
 //! from a known zero of order m it is tᵐg(t), and g > 0 is proven by subdivision; elsewhere m = 0. A touch
 //! inside a zone, where the margin of an event vanishes, is a known zero of order 2 in both directions.
 
-use super::flow::{Flow, GAP, GAP_RATE, Positive, Series, W, Y};
-use super::frame::Frame;
+use super::flow::{GAP, GAP_RATE, IntervalSeries, Positive, RegimeFlow, W, Y};
+use super::frame::IntervalFrame;
 use super::layer::Layers;
-use super::system::{Condition, Near, System};
+use super::system::{NearWave, WaveCondition, WaveSystem};
 use crate::interval::{Interval, Number};
 use crate::tube::model::Impact;
-use crate::tube::model::signature::{Entry, Regime};
-use crate::tube::wave::admissibility::Watch;
+use crate::tube::model::signature::{Regime, ZoneEntry};
+use crate::tube::wave::admissibility::WaveWatch;
 
 /// Which inequality is not proven.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum Unproven {
+pub enum UnprovenWave {
     /// The speed, or the numbers of the model.
     #[error("that the wave runs in the direction of D, faster than √a > √b")]
     Speed,
@@ -33,7 +33,7 @@ pub enum Unproven {
     Gap(usize),
     /// A condition of the switching table at an end of a zone.
     #[error("the margin {1:?} of zone {0}")]
-    Switch(usize, Watch),
+    Switch(usize, WaveWatch),
 }
 
 /// Bisections of half a step.
@@ -41,7 +41,7 @@ const DEEPEST: u32 = 24;
 
 /// What is looked at in a zone.
 #[derive(Clone, Copy)]
-enum Quantity {
+enum ZoneQuantity {
     /// σ(1 − W).
     Lag(f64),
     Pressure,
@@ -49,15 +49,15 @@ enum Quantity {
 }
 
 /// A function of time: offset + factor·component, from which `order` vanishing coefficients are left out.
-struct Function<'a, N> {
-    series: &'a Series<N>,
+struct TimeFunction<'a, N> {
+    series: &'a IntervalSeries<N>,
     component: usize,
     offset: N,
     factor: N,
     order: usize,
 }
 
-impl<N: Positive> Function<'_, N> {
+impl<N: Positive> TimeFunction<'_, N> {
     /// f(t)/tᵐ over times t ≥ 0 forwards or backwards, whose sign is that of f: the value in the middle and
     /// the slope over all of them.
     fn at(&self, time: Interval, sign: f64) -> N {
@@ -114,18 +114,24 @@ pub(super) fn bisect<N: Positive>(length: N, sign: f64, of: impl Fn(Interval) ->
 }
 
 /// A zone being looked at.
-struct Zone<'a, N> {
-    system: &'a System<'a>,
+struct ExaminedZone<'a, N> {
+    system: &'a WaveSystem<'a>,
     x: &'a [N],
-    frame: &'a Frame<N>,
-    flow: Flow<N>,
+    frame: &'a IntervalFrame<N>,
+    flow: RegimeFlow<N>,
     index: usize,
 }
 
-impl<N: Positive> Zone<'_, N> {
+impl<N: Positive> ExaminedZone<'_, N> {
     /// Whether a quantity is positive within the zone, with zeros of known order at its ends and, where the
     /// event is a touch of it, one of order 2 inside.
-    fn is_positive(&self, quantity: Quantity, at_start: usize, at_end: usize, touch: bool) -> bool {
+    fn is_positive(
+        &self,
+        quantity: ZoneQuantity,
+        at_start: usize,
+        at_end: usize,
+        touch: bool,
+    ) -> bool {
         let steps = self.system.steps(self.index);
         let half = Interval::point(0.5);
         let touched = self.system.minimum(self.x).filter(|_| touch);
@@ -162,7 +168,7 @@ impl<N: Positive> Zone<'_, N> {
 
     /// The same over a zone of one step that may be as short as one likes: in its halves the function may be, too,
     /// where it vanishes at the other end.
-    fn is_positive_at_once(&self, quantity: Quantity, at_start: usize, at_end: usize) -> bool {
+    fn is_positive_at_once(&self, quantity: ZoneQuantity, at_start: usize, at_end: usize) -> bool {
         if self.system.steps(self.index) > 1 {
             return false;
         }
@@ -190,7 +196,7 @@ impl<N: Positive> Zone<'_, N> {
     /// this V̇. Where no solution but zero does so there is no such part, and −U̇ at the end is U̇ at take-off, 0.
     fn is_mirrored(&self) -> bool {
         let zone = self.system.near.signature.zone(self.index);
-        if zone.entry != Entry::TakeOff || !self.frame.damping.is_zero() {
+        if zone.entry != ZoneEntry::TakeOff || !self.frame.damping.is_zero() {
             return false;
         }
         let steps = self.system.steps(self.index);
@@ -215,16 +221,16 @@ impl<N: Positive> Zone<'_, N> {
 
     fn function<'s>(
         &self,
-        series: &'s Series<N>,
-        quantity: Quantity,
+        series: &'s IntervalSeries<N>,
+        quantity: ZoneQuantity,
         order: usize,
-    ) -> Function<'s, N> {
+    ) -> TimeFunction<'s, N> {
         let (component, offset, factor) = match quantity {
-            Quantity::Lag(sigma) => (W, N::double(sigma), N::double(-sigma)),
-            Quantity::Pressure => (W, self.frame.weight, self.frame.kappa),
-            Quantity::Gap => (GAP, N::double(0.0), N::double(1.0)),
+            ZoneQuantity::Lag(sigma) => (W, N::double(sigma), N::double(-sigma)),
+            ZoneQuantity::Pressure => (W, self.frame.weight, self.frame.kappa),
+            ZoneQuantity::Gap => (GAP, N::double(0.0), N::double(1.0)),
         };
-        Function {
+        TimeFunction {
             series,
             component,
             offset,
@@ -235,24 +241,24 @@ impl<N: Positive> Zone<'_, N> {
 }
 
 /// What vanishes at an event, and with it conditions of the zones next to it.
-struct Vanishing<'a> {
-    near: &'a Near,
-    condition: &'a Condition,
+struct VanishingCondition<'a> {
+    near: &'a NearWave,
+    condition: &'a WaveCondition,
 }
 
-impl Vanishing<'_> {
-    fn is(&self, wanted: Watch, at: usize) -> bool {
+impl VanishingCondition<'_> {
+    fn is(&self, wanted: WaveWatch, at: usize) -> bool {
         let at = at % self.near.zones.len();
-        matches!(self.condition, Condition::Margin { watch, zone, .. } if *watch == wanted && *zone == at)
+        matches!(self.condition, WaveCondition::Margin { watch, zone, .. } if *watch == wanted && *zone == at)
     }
 
     /// Whether a zone has no length.
     fn closed(&self, zone: usize) -> bool {
-        self.is(Watch::Duration, zone)
+        self.is(WaveWatch::Duration, zone)
     }
 
     /// Whether a zone of a regime, so entered, has no length.
-    fn closed_as(&self, zone: usize, regime: Regime, entry: Entry) -> bool {
+    fn closed_as(&self, zone: usize, regime: Regime, entry: ZoneEntry) -> bool {
         let there = self.near.signature.zone(zone);
         self.closed(zone) && there.regime == regime && there.entry == entry
     }
@@ -260,7 +266,7 @@ impl Vanishing<'_> {
 
 /// Which inequalities are to be proven.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub enum Part {
+pub enum ProvenPart {
     All,
     /// All but those within a zone, which opens or closes: it may be as short as one likes.
     But(usize),
@@ -268,17 +274,17 @@ pub enum Part {
     Within(usize),
 }
 
-impl Part {
+impl ProvenPart {
     fn has(self, zone: usize) -> bool {
         match self {
-            Part::All => true,
-            Part::But(other) => zone != other,
-            Part::Within(one) => zone == one,
+            ProvenPart::All => true,
+            ProvenPart::But(other) => zone != other,
+            ProvenPart::Within(one) => zone == one,
         }
     }
 
     fn is_within(self) -> bool {
-        matches!(self, Part::Within(_))
+        matches!(self, ProvenPart::Within(_))
     }
 }
 
@@ -286,8 +292,8 @@ impl Part {
 /// end, w and u being the coefficients of W and U − δ, and u₃ + u₄T + … = 0, u₃ = −κw₁/6m_b. A Coulomb impact adds
 /// to it.
 fn landing_pressure<N: Number>(
-    system: &System,
-    frame: &Frame<N>,
+    system: &WaveSystem,
+    frame: &IntervalFrame<N>,
     x: &[N],
     zone: usize,
 ) -> Option<N> {
@@ -303,19 +309,19 @@ fn landing_pressure<N: Number>(
 /// Proves inequalities of a wave over intervals of its unknowns, but for the margin that vanishes at the
 /// event; returns how many there are.
 pub fn prove<N: Positive>(
-    system: &System,
-    condition: &Condition,
-    part: Part,
+    system: &WaveSystem,
+    condition: &WaveCondition,
+    part: ProvenPart,
     x: &[N],
-) -> Result<usize, Unproven> {
+) -> Result<usize, UnprovenWave> {
     let near = system.near;
-    let frame = &system.frame_at(x).ok_or(Unproven::Speed)?;
-    let mut proof = Proof {
+    let frame = &system.frame_at(x).ok_or(UnprovenWave::Speed)?;
+    let mut proof = InequalityProof {
         system,
         x,
         frame,
         part,
-        vanishing: Vanishing { near, condition },
+        vanishing: VanishingCondition { near, condition },
         proven: 0,
     };
     // e > 0 is in m_a; a > b > 0 in m_b
@@ -324,7 +330,7 @@ pub fn prove<N: Positive>(
         .into_iter()
         .chain(beta)
     {
-        proof.hold(number.is_positive(), Unproven::Speed)?;
+        proof.hold(number.is_positive(), UnprovenWave::Speed)?;
     }
     for index in 0..near.zones.len() {
         if proof.vanishing.closed(index) {
@@ -332,7 +338,7 @@ pub fn prove<N: Positive>(
         }
         if !part.is_within() {
             let duration = x[system.duration(index)];
-            proof.hold(duration.is_positive(), Unproven::Duration(index))?;
+            proof.hold(duration.is_positive(), UnprovenWave::Duration(index))?;
         }
         if !part.has(index) {
             continue;
@@ -342,46 +348,46 @@ pub fn prove<N: Positive>(
             _ if system.is_layered(index) => proof.layered(index)?,
             Regime::Slip | Regime::Reverse => proof.sliding(index)?,
             Regime::Separation => proof.separation(index)?,
-            Regime::Contact => return Err(Unproven::Sliding(index)),
+            Regime::Contact => return Err(UnprovenWave::Sliding(index)),
         }
     }
     Ok(proof.proven)
 }
 
 /// Inequalities of a wave being proven, zone by zone.
-struct Proof<'a, N> {
-    system: &'a System<'a>,
+struct InequalityProof<'a, N> {
+    system: &'a WaveSystem<'a>,
     x: &'a [N],
-    frame: &'a Frame<N>,
-    part: Part,
-    vanishing: Vanishing<'a>,
+    frame: &'a IntervalFrame<N>,
+    part: ProvenPart,
+    vanishing: VanishingCondition<'a>,
     proven: usize,
 }
 
-impl<N: Positive> Proof<'_, N> {
-    fn hold(&mut self, holds: bool, otherwise: Unproven) -> Result<(), Unproven> {
+impl<N: Positive> InequalityProof<'_, N> {
+    fn hold(&mut self, holds: bool, otherwise: UnprovenWave) -> Result<(), UnprovenWave> {
         self.proven += usize::from(holds);
         if holds { Ok(()) } else { Err(otherwise) }
     }
 
     /// A condition of the switching table at an end of a zone, unless it is the one that vanishes.
-    fn edge(&mut self, watch: Watch, index: usize) -> Result<(), Unproven> {
+    fn edge(&mut self, watch: WaveWatch, index: usize) -> Result<(), UnprovenWave> {
         let index = index % self.system.near.zones.len();
         if self.vanishing.is(watch, index) {
             return Ok(());
         }
         let margin = self.system.edge_at(self.frame, self.x, watch, index);
         let holds = margin.is_some_and(|margin| margin.is_positive());
-        self.hold(holds, Unproven::Switch(index, watch))
+        self.hold(holds, UnprovenWave::Switch(index, watch))
     }
 
-    fn zone_at(&self, index: usize) -> Result<Zone<'_, N>, Unproven> {
+    fn zone_at(&self, index: usize) -> Result<ExaminedZone<'_, N>, UnprovenWave> {
         let flow = self.system.flow(self.frame, index);
-        Ok(Zone {
+        Ok(ExaminedZone {
             system: self.system,
             x: self.x,
             frame: self.frame,
-            flow: flow.ok_or(Unproven::Speed)?,
+            flow: flow.ok_or(UnprovenWave::Speed)?,
             index,
         })
     }
@@ -391,47 +397,47 @@ impl<N: Positive> Proof<'_, N> {
     }
 
     /// P > 0 where V̇ ≥ 1.
-    fn pressed(&mut self, index: usize) -> Result<(), Unproven> {
+    fn pressed(&mut self, index: usize) -> Result<(), UnprovenWave> {
         let pressure = self.frame.weight + self.frame.kappa;
-        self.hold(pressure.is_positive(), Unproven::Pressure(index))
+        self.hold(pressure.is_positive(), UnprovenWave::Pressure(index))
     }
 
-    fn stick(&mut self, index: usize) -> Result<(), Unproven> {
+    fn stick(&mut self, index: usize) -> Result<(), UnprovenWave> {
         let (before, signature) = (self.before(index), &self.system.near.signature);
         // Q = fP at the end, and Q grows; where a reverse zone from W = 1 closes Q = −fP at the beginning
         let closed = self.vanishing.closed(before)
             && signature.zone(before).regime == Regime::Reverse
             && self.system.order(before) == 1;
         if !closed {
-            self.edge(Watch::LowerForce, index)?;
+            self.edge(WaveWatch::LowerForce, index)?;
         }
         self.pressed(index)
     }
 
-    fn sliding(&mut self, index: usize) -> Result<(), Unproven> {
+    fn sliding(&mut self, index: usize) -> Result<(), UnprovenWave> {
         let signature = &self.system.near.signature;
         let (zone, next) = (signature.zone(index), signature.zone(index + 1));
         let slips = zone.regime == Regime::Slip;
-        if next.entry == Entry::Reversal {
+        if next.entry == ZoneEntry::Reversal {
             let vanishing = &self.vanishing;
-            if !slips && !vanishing.closed_as(index + 1, Regime::Slip, Entry::Reversal) {
-                self.edge(Watch::UpperForce, index)?;
+            if !slips && !vanishing.closed_as(index + 1, Regime::Slip, ZoneEntry::Reversal) {
+                self.edge(WaveWatch::UpperForce, index)?;
             }
             if slips && self.system.sticks() {
                 // Q < −rfP: what static friction could hold would stick
                 let after = (index + 1) % self.system.near.zones.len();
                 let force = self
                     .system
-                    .edge_at(self.frame, self.x, Watch::LowerForce, after);
+                    .edge_at(self.frame, self.x, WaveWatch::LowerForce, after);
                 let holds = force.is_some_and(|force| (-force).is_positive());
-                self.hold(holds, Unproven::Switch(index, Watch::LowerForce))?;
+                self.hold(holds, UnprovenWave::Switch(index, WaveWatch::LowerForce))?;
             }
         }
-        if zone.entry == Entry::ArrestedLanding && self.system.sticks() {
+        if zone.entry == ZoneEntry::ArrestedLanding && self.system.sticks() {
             self.arrested(index)?;
         }
         self.direction(index, if slips { 1.0 } else { -1.0 })?;
-        if slips || next.entry == Entry::TakeOff {
+        if slips || next.entry == ZoneEntry::TakeOff {
             self.pressure(index)
         } else {
             self.pressed(index)
@@ -439,84 +445,85 @@ impl<N: Positive> Proof<'_, N> {
     }
 
     /// |Q| > rfP where a landing is arrested and slides at once: what static friction could hold would stick.
-    fn arrested(&mut self, index: usize) -> Result<(), Unproven> {
+    fn arrested(&mut self, index: usize) -> Result<(), UnprovenWave> {
         if self.system.near.signature.zone(index).regime == Regime::Slip {
-            return self.edge(Watch::UpperForce, self.before(index));
+            return self.edge(WaveWatch::UpperForce, self.before(index));
         }
         let force = self
             .system
-            .edge_at(self.frame, self.x, Watch::LowerForce, index);
+            .edge_at(self.frame, self.x, WaveWatch::LowerForce, index);
         let holds = force.is_some_and(|force| (-force).is_positive());
-        self.hold(holds, Unproven::Switch(index, Watch::LowerForce))
+        self.hold(holds, UnprovenWave::Switch(index, WaveWatch::LowerForce))
     }
 
     /// A sliding zone with a layer: V̈ = 0 where it is released and where it is arrested, and P jumps there.
-    fn layered(&mut self, index: usize) -> Result<(), Unproven> {
+    fn layered(&mut self, index: usize) -> Result<(), UnprovenWave> {
         let signature = &self.system.near.signature;
         let (zone, next) = (signature.zone(index), signature.zone(index + 1));
         let sigma = zone.regime.sliding().unwrap_or(1.0);
-        if zone.entry == Entry::Release {
-            self.edge(Watch::Release, index)?;
+        if zone.entry == ZoneEntry::Release {
+            self.edge(WaveWatch::Release, index)?;
         }
-        if zone.regime == Regime::Reverse && next.entry == Entry::Reversal {
-            self.edge(Watch::UpperForce, index)?;
+        if zone.regime == Regime::Reverse && next.entry == ZoneEntry::Reversal {
+            self.edge(WaveWatch::UpperForce, index)?;
         }
         let vanishing = &self.vanishing;
-        let lost = vanishing.is(Watch::Release, index)
-            || vanishing.is(Watch::UpperForce, self.before(index));
+        let lost = vanishing.is(WaveWatch::Release, index)
+            || vanishing.is(WaveWatch::UpperForce, self.before(index));
         let at_start = self.system.order(index) + usize::from(lost);
         let at_end = match next.entry {
-            Entry::Arrest => 2,
-            _ => 1 + usize::from(vanishing.is(Watch::UpperForce, index)),
+            ZoneEntry::Arrest => 2,
+            _ => 1 + usize::from(vanishing.is(WaveWatch::UpperForce, index)),
         };
-        let over = Layers::new(self.system, self.frame, self.x, index).ok_or(Unproven::Speed)?;
+        let over =
+            Layers::new(self.system, self.frame, self.x, index).ok_or(UnprovenWave::Speed)?;
         let [one, slides] = [1.0, sigma].map(N::double);
-        let touch = [Watch::Rate, Watch::Pressure].map(|watch| vanishing.is(watch, index));
+        let touch = [WaveWatch::Rate, WaveWatch::Pressure].map(|watch| vanishing.is(watch, index));
         let lag = [slides, -slides, N::double(0.0)];
         let slides = over.is_positive(lag, [at_start, at_end], touch[0]);
-        self.hold(slides, Unproven::Sliding(index))?;
+        self.hold(slides, UnprovenWave::Sliding(index))?;
         let frame = self.frame;
         let pressure = [frame.weight, frame.kappa, frame.kappa * over.beta() * one];
         let pressed = over.is_positive(pressure, [0, 0], touch[1]);
-        self.hold(pressed, Unproven::Pressure(index))
+        self.hold(pressed, UnprovenWave::Pressure(index))
     }
 
     /// σ(1 − W) > 0.
-    fn direction(&mut self, index: usize, sigma: f64) -> Result<(), Unproven> {
+    fn direction(&mut self, index: usize, sigma: f64) -> Result<(), UnprovenWave> {
         let vanishing = &self.vanishing;
         // W − 1 at the ends
         let at_start = match self.system.order(index) {
-            0 if vanishing.is(Watch::LandingRate, index) => 1,
-            1 if vanishing.is(Watch::UpperForce, self.before(index)) => 2,
+            0 if vanishing.is(WaveWatch::LandingRate, index) => 1,
+            1 if vanishing.is(WaveWatch::UpperForce, self.before(index)) => 2,
             order => order,
         };
         let at_end = match self.system.near.signature.zone(index + 1).entry {
-            Entry::TakeOff => 0,
+            ZoneEntry::TakeOff => 0,
             // released where it is arrested
-            Entry::Arrest if vanishing.closed(index + 1) && sigma > 0.0 => 2,
+            ZoneEntry::Arrest if vanishing.closed(index + 1) && sigma > 0.0 => 2,
             _ => 1,
         };
-        let touch = vanishing.is(Watch::Rate, index);
+        let touch = vanishing.is(WaveWatch::Rate, index);
         let zone = self.zone_at(index)?;
-        let lag = zone.is_positive(Quantity::Lag(sigma), at_start, at_end, touch);
-        self.hold(lag, Unproven::Sliding(index))
+        let lag = zone.is_positive(ZoneQuantity::Lag(sigma), at_start, at_end, touch);
+        self.hold(lag, UnprovenWave::Sliding(index))
     }
 
     /// P > 0 in a zone that slides.
-    fn pressure(&mut self, index: usize) -> Result<(), Unproven> {
+    fn pressure(&mut self, index: usize) -> Result<(), UnprovenWave> {
         let (near, before) = (self.system.near, self.before(index));
         let preceding = before % near.zones.len();
-        let short = self.part == Part::But(preceding)
-            && near.signature.zone(before).entry == Entry::TakeOff;
+        let short = self.part == ProvenPart::But(preceding)
+            && near.signature.zone(before).entry == ZoneEntry::TakeOff;
         if short {
             let there = landing_pressure(self.system, self.frame, self.x, preceding);
             let holds = there.is_some_and(|there| there.is_positive());
-            self.hold(holds, Unproven::Pressure(index))?;
+            self.hold(holds, UnprovenWave::Pressure(index))?;
         }
         let vanishing = &self.vanishing;
-        let closed = |zone| vanishing.closed_as(zone, Regime::Separation, Entry::TakeOff);
-        let lifted = vanishing.is(Watch::LandingPressure, index)
-            || vanishing.closed_as(before, Regime::Separation, Entry::Touch);
+        let closed = |zone| vanishing.closed_as(zone, Regime::Separation, ZoneEntry::TakeOff);
+        let lifted = vanishing.is(WaveWatch::LandingPressure, index)
+            || vanishing.closed_as(before, Regime::Separation, ZoneEntry::Touch);
         let at_start = match closed(before) {
             true => 2,
             // where it is short P is more than just after the landing
@@ -524,57 +531,57 @@ impl<N: Positive> Proof<'_, N> {
             false => 0,
         };
         let at_end = match near.signature.zone(index + 1).entry {
-            Entry::TakeOff if closed(index + 1) => 2,
-            Entry::TakeOff => 1,
+            ZoneEntry::TakeOff if closed(index + 1) => 2,
+            ZoneEntry::TakeOff => 1,
             _ => 0,
         };
-        let touch = vanishing.is(Watch::Pressure, index);
+        let touch = vanishing.is(WaveWatch::Pressure, index);
         let zone = self.zone_at(index)?;
-        let pressed = zone.is_positive(Quantity::Pressure, at_start, at_end, touch);
-        self.hold(pressed, Unproven::Pressure(index))
+        let pressed = zone.is_positive(ZoneQuantity::Pressure, at_start, at_end, touch);
+        self.hold(pressed, UnprovenWave::Pressure(index))
     }
 
     /// U > δ, and what holds where it lands.
-    fn separation(&mut self, index: usize) -> Result<(), Unproven> {
+    fn separation(&mut self, index: usize) -> Result<(), UnprovenWave> {
         let (order, vanishing) = (self.system.order(index), &self.vanishing);
         if self.part.is_within() {
             // (U − δ)/tᵐ falls to 0 at the end: U̇ < 0 there
             let open = self
                 .zone_at(index)?
-                .is_positive_at_once(Quantity::Gap, order, 1);
-            return self.hold(open, Unproven::Gap(index));
+                .is_positive_at_once(ZoneQuantity::Gap, order, 1);
+            return self.hold(open, UnprovenWave::Gap(index));
         }
         // P = 0 where it lands
-        let lifted = vanishing.is(Watch::LandingPressure, index + 1)
-            || vanishing.closed_as(index + 1, Regime::Separation, Entry::Touch);
+        let lifted = vanishing.is(WaveWatch::LandingPressure, index + 1)
+            || vanishing.closed_as(index + 1, Regime::Separation, ZoneEntry::Touch);
         // a Coulomb impact changes V̇
         let rigid = self.system.impact() != Impact::Coulomb;
         let mirrored = lifted && rigid && self.zone_at(index)?.is_mirrored();
         if !mirrored {
-            self.edge(Watch::LandingSpeed, index)?;
+            self.edge(WaveWatch::LandingSpeed, index)?;
         }
         let next = self.system.near.signature.zone(index + 1);
-        if self.system.impact() == Impact::Coulomb && next.entry == Entry::ArrestedLanding {
-            self.edge(Watch::Impulse, index)?;
+        if self.system.impact() == Impact::Coulomb && next.entry == ZoneEntry::ArrestedLanding {
+            self.edge(WaveWatch::Impulse, index)?;
         }
-        if self.system.impact() == Impact::Coulomb && next.entry == Entry::Touch {
+        if self.system.impact() == Impact::Coulomb && next.entry == ZoneEntry::Touch {
             // friction takes V̇ towards 1, not past it
             let after = (index + 1) % self.system.near.zones.len();
             let lag = self
                 .system
-                .edge_at(self.frame, self.x, Watch::LandingRate, after);
+                .edge_at(self.frame, self.x, WaveWatch::LandingRate, after);
             let holds = lag.is_some_and(|lag| lag.is_positive());
-            self.hold(holds, Unproven::Switch(after, Watch::LandingRate))?;
+            self.hold(holds, UnprovenWave::Switch(after, WaveWatch::LandingRate))?;
         }
         let vanishing = &self.vanishing;
-        let at_start = order + usize::from(vanishing.is(Watch::Tension, index));
+        let at_start = order + usize::from(vanishing.is(WaveWatch::Tension, index));
         let at_end = match mirrored {
             true => 3,
-            false => 1 + usize::from(vanishing.is(Watch::LandingSpeed, index)),
+            false => 1 + usize::from(vanishing.is(WaveWatch::LandingSpeed, index)),
         };
-        let touch = vanishing.is(Watch::Gap, index);
+        let touch = vanishing.is(WaveWatch::Gap, index);
         let zone = self.zone_at(index)?;
-        let open = zone.is_positive(Quantity::Gap, at_start, at_end, touch);
-        self.hold(open, Unproven::Gap(index))
+        let open = zone.is_positive(ZoneQuantity::Gap, at_start, at_end, touch);
+        self.hold(open, UnprovenWave::Gap(index))
     }
 }

@@ -14,7 +14,7 @@ use crate::interval::Interval;
 use crate::linalg::{Factors, Matrix, Vector};
 
 /// A zero that is proven.
-pub struct Zero {
+pub struct ProvenZero {
     pub at: Vec<Interval>,
     /// C F(m), C, and the radius of the box that is mapped into itself.
     step: Vec<Interval>,
@@ -34,12 +34,12 @@ const PROBE: f64 = 1e-7;
 const TRIES: i32 = 4;
 
 /// Equations with their derivatives over intervals of the unknowns.
-pub trait Equations: Fn(&[Interval]) -> Option<Evaluated> {}
+pub trait IntervalEquations: Fn(&[Interval]) -> Option<Evaluated> {}
 
-impl<F: Fn(&[Interval]) -> Option<Evaluated>> Equations for F {}
+impl<F: Fn(&[Interval]) -> Option<Evaluated>> IntervalEquations for F {}
 
 /// Refines a guess by Newton's method, in doubles.
-pub fn refined(equations: &impl Equations, guess: &[f64]) -> Option<Vec<f64>> {
+pub fn refined(equations: &impl IntervalEquations, guess: &[f64]) -> Option<Vec<f64>> {
     let mut middle = guess.to_vec();
     for _ in 0..NEWTON {
         let Evaluated { residual, jacobian } = equations(&points(&middle))?;
@@ -60,7 +60,10 @@ fn points(middle: &[f64]) -> Vec<Interval> {
     middle.iter().copied().map(Interval::point).collect()
 }
 
-fn correction(equations: &impl Equations, middle: &[f64]) -> Option<(Vec<Interval>, Matrix)> {
+fn correction(
+    equations: &impl IntervalEquations,
+    middle: &[f64],
+) -> Option<(Vec<Interval>, Matrix)> {
     let n = middle.len();
     let Evaluated { residual, jacobian } = equations(&points(middle))?;
     let matrix = Matrix::from_fn(n, n, |i, j| jacobian[i][j].middle());
@@ -81,7 +84,7 @@ fn dot(terms: impl Iterator<Item = (f64, Interval)>) -> Interval {
 }
 
 /// |I − C F′(X)|, from above.
-fn defect(equations: &impl Equations, inverse: &Matrix, x: &[Interval]) -> Option<Matrix> {
+fn defect(equations: &impl IntervalEquations, inverse: &Matrix, x: &[Interval]) -> Option<Matrix> {
     Some(defect_of(inverse, &equations(x)?.jacobian))
 }
 
@@ -126,7 +129,11 @@ fn inside(image: &Vector, radius: &[f64]) -> bool {
 }
 
 /// The zero next to `middle`; `units` are those of the unknowns. `None` if it is not proven.
-pub fn enclosed(equations: &impl Equations, middle: &[f64], units: &[f64]) -> Option<Zero> {
+pub fn enclosed(
+    equations: &impl IntervalEquations,
+    middle: &[f64],
+    units: &[f64],
+) -> Option<ProvenZero> {
     let (step, inverse) = correction(equations, middle)?;
     // a box a little larger than the correction, until it is mapped into itself
     let floor = |unit: f64| f64::EPSILON * 0.125 * unit + f64::MIN_POSITIVE;
@@ -144,7 +151,7 @@ pub fn enclosed(equations: &impl Equations, middle: &[f64], units: &[f64]) -> Op
             let ends = middle.iter().zip(&step).zip(rest.iter());
             let at = ends
                 .map(|((m, step), rest)| Interval::point(*m) - *step + Interval::new(-rest, *rest));
-            return Some(Zero {
+            return Some(ProvenZero {
                 at: at.collect(),
                 step,
                 inverse,
@@ -163,11 +170,11 @@ pub fn enclosed(equations: &impl Equations, middle: &[f64], units: &[f64]) -> Op
 
 /// The zero next to `middle`, where that is known to a share of the units; else it is not the one that is meant.
 pub fn known(
-    equations: &impl Equations,
+    equations: &impl IntervalEquations,
     middle: &[f64],
     units: &[f64],
     share: f64,
-) -> Option<Zero> {
+) -> Option<ProvenZero> {
     let zero = enclosed(equations, middle, units)?;
     let mut numbers = middle.iter().zip(&zero.at).zip(units);
     let near =
@@ -175,12 +182,12 @@ pub fn known(
     near.then_some(zero)
 }
 
-impl Zero {
+impl ProvenZero {
     /// Distance of the unknown `index` within which, and the same share of the other units, there is no other: it is looked for,
     /// or is a stored one, in whose place 0 is where that does not hold.
     pub fn distance(
         &self,
-        equations: &impl Equations,
+        equations: &impl IntervalEquations,
         middle: &[f64],
         units: &[f64],
         index: usize,
@@ -196,7 +203,7 @@ impl Zero {
 
     /// Share of the units of the unknowns around `middle` within which there is no other: that of a larger box
     /// of another shape. The box of the zero has one at least as large as its narrowest side.
-    fn unique(&self, equations: &impl Equations, middle: &[f64], units: &[f64]) -> f64 {
+    fn unique(&self, equations: &impl IntervalEquations, middle: &[f64], units: &[f64]) -> f64 {
         let narrowest = self.narrowest(units);
         let share_of = |share: f64| units.iter().map(|unit| unit * share).collect::<Vec<f64>>();
         let over = |radius: &[f64]| defect(equations, &self.inverse, &boxed(middle, radius));
@@ -222,7 +229,7 @@ impl Zero {
     /// Whether within a share of the units, up to the largest that is tried, there is no other.
     fn is_unique(
         &self,
-        equations: &impl Equations,
+        equations: &impl IntervalEquations,
         middle: &[f64],
         units: &[f64],
         share: f64,
@@ -233,7 +240,7 @@ impl Zero {
     }
 
     /// Whether a box around `middle` has no other zero.
-    fn holds(&self, equations: &impl Equations, middle: &[f64], radius: &[f64]) -> bool {
+    fn holds(&self, equations: &impl IntervalEquations, middle: &[f64], radius: &[f64]) -> bool {
         let defect = defect(equations, &self.inverse, &boxed(middle, radius));
         defect.is_some_and(|defect| inside(&image(&self.step, &defect, radius), radius))
     }
@@ -285,7 +292,7 @@ impl LinearEquations {
 }
 
 /// Whether a box around the zero next to `middle` has no other: a larger one is mapped into itself.
-pub fn is_only_zero(equations: &impl Equations, middle: &[f64], x: &[Interval]) -> bool {
+pub fn is_only_zero(equations: &impl IntervalEquations, middle: &[f64], x: &[Interval]) -> bool {
     let Some((step, inverse)) = correction(equations, middle) else {
         return false;
     };
@@ -347,7 +354,11 @@ impl Chord {
 
 /// Radius of a tube around a chord in which there is exactly one solution for every value of the coordinate, at
 /// least `narrowest`. The last equation is that of the coordinate.
-pub fn tube(equations: &impl Equations, chord: &Chord, narrowest: &[f64]) -> Option<Vec<f64>> {
+pub fn tube(
+    equations: &impl IntervalEquations,
+    chord: &Chord,
+    narrowest: &[f64],
+) -> Option<Vec<f64>> {
     let n = chord.middle.len();
     let (step, inverse) = correction(equations, &chord.middle)?;
     let reach = Interval::point(chord.reach);

@@ -3,13 +3,13 @@
 //! V̈ = v̈ + G e^{(t−T)/ρ}, v solving m̂v̈ + ŝv̇ + hv = σfgδ and G being an unknown of the zone; so V̇ − v̇ and V − v are ρ and ρ²
 //! times that. No number grows with 1/ρ along the zone, for any β > 0. The nodes between steps are those of v.
 
-use super::flow::{AMPLITUDE, Flow, Positive, Series, W, WHOLE};
-use super::frame::{Frame, Layered};
-use super::system::System;
+use super::flow::{AMPLITUDE, IntervalSeries, Positive, RegimeFlow, W, WHOLE};
+use super::frame::{IntervalFrame, Layered};
+use super::system::WaveSystem;
 use crate::interval::{Interval, Number};
 use crate::tube::model::signature::Regime;
 
-impl System<'_> {
+impl WaveSystem<'_> {
     /// Whether a zone has a layer at its end.
     pub(super) fn is_layered(&self, zone: usize) -> bool {
         let regime = self.near.signature.zone(zone).regime;
@@ -23,7 +23,11 @@ impl System<'_> {
     }
 
     /// The numbers of the layer of a zone.
-    pub(super) fn layered<N: Number>(&self, frame: &Frame<N>, zone: usize) -> Option<Layered<N>> {
+    pub(super) fn layered<N: Number>(
+        &self,
+        frame: &IntervalFrame<N>,
+        zone: usize,
+    ) -> Option<Layered<N>> {
         let [slip, reverse] = frame.layers?;
         match self.near.signature.zone(zone).regime {
             Regime::Slip => Some(slip),
@@ -41,7 +45,7 @@ impl System<'_> {
     /// The slots of a step, at its beginning without the layer: at the entry of a zone they have Y and W themselves.
     pub(super) fn smooth<N: Number>(
         &self,
-        frame: &Frame<N>,
+        frame: &IntervalFrame<N>,
         zone: usize,
         step: usize,
         [y, w, amplitude, whole]: [N; 4],
@@ -58,7 +62,7 @@ impl System<'_> {
     /// (Y, W, V̈, V⃛) a time before the end of a zone, where there is a layer.
     pub(super) fn moving<N: Number>(
         &self,
-        frame: &Frame<N>,
+        frame: &IntervalFrame<N>,
         zone: usize,
         smooth: [N; 4],
         left: N,
@@ -82,7 +86,7 @@ impl System<'_> {
     /// (Y, W, V̈, V⃛) at the entry of a zone with a layer, from its first slots.
     pub(super) fn entered<N: Number>(
         &self,
-        frame: &Frame<N>,
+        frame: &IntervalFrame<N>,
         zone: usize,
         slots: [N; 4],
     ) -> [N; 4] {
@@ -104,17 +108,17 @@ impl<N: Number> Layered<N> {
 
 /// A zone with a layer, over which a quantity is to be positive.
 pub struct Layers<'a, N> {
-    system: &'a System<'a>,
+    system: &'a WaveSystem<'a>,
     x: &'a [N],
     zone: usize,
-    frame: &'a Frame<N>,
-    flow: Flow<N>,
+    frame: &'a IntervalFrame<N>,
+    flow: RegimeFlow<N>,
     layered: Layered<N>,
 }
 
 /// One step of it.
-struct Step<N> {
-    series: Series<N>,
+struct LayerStep<N> {
+    series: IntervalSeries<N>,
     amplitude: N,
     /// Time from its beginning to the end of the zone.
     left: N,
@@ -122,7 +126,7 @@ struct Step<N> {
 
 /// A piece of a step, and the orders of the known zeros at its ends.
 #[derive(Clone, Copy)]
-struct Piece {
+struct LayerPiece {
     from: f64,
     to: f64,
     orders: [usize; 2],
@@ -134,8 +138,8 @@ impl<'a, N: Positive> Layers<'a, N> {
     const DEEPEST: u32 = 60;
 
     pub(super) fn new(
-        system: &'a System<'a>,
-        frame: &'a Frame<N>,
+        system: &'a WaveSystem<'a>,
+        frame: &'a IntervalFrame<N>,
         x: &'a [N],
         zone: usize,
     ) -> Option<Layers<'a, N>> {
@@ -161,14 +165,14 @@ impl<'a, N: Positive> Layers<'a, N> {
         (0..steps).all(|index| {
             let (state, time) = self.system.step_at(self.x, self.zone, index);
             let state = self.system.smooth(self.frame, self.zone, index, state);
-            let step = Step {
+            let step = LayerStep {
                 series: self.flow.series(state),
                 amplitude: state[AMPLITUDE],
                 left: self.system.left(self.zone, index, state[WHOLE]),
             };
             let first = if index == 0 { orders[0] } else { 0 };
             let last = if index + 1 == steps { orders[1] } else { 0 };
-            let piece = |from, to, orders| Piece {
+            let piece = |from, to, orders| LayerPiece {
                 from,
                 to,
                 orders,
@@ -186,10 +190,10 @@ impl<'a, N: Positive> Layers<'a, N> {
         })
     }
 
-    fn is_positive_on(&self, step: &Step<N>, of: &[N; 3], piece: Piece) -> bool {
+    fn is_positive_on(&self, step: &LayerStep<N>, of: &[N; 3], piece: LayerPiece) -> bool {
         let mut open = vec![piece];
         while let Some(piece) = open.pop() {
-            let Piece {
+            let LayerPiece {
                 from,
                 to,
                 orders: [first, last],
@@ -211,7 +215,7 @@ impl<'a, N: Positive> Layers<'a, N> {
                 return false;
             }
             for (from, to, orders) in [(middle, to, [0, last]), (from, middle, [first, 0])] {
-                open.push(Piece {
+                open.push(LayerPiece {
                     from,
                     to,
                     orders,
@@ -224,7 +228,13 @@ impl<'a, N: Positive> Layers<'a, N> {
 
     /// The derivative of some order of a + bW + cV̈ over times of a step: that of v by its value in the middle and the next
     /// derivative over all of them, that of the layer, which is monotone, as it is.
-    fn derivative(&self, step: &Step<N>, [a, b, c]: &[N; 3], order: usize, time: Interval) -> N {
+    fn derivative(
+        &self,
+        step: &LayerStep<N>,
+        [a, b, c]: &[N; 3],
+        order: usize,
+        time: Interval,
+    ) -> N {
         let middle = Interval::point(time.middle());
         let smooth = |time: Interval| {
             let mut state = step.series.state(N::constant(time));

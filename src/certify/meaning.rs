@@ -9,49 +9,49 @@
 //! | beyond | the cycle of zones is another, and an event of the same type is proven there |
 
 use super::certificate::begin_alike;
-use super::change::{self, Beyond};
-use super::frame::{Frame, Origin};
+use super::change::{self, WaveBeyond};
+use super::frame::{IntervalFrame, WrittenCoefficients};
 use super::krawczyk;
-use super::system::{Condition, Near, Posed, System};
-use super::{Open, Proof, Refused};
+use super::system::{NearWave, PosedWave, WaveCondition, WaveSystem};
+use super::{OpenPoint, RefusedProof, WaveProof};
 use crate::interval::{Decimal, Interval};
 use crate::orbit::{EventType, Orbit};
-use crate::tube::model::signature::{Entry, Regime, Signature};
+use crate::tube::model::signature::{Regime, Signature, ZoneEntry};
 use crate::tube::model::{Impact, Parameter};
 use crate::tube::wave::Wave;
-use crate::tube::wave::admissibility::{Margin, Watch};
+use crate::tube::wave::admissibility::{RegimeMargin, WaveWatch};
 
 /// Whether the continuation parameter enters the equations, and there is a mode.
-pub(super) fn is_posed(posed: &Posed) -> Result<(), Open> {
+pub(super) fn is_posed(posed: &PosedWave) -> Result<(), OpenPoint> {
     let written = &posed.written;
     let enters = match posed.parameter {
         Parameter::Mismatch | Parameter::Friction | Parameter::MassDamping => true,
         Parameter::StiffnessDamping => written.material.is_some(),
         Parameter::Nu | Parameter::Xi | Parameter::Gamma => {
-            matches!(written.origin, Origin::Geometry(_))
+            matches!(written.origin, WrittenCoefficients::Geometry(_))
         }
         Parameter::Smoothing => false,
     };
     match enters && posed.mode > 0 {
         true => Ok(()),
-        false => Err(Open::Parameter),
+        false => Err(OpenPoint::Parameter),
     }
 }
 
 /// Whether the numbers are those of a model where the continuation parameter has a value.
 pub(super) fn is_model(
-    posed: &Posed,
+    posed: &PosedWave,
     value: Interval,
-    frame: &Frame<Interval>,
-) -> Result<(), Open> {
+    frame: &IntervalFrame<Interval>,
+) -> Result<(), OpenPoint> {
     let written = &posed.written;
     let at = |parameter: Parameter, number: &Decimal| match parameter == posed.parameter {
         true => value,
         false => number.interval(),
     };
     let tube = match &written.origin {
-        Origin::Given(_) => true,
-        Origin::Geometry([nu, xi, gamma]) => {
+        WrittenCoefficients::Given(_) => true,
+        WrittenCoefficients::Geometry([nu, xi, gamma]) => {
             let nu = at(Parameter::Nu, nu);
             nu.low > -1.0
                 && nu.high < 0.5
@@ -67,15 +67,15 @@ pub(super) fn is_model(
         && written.ratio.as_ref().is_none_or(holds_more);
     match holds {
         true => Ok(()),
-        false => Err(Open::Model),
+        false => Err(OpenPoint::Model),
     }
 }
 
 /// Whether a margin is a condition of a zone, as [`crate::tube::wave::admissibility`] lists them.
 pub(super) fn is_condition(
-    posed: &Posed,
+    posed: &PosedWave,
     signature: &Signature,
-    watch: Watch,
+    watch: WaveWatch,
     zone: usize,
 ) -> bool {
     if zone >= signature.len() {
@@ -86,32 +86,32 @@ pub(super) fn is_condition(
     let slides = at.regime.sliding().is_some();
     let lands = at.regime == Regime::Separation;
     match watch {
-        Watch::Duration => true,
+        WaveWatch::Duration => true,
         // P exceeds that of stick where V̇ > 1
-        Watch::Pressure => slides && (layered || at.regime == Regime::Slip),
-        Watch::Rate => slides,
-        Watch::Gap | Watch::LandingSpeed => lands,
-        Watch::LandingRate => slides && at.entry == Entry::Landing,
-        Watch::LandingPressure => at.regime == Regime::Slip && at.entry == Entry::Landing,
-        Watch::Tension => at.entry == Entry::Touch,
-        Watch::LowerForce => at.regime == Regime::Stick,
-        Watch::UpperForce => match at.regime {
-            Regime::Reverse => next.entry == Entry::Reversal,
+        WaveWatch::Pressure => slides && (layered || at.regime == Regime::Slip),
+        WaveWatch::Rate => slides,
+        WaveWatch::Gap | WaveWatch::LandingSpeed => lands,
+        WaveWatch::LandingRate => slides && at.entry == ZoneEntry::Landing,
+        WaveWatch::LandingPressure => at.regime == Regime::Slip && at.entry == ZoneEntry::Landing,
+        WaveWatch::Tension => at.entry == ZoneEntry::Touch,
+        WaveWatch::LowerForce => at.regime == Regime::Stick,
+        WaveWatch::UpperForce => match at.regime {
+            Regime::Reverse => next.entry == ZoneEntry::Reversal,
             Regime::Separation => {
-                next.entry == Entry::ArrestedLanding && next.regime == Regime::Slip
+                next.entry == ZoneEntry::ArrestedLanding && next.regime == Regime::Slip
             }
             _ => false,
         },
-        Watch::Impulse => {
-            lands && next.entry == Entry::ArrestedLanding && posed.impact == Impact::Coulomb
+        WaveWatch::Impulse => {
+            lands && next.entry == ZoneEntry::ArrestedLanding && posed.impact == Impact::Coulomb
         }
-        Watch::Release => layered && at.entry == Entry::Release,
-        Watch::Coupling => false,
+        WaveWatch::Release => layered && at.entry == ZoneEntry::Release,
+        WaveWatch::Coupling => false,
     }
 }
 
 /// Whether 2π/k is the least period of a wave: where its zones repeat themselves, entries or durations differ.
-pub(super) fn is_primitive(system: &System, x: &[Interval]) -> bool {
+pub(super) fn is_primitive(system: &WaveSystem, x: &[Interval]) -> bool {
     let signature = &system.near.signature;
     let zones = signature.len();
     let unknowns = |zone: usize| {
@@ -133,21 +133,21 @@ pub(super) fn is_primitive(system: &System, x: &[Interval]) -> bool {
 /// With (ω, η) the equations have (−ω, η̄) as a solution where e^{2πij/k} is real: where they have one zero in a box that
 /// holds its mirror image, too, ω = 0.
 pub(super) fn crosses_where_said(
-    system: &System,
+    system: &WaveSystem,
     middle: &[f64],
     zero: &[Interval],
-) -> Result<(), Open> {
-    let Condition::Crossing { sector, omega } = system.condition else {
+) -> Result<(), OpenPoint> {
+    let WaveCondition::Crossing { sector, omega } = system.condition else {
         return Ok(());
     };
     if omega != 0.0 {
         return match zero[system.waves()].contains(0.0) {
-            true => Err(Open::AtZero),
+            true => Err(OpenPoint::AtZero),
             false => Ok(()),
         };
     }
     if !is_real(sector, system.mode()) {
-        return Err(Open::AtZero);
+        return Err(OpenPoint::AtZero);
     }
     // ω, and imaginary parts of the eigenfunction
     let mut both = zero.to_vec();
@@ -157,19 +157,19 @@ pub(super) fn crosses_where_said(
     let equations = |x: &[Interval]| system.evaluate(x);
     match krawczyk::is_only_zero(&equations, middle, &both) {
         true => Ok(()),
-        false => Err(Open::AtZero),
+        false => Err(OpenPoint::AtZero),
     }
 }
 
 /// Whether the minimum of an event lies inside the step of its zone, not at its ends or beyond them.
-pub(super) fn lies_inside(system: &System, x: &[Interval]) -> Result<(), Open> {
+pub(super) fn lies_inside(system: &WaveSystem, x: &[Interval]) -> Result<(), OpenPoint> {
     let Some((zone, step, place)) = system.minimum(x) else {
         return Ok(());
     };
     let (_, time) = system.step_at(x, zone, step);
     match place.is_positive() && (time - place).is_positive() {
         true => Ok(()),
-        false => Err(Open::Margin),
+        false => Err(OpenPoint::Margin),
     }
 }
 
@@ -179,14 +179,14 @@ fn is_real(sector: usize, mode: u32) -> bool {
 }
 
 /// Type of an event by what vanishes there.
-pub(super) fn type_of(near: &Near, condition: &Condition) -> EventType {
+pub(super) fn type_of(near: &NearWave, condition: &WaveCondition) -> EventType {
     match condition {
-        Condition::Value(_) => EventType::UZ,
-        Condition::Fold => EventType::LP,
-        Condition::Crossing { omega: 0.0, .. } => EventType::BP,
-        Condition::Crossing { .. } => EventType::HB,
-        Condition::Margin { watch, zone, time } => {
-            let margin = Margin {
+        WaveCondition::Value(_) => EventType::UZ,
+        WaveCondition::Fold => EventType::LP,
+        WaveCondition::Crossing { omega: 0.0, .. } => EventType::BP,
+        WaveCondition::Crossing { .. } => EventType::HB,
+        WaveCondition::Margin { watch, zone, time } => {
+            let margin = RegimeMargin {
                 watch: *watch,
                 zone: *zone,
                 time: *time,
@@ -201,13 +201,13 @@ pub(super) fn type_of(near: &Near, condition: &Condition) -> EventType {
 /// Whether the type of an event follows from what vanishes there.
 pub(super) fn check_type(
     said: EventType,
-    near: &Near,
-    condition: &Condition,
-) -> Result<(), Refused> {
-    if let Condition::Margin { zone, .. } = condition
+    near: &NearWave,
+    condition: &WaveCondition,
+) -> Result<(), RefusedProof> {
+    if let WaveCondition::Margin { zone, .. } = condition
         && *zone >= near.signature.len()
     {
-        return Err(Refused::Statement("the zone of the event"));
+        return Err(RefusedProof::Statement("the zone of the event"));
     }
     let found = match type_of(near, condition) {
         // of a value the certificate does not say who asked for it
@@ -217,7 +217,7 @@ pub(super) fn check_type(
     if found == said {
         Ok(())
     } else {
-        Err(Refused::Kind { said, found })
+        Err(RefusedProof::Kind { said, found })
     }
 }
 
@@ -226,24 +226,24 @@ pub(super) fn check_type(
 /// # Errors
 /// There is no change, or it is not proven.
 pub(super) fn check_beyond(
-    posed: &Posed,
-    near: &Near,
-    condition: &Condition,
-    beyond: &Beyond,
-) -> Result<(), Refused> {
-    let Condition::Margin { .. } = condition else {
-        return Err(Refused::Statement("that the regimes change"));
+    posed: &PosedWave,
+    near: &NearWave,
+    condition: &WaveCondition,
+    beyond: &WaveBeyond,
+) -> Result<(), RefusedProof> {
+    let WaveCondition::Margin { .. } = condition else {
+        return Err(RefusedProof::Statement("that the regimes change"));
     };
     if near.signature.is_rotation_of(&beyond.near.signature) {
-        return Err(Refused::Statement("the sequence of zones beyond"));
+        return Err(RefusedProof::Statement("the sequence of zones beyond"));
     }
     check_type(type_of(near, condition), &beyond.near, &beyond.condition)?;
     change::prove(posed, near, condition, beyond)
-        .map_err(|reason| Refused::NoProof(reason.to_string()))
+        .map_err(|reason| RefusedProof::NoProof(reason.to_string()))
 }
 
 /// Whether the event of another wave may be the same one.
-pub(super) fn is_event_of(one: &Proof, other: &Proof) -> bool {
+pub(super) fn is_event_of(one: &WaveProof, other: &WaveProof) -> bool {
     let meet = |a: Interval, b: Interval| !a.intersection(b).is_empty();
     let (first, second) = (&one.statement, &other.statement);
     let crosses_alike = |a: usize, b: usize| {
@@ -254,14 +254,14 @@ pub(super) fn is_event_of(one: &Proof, other: &Proof) -> bool {
         })
     };
     let alike = match (&one.condition, &other.condition) {
-        (Condition::Fold, Condition::Fold)
-        | (Condition::Margin { .. }, Condition::Margin { .. }) => true,
-        (Condition::Crossing { sector: a, .. }, Condition::Crossing { sector: b, .. }) => {
+        (WaveCondition::Fold, WaveCondition::Fold)
+        | (WaveCondition::Margin { .. }, WaveCondition::Margin { .. }) => true,
+        (WaveCondition::Crossing { sector: a, .. }, WaveCondition::Crossing { sector: b, .. }) => {
             crosses_alike(*a, *b)
         }
         _ => false,
     };
-    let entries = |proof: &Proof| -> Vec<Vec<f64>> {
+    let entries = |proof: &WaveProof| -> Vec<Vec<f64>> {
         let zones = proof.near.zones.iter();
         zones.map(|[y, w, _]| vec![*y, *w]).collect()
     };

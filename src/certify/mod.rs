@@ -43,74 +43,75 @@ mod tally;
 
 pub use certificate::repeated;
 pub use certificate::{
-    Certificate, Counted, Outcome, Point, Proof, Provable, Refused, Statement, Stretch, Tally,
+    ArcOutcome, Certificate, CertifiedPoint, Counted, GrowthTally, ProofOutcome, Provable,
+    RefusedProof, WaveProof, WaveStatement,
 };
-pub use change::Beyond;
-pub use count::{Growth, Leading, Uncounted, Verdict};
-pub use frame::{Origin, Written};
-pub use inequality::Unproven;
-pub use open::Open;
-pub use perturbation::Eigenvalue;
+pub use change::WaveBeyond;
+pub use count::{GrowthCount, Leading, ProvenVerdict, Uncounted};
+pub use frame::{WrittenCoefficients, WrittenModel};
+pub use inequality::UnprovenWave;
+pub use open::OpenPoint;
+pub use perturbation::ProvenEigenvalue;
 #[cfg(feature = "cli")]
-pub(crate) use requested::Requested;
-pub use system::{Condition, Near, Posed};
+pub(crate) use requested::RequestedWaves;
+pub use system::{NearWave, PosedWave, WaveCondition};
 pub use tally::miscounted;
 
 use crate::branch::row::EigenvalueRow;
-use crate::branch::run::Item;
+use crate::branch::run::WaveItem;
 use crate::branch::special::{OfWaves, Special};
 use crate::interval::{Decimal, Interval};
 use crate::linalg::Vector;
 use crate::orbit::EventType;
 use crate::problem::{decimal_at, decimal_of};
 use crate::tube::flow::method::Method;
-use crate::tube::model::signature::{Entry, Regime, switches};
+use crate::tube::model::signature::{Regime, ZoneEntry, switches};
 use crate::tube::model::{Impact, Parameter};
 use crate::tube::wave::Wave;
-use crate::tube::wave::admissibility::Watch;
+use crate::tube::wave::admissibility::WaveWatch;
 use arc::Broken;
-use change::NotBeyond;
-use inequality::Part;
-use system::System;
+use change::WaveNotBeyond;
+use inequality::ProvenPart;
+use system::WaveSystem;
 
-impl Provable for Proof {
+impl Provable for WaveProof {
     type Parameter = Parameter;
-    type Unproven = Unproven;
-    type Beyond = NotBeyond;
+    type Unproven = UnprovenWave;
+    type Beyond = WaveNotBeyond;
 
-    fn arc(from: &Proof, to: &Proof) -> Result<(), Broken<Unproven, NotBeyond>> {
+    fn arc(from: &WaveProof, to: &WaveProof) -> Result<(), Broken<UnprovenWave, WaveNotBeyond>> {
         stretch::prove(from, to)
     }
 
-    fn is_event_of(&self, other: &Proof) -> bool {
+    fn is_event_of(&self, other: &WaveProof) -> bool {
         meaning::is_event_of(self, other)
     }
 
-    fn tally(point: &Point) -> Tally {
+    fn tally(point: &CertifiedPoint) -> GrowthTally {
         let Some(proof) = point.proof() else {
-            return Tally::Unknown;
+            return GrowthTally::Unknown;
         };
         let neutral = match &proof.condition {
-            Condition::Value(_) => 0,
-            Condition::Fold => 1,
+            WaveCondition::Value(_) => 0,
+            WaveCondition::Fold => 1,
             // with its conjugate
-            Condition::Crossing { omega: 0.0, .. } => 1,
-            Condition::Crossing { .. } => 2,
-            Condition::Margin { .. } => return Tally::Unknown,
+            WaveCondition::Crossing { omega: 0.0, .. } => 1,
+            WaveCondition::Crossing { .. } => 2,
+            WaveCondition::Margin { .. } => return GrowthTally::Unknown,
         };
         match &point.growth {
-            Some(Counted::Proven(growth)) => Tally::Known {
+            Some(Counted::Proven(growth)) => GrowthTally::Known {
                 growing: growth.on_circle(),
                 neutral,
             },
-            _ => Tally::Passes(neutral),
+            _ => GrowthTally::Passes(neutral),
         }
     }
 }
 
 /// Proves a special point of a branch; `None` for points without an event, and for failures. `text` is that
 /// of the problem file, whose decimals are taken as they are written.
-pub fn certify(item: &Item, text: &str) -> Option<Point> {
+pub fn certify(item: &WaveItem, text: &str) -> Option<CertifiedPoint> {
     let (event, special) = (item.event.as_ref()?, item.special.as_ref()?);
     let kind = special.kind();
     let (wave, point) = item.wave();
@@ -118,7 +119,7 @@ pub fn certify(item: &Item, text: &str) -> Option<Point> {
         return None;
     }
     let value = event.model.value(wave.parameter).unwrap_or(f64::NAN);
-    let prepared = || -> Result<Proof, Open> {
+    let prepared = || -> Result<WaveProof, OpenPoint> {
         covered(wave, point)?;
         let (condition, beyond) = condition(wave, point, special, || match special {
             Special::User(..) | Special::Edge(..) | Special::Own(OfWaves::CoulombLimit) => {
@@ -126,25 +127,25 @@ pub fn certify(item: &Item, text: &str) -> Option<Point> {
             }
             _ => decimal_of(text, wave.parameter.path(), value),
         })?;
-        let posed = Posed {
-            written: Written::new(&wave.model, wave.material, |path| decimal_at(text, path)),
+        let posed = PosedWave {
+            written: WrittenModel::new(&wave.model, wave.material, |path| decimal_at(text, path)),
             impact: wave.model.impact,
             parameter: wave.parameter,
             mode: wave.mode,
             unit: wave.scales.parameter.abs(),
         };
-        let proof = prove(posed, Near::new(wave, point), condition, beyond)?;
-        meaning::check_type(kind, &proof.near, &proof.condition).map_err(|_| Open::Type)?;
+        let proof = prove(posed, NearWave::new(wave, point), condition, beyond)?;
+        meaning::check_type(kind, &proof.near, &proof.condition).map_err(|_| OpenPoint::Type)?;
         let eigenvalues = match &proof.condition {
-            Condition::Value(_) => eigenvalues(&proof, &leading(&item.eigenvalues))?,
+            WaveCondition::Value(_) => eigenvalues(&proof, &leading(&item.eigenvalues))?,
             _ => Vec::new(),
         };
-        Ok(Proof {
+        Ok(WaveProof {
             eigenvalues,
             ..proof
         })
     };
-    Some(Point {
+    Some(CertifiedPoint {
         label: event.label,
         kind,
         parameter: wave.parameter,
@@ -155,7 +156,7 @@ pub fn certify(item: &Item, text: &str) -> Option<Point> {
     })
 }
 
-impl Point {
+impl CertifiedPoint {
     /// Counts the growing eigenvalues with |Im λ| up to a window; `None` but at user points, ends and crossings.
     pub fn counted(&self, window: f64) -> Option<Counted> {
         let proof = self.proof()?;
@@ -174,20 +175,20 @@ impl Point {
 /// # Errors
 /// It is not covered, or not proven.
 pub fn prove(
-    posed: Posed,
-    near: Near,
-    condition: Condition,
-    beyond: Option<Beyond>,
-) -> Result<Proof, Open> {
+    posed: PosedWave,
+    near: NearWave,
+    condition: WaveCondition,
+    beyond: Option<WaveBeyond>,
+) -> Result<WaveProof, OpenPoint> {
     let (system, guess) = system(&posed, &near, &condition)?;
     let equations = |x: &[Interval]| system.evaluate(x);
-    let found = krawczyk::refined(&equations, &guess).ok_or(Open::NotEnclosed)?;
+    let found = krawczyk::refined(&equations, &guess).ok_or(OpenPoint::NotEnclosed)?;
     let (near, condition) = (system.refined(&found), system.located(&found));
     // from what is stored, as a check does it
     let statement = statement(&posed, &near, &condition, None)?;
     let beyond =
         beyond.filter(|beyond| meaning::check_beyond(&posed, &near, &condition, beyond).is_ok());
-    Ok(Proof {
+    Ok(WaveProof {
         posed,
         condition,
         beyond,
@@ -211,7 +212,10 @@ fn leading(rows: &[EigenvalueRow]) -> Vec<(usize, [f64; 2])> {
 }
 
 /// Proves eigenvalues next to those in doubles; those that are not proven are left out.
-fn eigenvalues(proof: &Proof, wanted: &[(usize, [f64; 2])]) -> Result<Vec<Eigenvalue>, Open> {
+fn eigenvalues(
+    proof: &WaveProof,
+    wanted: &[(usize, [f64; 2])],
+) -> Result<Vec<ProvenEigenvalue>, OpenPoint> {
     let layered = proof.posed.written.material.is_some();
     if wanted.is_empty() || layered || lands_with_impulse(&proof.posed, &proof.near) {
         return Ok(Vec::new());
@@ -219,7 +223,7 @@ fn eigenvalues(proof: &Proof, wanted: &[(usize, [f64; 2])]) -> Result<Vec<Eigenv
     let (system, wave) = known(proof)?;
     let proven = wanted.iter().filter_map(|(sector, lambda)| {
         let [growth, omega] = system.eigenvalue(&wave, *sector, *lambda)?;
-        Some(Eigenvalue {
+        Some(ProvenEigenvalue {
             sector: *sector,
             near: *lambda,
             growth: wider(growth),
@@ -229,8 +233,12 @@ fn eigenvalues(proof: &Proof, wanted: &[(usize, [f64; 2])]) -> Result<Vec<Eigenv
     Ok(proven.collect())
 }
 
-/// Counts the growing eigenvalues of a wave; see [`System::growth`].
-fn growth(proof: &Proof, window: f64, stored: Option<&Growth>) -> Result<Growth, Uncounted> {
+/// Counts the growing eigenvalues of a wave; see [`WaveSystem::growth`].
+fn growth(
+    proof: &WaveProof,
+    window: f64,
+    stored: Option<&GrowthCount>,
+) -> Result<GrowthCount, Uncounted> {
     if proof.posed.written.material.is_some() {
         return Err(Uncounted::MaterialDamping);
     }
@@ -242,14 +250,14 @@ fn growth(proof: &Proof, window: f64, stored: Option<&Growth>) -> Result<Growth,
 }
 
 /// The equations of a point, and intervals of their unknowns.
-fn known(proof: &Proof) -> Result<(System<'_>, Vec<Interval>), Open> {
+fn known(proof: &WaveProof) -> Result<(WaveSystem<'_>, Vec<Interval>), OpenPoint> {
     let (system, middle) = system(&proof.posed, &proof.near, &proof.condition)?;
-    let wave = enclosed(&proof.posed, &system, &middle).ok_or(Open::NotIsolated)?;
+    let wave = enclosed(&proof.posed, &system, &middle).ok_or(OpenPoint::NotIsolated)?;
     Ok((system, wave))
 }
 
 /// Intervals of the unknowns of a system next to values in doubles.
-fn enclosed(posed: &Posed, system: &System, middle: &[f64]) -> Option<Vec<Interval>> {
+fn enclosed(posed: &PosedWave, system: &WaveSystem, middle: &[f64]) -> Option<Vec<Interval>> {
     let equations = |x: &[Interval]| system.evaluate(x);
     let units = units(system, middle, system.near, posed.unit);
     Some(krawczyk::enclosed(&equations, middle, &units)?.at)
@@ -262,8 +270,12 @@ fn wider(x: Interval) -> Interval {
 }
 
 /// Whether the perturbation of a Coulomb impact enters.
-fn lands_with_impulse(posed: &Posed, near: &Near) -> bool {
-    let lands = [Entry::Landing, Entry::Touch, Entry::ArrestedLanding];
+fn lands_with_impulse(posed: &PosedWave, near: &NearWave) -> bool {
+    let lands = [
+        ZoneEntry::Landing,
+        ZoneEntry::Touch,
+        ZoneEntry::ArrestedLanding,
+    ];
     let impact = |index: usize| lands.contains(&near.signature.zone(index).entry);
     posed.impact == Impact::Coulomb && (0..near.signature.len()).any(impact)
 }
@@ -274,52 +286,52 @@ fn condition(
     point: &Vector,
     special: &Special,
     value: impl Fn() -> Decimal,
-) -> Result<(Condition, Option<Beyond>), Open> {
+) -> Result<(WaveCondition, Option<WaveBeyond>), OpenPoint> {
     Ok(match special {
         Special::User(..)
         | Special::Edge(..)
         | Special::Own(OfWaves::CoulombLimit)
         | Special::Start
-        | Special::Closed => (Condition::Value(value()), None),
-        Special::Fold(_) => (Condition::Fold, None),
-        Special::Change(change) if change.margin.watch == Watch::Coupling => {
-            return Err(Open::Undriven);
+        | Special::Closed => (WaveCondition::Value(value()), None),
+        Special::Fold(_) => (WaveCondition::Fold, None),
+        Special::Change(change) if change.margin.watch == WaveWatch::Coupling => {
+            return Err(OpenPoint::Undriven);
         }
         Special::Change(change) => {
-            let entered = || Beyond::new(wave, point, change).ok_or(Open::Signature);
+            let entered = || WaveBeyond::new(wave, point, change).ok_or(OpenPoint::Signature);
             let beyond = change.after.as_ref().map(|_| entered()).transpose()?;
             (change.margin.into(), beyond)
         }
-        Special::Own(OfWaves::HopfPoint | OfWaves::StickOpens) => return Err(Open::Family),
-        Special::Own(OfWaves::Repeats) => return Err(Open::Repeats),
+        Special::Own(OfWaves::HopfPoint | OfWaves::StickOpens) => return Err(OpenPoint::Family),
+        Special::Own(OfWaves::Repeats) => return Err(OpenPoint::Repeats),
         Special::Own(OfWaves::Crossing { sector, omega, .. }) => {
             let (sector, omega) = (*sector, omega.unwrap_or(0.0));
-            (Condition::Crossing { sector, omega }, None)
+            (WaveCondition::Crossing { sector, omega }, None)
         }
         // a wave has no monitors
-        Special::Failed(_) | Special::Monitor(..) => return Err(Open::Signature),
+        Special::Failed(_) | Special::Monitor(..) => return Err(OpenPoint::Signature),
     })
 }
 
-fn covered(wave: &Wave, point: &Vector) -> Result<(), Open> {
+fn covered(wave: &Wave, point: &Vector) -> Result<(), OpenPoint> {
     let beta = match wave.parameter {
         Parameter::StiffnessDamping => wave.parameter_at(point),
         _ => wave.model.damping.stiffness,
     };
     if wave.material && beta <= 0.0 {
-        return Err(Open::NoLayer);
+        return Err(OpenPoint::NoLayer);
     }
     if !wave.model.law.piecewise_linear() {
-        return Err(Open::Law);
+        return Err(OpenPoint::Law);
     }
     if wave.method != Method::Exact {
-        return Err(Open::Method);
+        return Err(OpenPoint::Method);
     }
     Ok(())
 }
 
 /// Units of the unknowns in which uniqueness is measured.
-fn units(system: &System, guess: &[f64], near: &Near, parameter_unit: f64) -> Vec<f64> {
+fn units(system: &WaveSystem, guess: &[f64], near: &NearWave, parameter_unit: f64) -> Vec<f64> {
     let period: f64 = near.zones.iter().map(|zone| zone[2].abs()).sum();
     let rate = near
         .zones
@@ -344,41 +356,41 @@ fn units(system: &System, guess: &[f64], near: &Near, parameter_unit: f64) -> Ve
 
 /// The equations of a point, and their unknowns in doubles.
 fn system<'a>(
-    posed: &'a Posed,
-    near: &'a Near,
-    condition: &Condition,
-) -> Result<(System<'a>, Vec<f64>), Open> {
+    posed: &'a PosedWave,
+    near: &'a NearWave,
+    condition: &WaveCondition,
+) -> Result<(WaveSystem<'a>, Vec<f64>), OpenPoint> {
     let signature = &near.signature;
     meaning::is_posed(posed)?;
     match condition {
-        Condition::Margin { watch, zone, .. }
+        WaveCondition::Margin { watch, zone, .. }
             if !meaning::is_condition(posed, signature, *watch, *zone) =>
         {
-            return Err(Open::Margin);
+            return Err(OpenPoint::Margin);
         }
-        Condition::Crossing { sector, .. }
+        WaveCondition::Crossing { sector, .. }
             if !u32::try_from(*sector).is_ok_and(|sector| sector < posed.mode) =>
         {
-            return Err(Open::Sector);
+            return Err(OpenPoint::Sector);
         }
         _ => {}
     }
-    let crosses = matches!(condition, Condition::Crossing { .. });
+    let crosses = matches!(condition, WaveCondition::Crossing { .. });
     if posed.written.material.is_some() {
         if signature.has(Regime::Separation) {
-            return Err(Open::LayeredSeparation);
+            return Err(OpenPoint::LayeredSeparation);
         }
         if crosses {
-            return Err(Open::LayeredEigenvalues);
+            return Err(OpenPoint::LayeredEigenvalues);
         }
-        if let Condition::Margin {
-            watch: Watch::Duration,
+        if let WaveCondition::Margin {
+            watch: WaveWatch::Duration,
             zone,
             ..
         } = condition
             && signature.zone(*zone).regime != Regime::Stick
         {
-            return Err(Open::LayeredOpening);
+            return Err(OpenPoint::LayeredOpening);
         }
     }
     let follows = |index: usize| {
@@ -386,42 +398,42 @@ fn system<'a>(
         switches(zone.regime, next.regime, posed.impact).contains(&next.entry)
     };
     if !(0..signature.len()).all(follows) {
-        return Err(Open::Signature);
+        return Err(OpenPoint::Signature);
     }
     if crosses && lands_with_impulse(posed, near) {
-        return Err(Open::CoulombImpact);
+        return Err(OpenPoint::CoulombImpact);
     }
-    System::new(posed, near, condition).ok_or(Open::NotEnclosed)
+    WaveSystem::new(posed, near, condition).ok_or(OpenPoint::NotEnclosed)
 }
 
 /// What is proven of the point next to a wave. The distance of uniqueness is looked for, or that of a stored
 /// statement, which is 0 where it does not hold.
 fn statement(
-    posed: &Posed,
-    near: &Near,
-    condition: &Condition,
+    posed: &PosedWave,
+    near: &NearWave,
+    condition: &WaveCondition,
     stored: Option<f64>,
-) -> Result<Statement, Open> {
+) -> Result<WaveStatement, OpenPoint> {
     /// The wave in doubles is known to this share of its units, or it is not that of the point.
     const KNOWN: f64 = 1e-9;
     let (system, middle) = system(posed, near, condition)?;
     let units = units(&system, &middle, near, posed.unit);
     let equations = |x: &[Interval]| system.evaluate(x);
-    let zero = krawczyk::known(&equations, &middle, &units, KNOWN).ok_or(Open::NotIsolated)?;
+    let zero = krawczyk::known(&equations, &middle, &units, KNOWN).ok_or(OpenPoint::NotIsolated)?;
     if !meaning::is_primitive(&system, &zero.at) {
-        return Err(Open::Repeats);
+        return Err(OpenPoint::Repeats);
     }
     meaning::crosses_where_said(&system, &middle, &zero.at)?;
     meaning::lies_inside(&system, &zero.at)?;
-    let inequalities = inequality::prove(&system, condition, Part::All, &zero.at)?;
-    let frame = system.frame_at(&zero.at).ok_or(Open::NotEnclosed)?;
+    let inequalities = inequality::prove(&system, condition, ProvenPart::All, &zero.at)?;
+    let frame = system.frame_at(&zero.at).ok_or(OpenPoint::NotEnclosed)?;
     let [_, parameter] = system.tail();
     meaning::is_model(posed, zero.at[parameter], &frame)?;
     let unique = zero.distance(&equations, &middle, &units, parameter, stored);
     let length = |zone: usize| wider(zero.at[system.duration(zone)] * frame.speed);
-    Ok(Statement {
+    Ok(WaveStatement {
         parameter: match condition {
-            Condition::Value(value) => value.interval(),
+            WaveCondition::Value(value) => value.interval(),
             _ => wider(zero.at[parameter]),
         },
         speed: wider(system.speed(&frame)),
@@ -436,7 +448,7 @@ fn statement(
 ///
 /// # Errors
 /// The proof fails, or it proves something else.
-pub fn verify(point: &Point, proof: &Proof) -> Result<(), Refused> {
+pub fn verify(point: &CertifiedPoint, proof: &WaveProof) -> Result<(), RefusedProof> {
     proven_again(point, proof).map(|_| ())
 }
 
@@ -444,8 +456,11 @@ pub fn verify(point: &Point, proof: &Proof) -> Result<(), Refused> {
 ///
 /// # Errors
 /// The proof fails, or it proves something else.
-pub(crate) fn proven_again(point: &Point, proof: &Proof) -> Result<Proof, Refused> {
-    let Proof {
+pub(crate) fn proven_again(
+    point: &CertifiedPoint,
+    proof: &WaveProof,
+) -> Result<WaveProof, RefusedProof> {
+    let WaveProof {
         posed,
         condition,
         beyond,
@@ -454,10 +469,10 @@ pub(crate) fn proven_again(point: &Point, proof: &Proof) -> Result<Proof, Refuse
         eigenvalues: spectrum,
     } = proof;
     if point.parameter != posed.parameter {
-        return Err(Refused::Statement("the parameter"));
+        return Err(RefusedProof::Statement("the parameter"));
     }
     if !(posed.unit > 0.0 && posed.unit.is_finite()) {
-        return Err(Refused::Statement("the unit of the parameter"));
+        return Err(RefusedProof::Statement("the unit of the parameter"));
     }
     meaning::check_type(point.kind, near, condition)?;
     let proven = statement(posed, near, condition, Some(said.unique))?;
@@ -465,15 +480,15 @@ pub(crate) fn proven_again(point: &Point, proof: &Proof) -> Result<Proof, Refuse
     compared("the speed", said.speed, proven.speed)?;
     let mut lengths = said.lengths.iter().zip(&proven.lengths);
     if said.lengths.len() != proven.lengths.len() || !lengths.all(|(a, b)| same(*a, *b)) {
-        return Err(Refused::Statement("a length"));
+        return Err(RefusedProof::Statement("a length"));
     }
     let both = said.omega.zip(proven.omega);
     if said.omega.is_some() != proven.omega.is_some() || both.is_some_and(|(a, b)| !same(a, b)) {
-        return Err(Refused::Statement("ω"));
+        return Err(RefusedProof::Statement("ω"));
     }
     compared_unique(said.unique, proven.unique)?;
     if said.inequalities != proven.inequalities {
-        return Err(Refused::Statement("the number of inequalities"));
+        return Err(RefusedProof::Statement("the number of inequalities"));
     }
     let wanted: Vec<_> = spectrum
         .iter()
@@ -486,19 +501,19 @@ pub(crate) fn proven_again(point: &Point, proof: &Proof) -> Result<Proof, Refuse
         || !spectrum.iter().all(|said| sectors.contains(&said.sector))
         || !both.all(|(a, b)| same(a.growth, b.growth) && same(a.omega, b.omega))
     {
-        return Err(Refused::Statement("an eigenvalue"));
+        return Err(RefusedProof::Statement("an eigenvalue"));
     }
     if let Some(beyond) = beyond {
         meaning::check_beyond(posed, near, condition, beyond)?;
     }
     let counted = point.growth.is_some() && !condition.is_counted();
-    if counted || !spectrum.is_empty() && !matches!(condition, Condition::Value(_)) {
-        return Err(Refused::Statement("where eigenvalues are looked for"));
+    if counted || !spectrum.is_empty() && !matches!(condition, WaveCondition::Value(_)) {
+        return Err(RefusedProof::Statement("where eigenvalues are looked for"));
     }
     if let Some(Counted::Proven(said)) = &point.growth
         && growth(proof, said.window, Some(said)).as_ref() != Ok(said)
     {
-        return Err(Refused::Statement("what grows"));
+        return Err(RefusedProof::Statement("what grows"));
     }
     let mut again = proof.clone();
     let statement = &mut again.statement;
@@ -523,16 +538,16 @@ fn narrowed(said: Interval, proven: Interval) -> Interval {
     said.intersection(roomless(proven))
 }
 
-fn compared(what: &'static str, said: Interval, proven: Interval) -> Result<(), Refused> {
+fn compared(what: &'static str, said: Interval, proven: Interval) -> Result<(), RefusedProof> {
     match same(said, proven) {
         true => Ok(()),
-        false => Err(Refused::Statement(what)),
+        false => Err(RefusedProof::Statement(what)),
     }
 }
 
-fn compared_unique(said: f64, proven: f64) -> Result<(), Refused> {
+fn compared_unique(said: f64, proven: f64) -> Result<(), RefusedProof> {
     match said >= 0.0 && said <= proven * (1.0 + 1e-9) {
         true => Ok(()),
-        false => Err(Refused::Statement("the distance of uniqueness")),
+        false => Err(RefusedProof::Statement("the distance of uniqueness")),
     }
 }

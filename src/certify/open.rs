@@ -1,10 +1,10 @@
 //! Why a point is not proven: what is not covered, and what is undecided.
 
-use super::Unproven;
+use super::UnprovenWave;
 
 /// Why a point is not proven.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum Open {
+pub enum OpenPoint {
     /// A layer in V and one in U, which are coupled.
     #[error("not covered: separation with material damping")]
     LayeredSeparation,
@@ -64,5 +64,5 @@ pub enum Open {
     NotIsolated,
     /// An inequality.
     #[error("undecided: {0} is not proven")]
-    Inequality(#[from] Unproven),
+    Inequality(#[from] UnprovenWave),
 }

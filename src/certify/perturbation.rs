@@ -15,16 +15,16 @@ use serde::{Deserialize, Serialize};
 
 use super::equations::Evaluated;
 use super::flow::{GAP_RATE, W, Y};
-use super::frame::Frame;
+use super::frame::IntervalFrame;
 use super::krawczyk;
 use super::propagator::{
-    Complex, ETA, ETA_RATE, Linear, Perturbation, RADIAL, RADIAL_RATE, combined, dimension, dot,
-    nothing, unit,
+    Complex, ETA, ETA_RATE, Perturbation, PerturbationEquations, RADIAL, RADIAL_RATE, combined,
+    dimension, dot, nothing, unit,
 };
-use super::system::{Condition, EXCESS, PARAMETER, SLOTS, System, TIME};
+use super::system::{EXCESS, PARAMETER, SLOTS, TIME, WaveCondition, WaveSystem};
 use crate::interval::{Gradient, Interval, Number, PI};
 use crate::linalg::{Matrix, least};
-use crate::tube::model::signature::Entry;
+use crate::tube::model::signature::ZoneEntry;
 
 /// Slots of λ, beyond those of a step.
 const GROWTH: usize = SLOTS;
@@ -39,7 +39,7 @@ type Local = Gradient<Interval, { LOCAL.len() }>;
 /// An eigenvalue λ of a wave, with e^{λt}.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Eigenvalue {
+pub struct ProvenEigenvalue {
     /// Bloch sector.
     pub sector: usize,
     /// λ in doubles.
@@ -52,7 +52,7 @@ pub struct Eigenvalue {
 
 /// Where λ and an eigenfunction stand among unknowns and equations.
 #[derive(Clone, Copy)]
-pub(super) struct Place {
+pub(super) struct EigenfunctionPlace {
     sector: usize,
     /// Column of Re λ, which is 0 where it has none.
     growth: Option<usize>,
@@ -62,7 +62,7 @@ pub(super) struct Place {
 }
 
 /// What a perturbation becomes over a zone and the switch at its end: a column for each component.
-struct Transfer {
+struct ZoneTransfer {
     /// Columns of the unknowns in which derivatives are taken.
     columns: [Option<usize>; ALL],
     matrix: Vec<Perturbation<Mixed>>,
@@ -72,7 +72,7 @@ struct Transfer {
     switch: Vec<Perturbation<Interval>>,
 }
 
-impl Transfer {
+impl ZoneTransfer {
     fn part(
         &self,
         of: impl Fn(&Complex<Mixed>) -> Complex<Interval>,
@@ -129,13 +129,13 @@ fn difference(a: Perturbation<Interval>, b: &Perturbation<Interval>) -> Perturba
 /// so that roundings add up instead of being multiplied; those of eₙ, which `course` knows at the beginning of
 /// every zone, are multiplied by roundings.
 fn sharpened(
-    transfers: &[Transfer],
+    transfers: &[ZoneTransfer],
     course: &[Perturbation<Interval>],
     component: usize,
 ) -> Complex<Interval> {
     let mut near = rounded(course[0]);
     let mut states = vec![near];
-    for factor in transfers.iter().flat_map(Transfer::factors) {
+    for factor in transfers.iter().flat_map(ZoneTransfer::factors) {
         near = rounded(combined(factor, &near));
         states.push(near);
     }
@@ -168,7 +168,10 @@ fn sharpened(
 }
 
 /// A perturbation at the beginning of every zone, and at the end of the period.
-fn course(transfers: &[Transfer], start: Perturbation<Interval>) -> Vec<Perturbation<Interval>> {
+fn course(
+    transfers: &[ZoneTransfer],
+    start: Perturbation<Interval>,
+) -> Vec<Perturbation<Interval>> {
     let mut course = vec![start];
     for transfer in transfers {
         let moved = combined(&transfer.part(Complex::value), &course[course.len() - 1]);
@@ -177,11 +180,11 @@ fn course(transfers: &[Transfer], start: Perturbation<Interval>) -> Vec<Perturba
     course
 }
 
-impl System<'_> {
+impl WaveSystem<'_> {
     /// Where λ of a crossing and its eigenfunction stand.
-    pub(super) fn crossing(&self) -> Option<Place> {
+    pub(super) fn crossing(&self) -> Option<EigenfunctionPlace> {
         match &self.condition {
-            Condition::Crossing { sector, .. } => Some(Place {
+            WaveCondition::Crossing { sector, .. } => Some(EigenfunctionPlace {
                 sector: *sector,
                 growth: None,
                 omega: self.waves(),
@@ -197,9 +200,9 @@ impl System<'_> {
     }
 
     /// The eigenfunction at the beginning of the period, next to a wave and λ in doubles, but for ζ = 1.
-    fn eigenfunction(&self, place: Place, x: &[Interval]) -> Option<Vec<f64>> {
+    fn eigenfunction(&self, place: EigenfunctionPlace, x: &[Interval]) -> Option<Vec<f64>> {
         let count = self.components();
-        if self.near.signature.zone(0).entry == Entry::Release && !self.sticks() {
+        if self.near.signature.zone(0).entry == ZoneEntry::Release && !self.sticks() {
             // η′ = 0 at release
             return Some(vec![0.0; 2 * (count - 1)]);
         }
@@ -231,7 +234,7 @@ impl System<'_> {
 
     /// λ and the eigenfunction of a crossing next to a wave in doubles.
     pub(super) fn crossing_near(&self, guess: &[f64]) -> Option<Vec<f64>> {
-        let Condition::Crossing { omega, .. } = &self.condition else {
+        let WaveCondition::Crossing { omega, .. } = &self.condition else {
             return Some(Vec::new());
         };
         let numbers = guess.iter().chain([omega]);
@@ -255,7 +258,7 @@ impl System<'_> {
         near: [f64; 2],
     ) -> Option<[Interval; 2]> {
         let waves = self.waves();
-        let place = Place {
+        let place = EigenfunctionPlace {
             sector,
             growth: Some(waves),
             omega: waves + 1,
@@ -285,7 +288,12 @@ impl System<'_> {
     }
 
     /// Adds the equations of an eigenfunction.
-    fn perturb(&self, place: Place, x: &[Interval], evaluated: &mut Evaluated) -> Option<()> {
+    fn perturb(
+        &self,
+        place: EigenfunctionPlace,
+        x: &[Interval],
+        evaluated: &mut Evaluated,
+    ) -> Option<()> {
         let count = self.components();
         let first = place.omega + 1;
         let mut start = unit(ETA);
@@ -336,7 +344,7 @@ impl System<'_> {
     }
 
     /// What a perturbation becomes over every zone, the last with e^{−2πij/k}.
-    fn transfers(&self, place: Place, x: &[Interval]) -> Option<Vec<Transfer>> {
+    fn transfers(&self, place: EigenfunctionPlace, x: &[Interval]) -> Option<Vec<ZoneTransfer>> {
         let [excess, parameter] = self.tail();
         let known = [
             (EXCESS, Some(excess)),
@@ -378,9 +386,9 @@ impl System<'_> {
             columns[..SLOTS].copy_from_slice(&self.columns(zone, steps - 1, duration));
             (columns[GROWTH], columns[OMEGA]) = (place.growth, Some(place.omega));
             let linear = match self.flow(&narrow, zone) {
-                Some(flow) => Linear::new(&narrow, regime, lambda, flow.weights())?,
+                Some(flow) => PerturbationEquations::new(&narrow, regime, lambda, flow.weights())?,
                 // V stays what it is: ζ turns by e^{−λT}
-                None => Linear::still(lambda),
+                None => PerturbationEquations::still(lambda),
             };
             let lifted = |column: Perturbation<Local>| {
                 let rate = linear.rate(&column);
@@ -406,7 +414,7 @@ impl System<'_> {
                     *column = column.map(|x| multiplier.times(x));
                 }
             }
-            transfers.push(Transfer {
+            transfers.push(ZoneTransfer {
                 columns,
                 matrix,
                 step,
@@ -420,15 +428,17 @@ impl System<'_> {
     /// Whether the state at the end of a zone enters the jump there.
     pub(super) fn bends(&self, zone: usize) -> bool {
         let next = self.near.signature.zone(zone + 1).entry;
-        matches!(next, Entry::Reversal | Entry::Landing | Entry::Touch)
-            || next == Entry::Release && self.sticks()
+        matches!(
+            next,
+            ZoneEntry::Reversal | ZoneEntry::Landing | ZoneEntry::Touch
+        ) || next == ZoneEntry::Release && self.sticks()
     }
 
     /// What the switch at the end of a zone does to a perturbation; see the table of
     /// [`crate::tube::stability::characteristic`].
     pub(super) fn jump<N: Number>(
         &self,
-        frame: &Frame<N>,
+        frame: &IntervalFrame<N>,
         lambda: Complex<N>,
         x: &mut Perturbation<N>,
         end: &[N; 4],
@@ -445,8 +455,8 @@ impl System<'_> {
         };
         let landed = [end[Y], end[W], N::double(0.0), N::double(0.0)];
         match next.entry {
-            Entry::Arrest => x[ETA_RATE] = zero,
-            Entry::Release => {
+            ZoneEntry::Arrest => x[ETA_RATE] = zero,
+            ZoneEntry::Release => {
                 x[ETA_RATE] = zero;
                 if self.sticks() {
                     // V̈⁺(h + rfκλ − ãλ²)η/h
@@ -458,19 +468,19 @@ impl System<'_> {
                     x[ETA_RATE] = x[ETA].times(factor.by(jump));
                 }
             }
-            Entry::Reversal => {
+            ZoneEntry::Reversal => {
                 let ratio = rate(zone + 1, landed, W) * rate(zone, *end, W).recip();
                 x[ETA_RATE] = x[ETA_RATE].by(ratio);
             }
-            Entry::TakeOff => (x[RADIAL], x[RADIAL_RATE]) = (zero, zero),
-            Entry::Landing | Entry::Touch => {
+            ZoneEntry::TakeOff => (x[RADIAL], x[RADIAL_RATE]) = (zero, zero),
+            ZoneEntry::Landing | ZoneEntry::Touch => {
                 let bend = rate(zone + 1, landed, W) - rate(zone, *end, W);
                 let delay = x[RADIAL].by(end[GAP_RATE].recip());
                 x[ETA_RATE] = x[ETA_RATE].plus(delay.by(bend));
                 x[RADIAL] = zero;
                 x[RADIAL_RATE] = delay.by(rate(zone + 1, landed, GAP_RATE));
             }
-            Entry::ArrestedLanding | Entry::Section => {}
+            ZoneEntry::ArrestedLanding | ZoneEntry::Section => {}
         }
     }
 }

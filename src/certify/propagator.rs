@@ -1,7 +1,7 @@
 //! A perturbation of a wave in one regime, and its propagator.
 
 use super::flow::{DEGREE, geometric};
-use super::frame::Frame;
+use super::frame::IntervalFrame;
 use crate::interval::{Gradient, Interval, Number};
 use crate::tube::model::signature::Regime;
 
@@ -119,7 +119,7 @@ pub(super) fn combined<N: Number>(
 }
 
 /// The equations of a perturbation in one regime: ẋ = (A − λ)x.
-pub(super) struct Linear<N> {
+pub(super) struct PerturbationEquations<N> {
     /// Rows of the second derivatives of η and u; `None` without u.
     tangential: [Complex<N>; 4],
     radial: Option<[Complex<N>; 4]>,
@@ -129,13 +129,13 @@ pub(super) struct Linear<N> {
     weights: [f64; 4],
 }
 
-impl<N: Number> Linear<N> {
+impl<N: Number> PerturbationEquations<N> {
     pub(super) fn new(
-        frame: &Frame<N>,
+        frame: &IntervalFrame<N>,
         regime: Regime,
         lambda: Complex<N>,
         weights: [f64; 4],
-    ) -> Option<Linear<N>> {
+    ) -> Option<PerturbationEquations<N>> {
         let one = N::double(1.0);
         let sigma = regime.sliding();
         if sigma.is_none() && regime != Regime::Separation {
@@ -167,7 +167,7 @@ impl<N: Number> Linear<N> {
             real(damping).plus(twice.by(shear)),
         ];
         let (mass, radial_mass) = (-frame.ma.recip(), -frame.mb.recip());
-        Some(Linear {
+        Some(PerturbationEquations {
             tangential: tangential.map(|entry| entry.by(mass)),
             radial: (sigma.is_none()).then(|| radial.map(|entry| entry.by(radial_mass))),
             decay: lambda.minus(),
@@ -177,8 +177,8 @@ impl<N: Number> Linear<N> {
     }
 
     /// Stick: η′ = 0.
-    pub(super) fn still(lambda: Complex<N>) -> Linear<N> {
-        Linear {
+    pub(super) fn still(lambda: Complex<N>) -> PerturbationEquations<N> {
+        PerturbationEquations {
             tangential: nothing(),
             radial: None,
             decay: lambda.minus(),

@@ -1,7 +1,7 @@
 //! What a problem file says of the statements on its branch: its model, and the values that it asks for.
 
-use super::system::Condition;
-use super::{Point, Posed, Proof, Refused, Written};
+use super::system::WaveCondition;
+use super::{CertifiedPoint, PosedWave, RefusedProof, WaveProof, WrittenModel};
 use crate::interval::Decimal;
 use crate::orbit::EventType;
 use crate::problem::{Continuation, Problem, Start, decimal_at, decimal_of};
@@ -41,7 +41,11 @@ impl RequestedValues {
     ///
     /// # Errors
     /// It is not.
-    pub(super) fn check(&self, kind: EventType, value: Option<&Decimal>) -> Result<(), Refused> {
+    pub(super) fn check(
+        &self,
+        kind: EventType,
+        value: Option<&Decimal>,
+    ) -> Result<(), RefusedProof> {
         let values = match kind {
             EventType::EP => self.ends.as_ref(),
             _ => Some(&self.stops),
@@ -49,22 +53,22 @@ impl RequestedValues {
         let mut both = value.zip(values).into_iter();
         match both.all(|(value, values)| values.contains(value)) {
             true => Ok(()),
-            false => Err(Refused::Problem("the value of the parameter")),
+            false => Err(RefusedProof::Problem("the value of the parameter")),
         }
     }
 }
 
 /// What the branch of a problem file is about.
-pub(crate) struct Requested {
-    posed: Posed,
+pub(crate) struct RequestedWaves {
+    posed: PosedWave,
     /// Whether the numbers of the model are those of an earlier run, and do not stand in the file.
     restarted: bool,
     values: RequestedValues,
 }
 
-impl Requested {
+impl RequestedWaves {
     /// Of a problem with its text; `None` where no branch is followed.
-    pub(crate) fn new(problem: &Problem, text: &str) -> Option<Requested> {
+    pub(crate) fn new(problem: &Problem, text: &str) -> Option<RequestedWaves> {
         let start = &problem.wave.start;
         let restarted = matches!(start, Start::Restart { .. } | Start::Switch { .. });
         let (model, section) = (&problem.model, problem.continuation.as_ref()?);
@@ -73,9 +77,9 @@ impl Requested {
         let start = model.value(parameter);
         let start = start.map(|start| decimal_of(text, parameter.path(), start));
         let values = RequestedValues::new(section, start, text);
-        Some(Requested {
-            posed: Posed {
-                written: Written::new(model, material, |path| decimal_at(text, path)),
+        Some(RequestedWaves {
+            posed: PosedWave {
+                written: WrittenModel::new(model, material, |path| decimal_at(text, path)),
                 impact: model.impact,
                 parameter,
                 mode: problem.wave.mode,
@@ -90,17 +94,21 @@ impl Requested {
     ///
     /// # Errors
     /// Its equations, or the value of its parameter, are not those of the problem.
-    pub(crate) fn check(&self, point: &Point, proof: &Proof) -> Result<(), Refused> {
-        let about = |posed: &Posed| (posed.impact, posed.parameter, posed.mode, posed.unit);
+    pub(crate) fn check(
+        &self,
+        point: &CertifiedPoint,
+        proof: &WaveProof,
+    ) -> Result<(), RefusedProof> {
+        let about = |posed: &PosedWave| (posed.impact, posed.parameter, posed.mode, posed.unit);
         let equal = match self.restarted {
             true => about(&proof.posed) == about(&self.posed),
             false => proof.posed.fixed() == self.posed.fixed(),
         };
         if !equal {
-            return Err(Refused::Problem("the model"));
+            return Err(RefusedProof::Problem("the model"));
         }
         let value = match &proof.condition {
-            Condition::Value(value) => Some(value),
+            WaveCondition::Value(value) => Some(value),
             _ => None,
         };
         self.values.check(point.kind, value)

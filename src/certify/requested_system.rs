@@ -1,6 +1,6 @@
 //! What a problem file says of a system and its numbers, and the values that it asks for.
 
-use super::Refused;
+use super::RefusedProof;
 use super::orbit::decimals;
 use super::requested::RequestedValues;
 use crate::affine::system::{Source, System};
@@ -67,9 +67,9 @@ impl RequestedSystem {
         system: Option<&System>,
         values: &[Decimal],
         (parameter, unit): (usize, f64),
-    ) -> Result<(), Refused> {
+    ) -> Result<(), RefusedProof> {
         if !system.is_some_and(|system| system.source.is_same(&self.source)) {
-            return Err(Refused::Problem("the system"));
+            return Err(RefusedProof::Problem("the system"));
         }
         let are_equal = |known: &Vec<Decimal>| {
             let mut both = values.iter().zip(known).enumerate();
@@ -79,7 +79,7 @@ impl RequestedSystem {
         let equal = self.values.as_ref().is_none_or(are_equal);
         match equal && parameter == self.parameter && unit == self.unit {
             true => Ok(()),
-            false => Err(Refused::Problem("a number")),
+            false => Err(RefusedProof::Problem("a number")),
         }
     }
 
@@ -91,7 +91,7 @@ impl RequestedSystem {
         &self,
         kind: EventType,
         value: Option<&Decimal>,
-    ) -> Result<(), Refused> {
+    ) -> Result<(), RefusedProof> {
         self.asked.check(kind, value)
     }
 }

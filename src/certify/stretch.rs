@@ -4,37 +4,37 @@
 //! has, like a fold, a length in which the parameter is stationary at the event. An arc that begins at a change of regime
 //! begins with its wave in the signature beyond ([`super::change`]).
 
-use super::arc::{self, Broken, Curve, Joint, Moving, Way};
-use super::change::{self, NotBeyond};
+use super::arc::{self, ArcDirection, ArcEquations, Broken, Joint, Moving};
+use super::change::{self, WaveNotBeyond};
 use super::equations::Evaluated;
-use super::inequality::{self, Part, Unproven};
+use super::inequality::{self, ProvenPart, UnprovenWave};
 use super::krawczyk;
-use super::system::{Condition, Near, Posed, System};
-use super::{Proof, enclosed, units};
+use super::system::{NearWave, PosedWave, WaveCondition, WaveSystem};
+use super::{WaveProof, enclosed, units};
 use crate::interval::Interval;
-use crate::tube::wave::admissibility::Watch;
+use crate::tube::wave::admissibility::WaveWatch;
 
 /// Why an arc of waves is not proven.
-pub type Undecided = Broken<Unproven, NotBeyond>;
+pub type Undecided = Broken<UnprovenWave, WaveNotBeyond>;
 
 /// A point of the branch, in doubles.
 #[derive(Clone, Copy)]
-struct Place<'a> {
-    near: &'a Near,
-    condition: &'a Condition,
+struct WaveArcPoint<'a> {
+    near: &'a NearWave,
+    condition: &'a WaveCondition,
 }
 
-impl<'a> Place<'a> {
-    fn new(near: &'a Near, condition: &'a Condition) -> Place<'a> {
-        Place { near, condition }
+impl<'a> WaveArcPoint<'a> {
+    fn new(near: &'a NearWave, condition: &'a WaveCondition) -> WaveArcPoint<'a> {
+        WaveArcPoint { near, condition }
     }
 
     /// The zone that has no length here.
     fn closed(&self) -> Option<usize> {
         let zones = 0..self.near.signature.len();
         match self.condition {
-            Condition::Margin {
-                watch: Watch::Duration,
+            WaveCondition::Margin {
+                watch: WaveWatch::Duration,
                 zone,
                 ..
             } if zones.contains(zone) => Some(*zone),
@@ -44,19 +44,24 @@ impl<'a> Place<'a> {
 }
 
 /// An end of the arc.
-struct Ending<'a> {
-    place: Place<'a>,
+struct WaveArcEnd<'a> {
+    place: WaveArcPoint<'a>,
     joint: Joint,
     /// The equations of a fold and their zero in doubles, where the parameter is stationary along the arc.
-    fold: Option<(System<'a>, Vec<f64>)>,
+    fold: Option<(WaveSystem<'a>, Vec<f64>)>,
     /// e₀ of the arc over that of the end.
     ratio: Interval,
 }
 
-impl<'a> Ending<'a> {
-    fn new(posed: &'a Posed, place: Place<'a>, steps: &[usize], excess: f64) -> Option<Ending<'a>> {
-        let Place { near, condition } = place;
-        let (system, guess) = System::cut(posed, near, condition, Some(steps))?;
+impl<'a> WaveArcEnd<'a> {
+    fn new(
+        posed: &'a PosedWave,
+        place: WaveArcPoint<'a>,
+        steps: &[usize],
+        excess: f64,
+    ) -> Option<WaveArcEnd<'a>> {
+        let WaveArcPoint { near, condition } = place;
+        let (system, guess) = WaveSystem::cut(posed, near, condition, Some(steps))?;
         let mut at = enclosed(posed, &system, &guess)?;
         at.truncate(system.waves());
         if system.minimum(&at).is_some() {
@@ -66,9 +71,11 @@ impl<'a> Ending<'a> {
         let ratio = Interval::point(near.excess) / Interval::point(excess);
         let index = at.len() - 2;
         at[index] = (Interval::ONE + at[index]) * ratio - Interval::ONE;
-        let stationary = *condition == Condition::Fold || change::is_touch(posed, near, condition);
-        let fold = stationary.then(|| System::cut(posed, near, &Condition::Fold, Some(steps)));
-        Some(Ending {
+        let stationary =
+            *condition == WaveCondition::Fold || change::is_touch(posed, near, condition);
+        let fold =
+            stationary.then(|| WaveSystem::cut(posed, near, &WaveCondition::Fold, Some(steps)));
+        Some(WaveArcEnd {
             place,
             joint: Joint::new(at),
             fold: fold.flatten(),
@@ -77,47 +84,49 @@ impl<'a> Ending<'a> {
     }
 }
 
-struct Arc<'a> {
-    system: System<'a>,
+struct WaveArc<'a> {
+    system: WaveSystem<'a>,
     units: Vec<f64>,
-    ends: [Ending<'a>; 2],
+    ends: [WaveArcEnd<'a>; 2],
 }
 
 /// Proves that between two points of a branch the waves are one curve, on which no fold and no change of regime
 /// lies.
-pub fn prove(from: &Proof, to: &Proof) -> Result<(), Undecided> {
+pub fn prove(from: &WaveProof, to: &WaveProof) -> Result<(), Undecided> {
     let posed = &from.posed;
     // what is beyond is proven with the point
     let begin = match (&from.beyond, &from.condition) {
-        (Some(beyond), _) => Place::new(&beyond.near, &beyond.condition),
-        (None, Condition::Margin { .. }) => return Err(Broken::Beyond(NotBeyond::None)),
-        (None, condition) => Place::new(&from.near, condition),
+        (Some(beyond), _) => WaveArcPoint::new(&beyond.near, &beyond.condition),
+        (None, WaveCondition::Margin { .. }) => return Err(Broken::Beyond(WaveNotBeyond::None)),
+        (None, condition) => WaveArcPoint::new(&from.near, condition),
     };
-    let end = Place::new(&to.near, &to.condition);
+    let end = WaveArcPoint::new(&to.near, &to.condition);
     if posed.fixed() != to.posed.fixed() || begin.near.signature != end.near.signature {
         return Err(Broken::Apart);
     }
     // where a zone opens or closes it is one step; where it is longer at the other end it is cut anew between
     let stops = [waypoint(posed, begin, end)?, waypoint(posed, end, begin)?];
-    let stops: Vec<(Near, Condition)> = stops.into_iter().flatten().collect();
-    let between = stops.iter().map(|(near, value)| Place::new(near, value));
-    let places: Vec<Place> = [begin].into_iter().chain(between).chain([end]).collect();
+    let stops: Vec<(NearWave, WaveCondition)> = stops.into_iter().flatten().collect();
+    let between = stops
+        .iter()
+        .map(|(near, value)| WaveArcPoint::new(near, value));
+    let places: Vec<WaveArcPoint> = [begin].into_iter().chain(between).chain([end]).collect();
     let legs = places.windows(2);
-    let legs = legs.map(|ends| Arc::between(posed, [ends[0], ends[1]]));
-    let legs: Vec<Arc> = legs.collect::<Result<_, _>>()?;
+    let legs = legs.map(|ends| WaveArc::between(posed, [ends[0], ends[1]]));
+    let legs: Vec<WaveArc> = legs.collect::<Result<_, _>>()?;
     for (both, (near, _)) in legs.windows(2).zip(&stops) {
         let cuts = [&both[0].system, &both[1].system];
         if !change::is_cut_anew(posed, near, cuts) {
             return Err(Broken::Tube(near.parameter));
         }
     }
-    legs.iter().try_for_each(Arc::prove)
+    legs.iter().try_for_each(WaveArc::prove)
 }
 
 /// Steps of every zone at a point; what is one or two steps at two points is one on the way.
-fn steps(posed: &Posed, places: [Place; 2]) -> Option<Vec<usize>> {
-    let [one, other] = places.map(|Place { near, .. }| {
-        let (system, _) = System::new(posed, near, &near.value())?;
+fn steps(posed: &PosedWave, places: [WaveArcPoint; 2]) -> Option<Vec<usize>> {
+    let [one, other] = places.map(|WaveArcPoint { near, .. }| {
+        let (system, _) = WaveSystem::new(posed, near, &near.value())?;
         let zones = 0..near.signature.len();
         Some(zones.map(|zone| system.steps(zone)).collect::<Vec<_>>())
     });
@@ -133,10 +142,10 @@ fn steps(posed: &Posed, places: [Place; 2]) -> Option<Vec<usize>> {
 /// The point on an arc at which a zone that opens or closes at an end has grown to [`STEP`], and its condition, where
 /// the zone is more than two steps at the other end.
 fn waypoint(
-    posed: &Posed,
-    end: Place,
-    other: Place,
-) -> Result<Option<(Near, Condition)>, Undecided> {
+    posed: &PosedWave,
+    end: WaveArcPoint,
+    other: WaveArcPoint,
+) -> Result<Option<(NearWave, WaveCondition)>, Undecided> {
     const STEP: f64 = 1.5;
     /// Steps in which it is reached.
     const STRIDES: usize = 16;
@@ -148,7 +157,7 @@ fn waypoint(
     if long[zone] <= 2 {
         return Ok(None);
     }
-    let arc = Arc::between(posed, [end, end])?;
+    let arc = WaveArc::between(posed, [end, end])?;
     let reached = || {
         let mut joint = arc.ends[0].joint.clone();
         let frame = arc.system.frame_at(&joint.at)?;
@@ -160,20 +169,23 @@ fn waypoint(
         }
         Some(arc.system.refined(&joint.near))
     };
-    let near: Near = reached().ok_or(lost)?;
+    let near: NearWave = reached().ok_or(lost)?;
     let value = near.value();
     Ok(Some((near, value)))
 }
 
-impl<'a> Arc<'a> {
-    fn between(posed: &'a Posed, ends: [Place<'a>; 2]) -> Result<Arc<'a>, Undecided> {
+impl<'a> WaveArc<'a> {
+    fn between(
+        posed: &'a PosedWave,
+        ends: [WaveArcPoint<'a>; 2],
+    ) -> Result<WaveArc<'a>, Undecided> {
         let steps = steps(posed, ends).ok_or(Broken::End)?;
         let near = ends[0].near;
         let (system, guess) =
-            System::cut(posed, near, &near.value(), Some(&steps)).ok_or(Broken::End)?;
+            WaveSystem::cut(posed, near, &near.value(), Some(&steps)).ok_or(Broken::End)?;
         let [first, last] =
-            ends.map(|place| Ending::new(posed, place, &steps, near.excess).ok_or(Broken::End));
-        Ok(Arc {
+            ends.map(|place| WaveArcEnd::new(posed, place, &steps, near.excess).ok_or(Broken::End));
+        Ok(WaveArc {
             units: units(&system, &guess, near, posed.unit),
             ends: [first?, last?],
             system,
@@ -182,19 +194,19 @@ impl<'a> Arc<'a> {
 
     fn prove(&self) -> Result<(), Undecided> {
         let [excess, _] = self.system.tail();
-        let Place { condition, .. } = self.ends[0].place;
+        let WaveArcPoint { condition, .. } = self.ends[0].place;
         let way = match self.ends[0].place.closed() {
-            Some(zone) => Way::Grows(self.system.duration(zone)),
-            None if *condition == Condition::Fold => Way::Fold(Some(excess)),
-            None => Way::Parameter,
+            Some(zone) => ArcDirection::Grows(self.system.duration(zone)),
+            None if *condition == WaveCondition::Fold => ArcDirection::Fold(Some(excess)),
+            None => ArcDirection::Parameter,
         };
         arc::prove(self, self.ends.each_ref().map(|end| &end.joint), way)
     }
 }
 
-impl Curve for Arc<'_> {
-    type Unproven = Unproven;
-    type Beyond = NotBeyond;
+impl ArcEquations for WaveArc<'_> {
+    type Unproven = UnprovenWave;
+    type Beyond = WaveNotBeyond;
 
     fn units(&self) -> &[f64] {
         &self.units
@@ -215,18 +227,18 @@ impl Curve for Arc<'_> {
         self.system.waves_into(x, x.len())
     }
 
-    fn hold(&self, x: &[Moving], next_to: Option<usize>) -> Result<(), Unproven> {
+    fn hold(&self, x: &[Moving], next_to: Option<usize>) -> Result<(), UnprovenWave> {
         let condition = &self.system.condition;
         let hull: Vec<Interval> = x.iter().map(|x| x.value).collect();
         let over = |part| inequality::prove(&self.system, condition, part, &hull);
         let held = match next_to {
-            None => over(Part::All),
+            None => over(ProvenPart::All),
             Some(end) => {
                 // a zone that closes there has nothing to grow from
                 let closed = self.ends[end].place.closed();
-                let rest = closed.map_or(Part::All, Part::But);
+                let rest = closed.map_or(ProvenPart::All, ProvenPart::But);
                 inequality::prove(&self.system, condition, rest, x)
-                    .and_then(|_| closed.map_or(Ok(0), |zone| over(Part::Within(zone))))
+                    .and_then(|_| closed.map_or(Ok(0), |zone| over(ProvenPart::Within(zone))))
             }
         };
         held.map(|_| ())

@@ -11,20 +11,20 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::flow::{AMPLITUDE, Flow, WHOLE};
-use super::frame::{Frame, Origin, Written};
+use super::flow::{AMPLITUDE, RegimeFlow, WHOLE};
+use super::frame::{IntervalFrame, WrittenCoefficients, WrittenModel};
 use crate::interval::{Decimal, Interval, Number};
 use crate::linalg::Vector;
 use crate::tube::flow::Slide;
-use crate::tube::model::signature::{Entry, Regime, Signature};
+use crate::tube::model::signature::{Regime, Signature, ZoneEntry};
 use crate::tube::model::{Impact, Parameter};
 use crate::tube::wave::Wave;
-use crate::tube::wave::admissibility::{Margin, Watch};
+use crate::tube::wave::admissibility::{RegimeMargin, WaveWatch};
 
 /// What singles out a point of a branch.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub enum Condition {
+pub enum WaveCondition {
     /// The parameter has a value, asked for or an end of the branch.
     Value(Decimal),
     /// The parameter is stationary along the branch.
@@ -39,7 +39,7 @@ pub enum Condition {
     /// A margin vanishes.
     Margin {
         /// What it measures.
-        watch: Watch,
+        watch: WaveWatch,
         /// Zone.
         zone: usize,
         /// Time after the entry of the zone at which a local minimum lies; 0 for other margins.
@@ -47,28 +47,31 @@ pub enum Condition {
     },
 }
 
-impl Condition {
+impl WaveCondition {
     /// Whether growing eigenvalues are counted there: not where the spectrum may jump, or λ = 0 is double.
     pub(super) fn is_counted(&self) -> bool {
-        matches!(self, Condition::Value(_) | Condition::Crossing { .. })
+        matches!(
+            self,
+            WaveCondition::Value(_) | WaveCondition::Crossing { .. }
+        )
     }
 }
 
-impl From<Margin> for Condition {
-    fn from(margin: Margin) -> Condition {
-        let Margin {
+impl From<RegimeMargin> for WaveCondition {
+    fn from(margin: RegimeMargin) -> WaveCondition {
+        let RegimeMargin {
             watch, zone, time, ..
         } = margin;
-        Condition::Margin { watch, zone, time }
+        WaveCondition::Margin { watch, zone, time }
     }
 }
 
 /// A model and the parameter of a branch, in decimals.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Posed {
+pub struct PosedWave {
     /// Numbers of the model, but for the continuation parameter.
-    pub written: Written,
+    pub written: WrittenModel,
     /// Law of impact.
     pub impact: Impact,
     /// Continuation parameter.
@@ -79,11 +82,11 @@ pub struct Posed {
     pub unit: f64,
 }
 
-impl Posed {
+impl PosedWave {
     /// What does not change along a branch: the continuation parameter is put to 0.
-    pub(super) fn fixed(&self) -> Posed {
+    pub(super) fn fixed(&self) -> PosedWave {
         let mut fixed = self.clone();
-        let Written {
+        let WrittenModel {
             origin,
             friction,
             mismatch,
@@ -97,9 +100,9 @@ impl Posed {
             (Parameter::Mismatch, _) => mismatch,
             (Parameter::MassDamping, _) => damping,
             (Parameter::StiffnessDamping, _) => material.as_mut().unwrap_or(&mut none),
-            (Parameter::Nu, Origin::Geometry([nu, ..])) => nu,
-            (Parameter::Xi, Origin::Geometry([_, xi, _])) => xi,
-            (Parameter::Gamma, Origin::Geometry([.., gamma])) => gamma,
+            (Parameter::Nu, WrittenCoefficients::Geometry([nu, ..])) => nu,
+            (Parameter::Xi, WrittenCoefficients::Geometry([_, xi, _])) => xi,
+            (Parameter::Gamma, WrittenCoefficients::Geometry([.., gamma])) => gamma,
             _ => return fixed,
         };
         *number = Decimal::of(0.0);
@@ -110,7 +113,7 @@ impl Posed {
 /// The wave next to which the solution is sought.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Near {
+pub struct NearWave {
     /// Sequence of zones.
     pub signature: Signature,
     /// (Y, W, T) of each zone.
@@ -124,16 +127,16 @@ pub struct Near {
     pub parameter: f64,
 }
 
-impl Near {
+impl NearWave {
     /// The wave by the value of its parameter.
-    pub(super) fn value(&self) -> Condition {
-        Condition::Value(Decimal::of(self.parameter))
+    pub(super) fn value(&self) -> WaveCondition {
+        WaveCondition::Value(Decimal::of(self.parameter))
     }
 
     /// A wave of a branch.
-    pub(super) fn new(wave: &Wave, point: &Vector) -> Near {
+    pub(super) fn new(wave: &Wave, point: &Vector) -> NearWave {
         let zones = wave.unpack(point);
-        Near {
+        NearWave {
             signature: wave.signature.clone(),
             zones: zones.iter().map(Slide::without_layers).collect(),
             layers: match wave.material {
@@ -161,17 +164,20 @@ const MOST_ZONES: usize = 32;
 const MOST_STEPS: usize = 400;
 
 /// Whether a margin is that of a minimum inside a zone.
-fn is_inside(watch: Watch) -> bool {
-    matches!(watch, Watch::Pressure | Watch::Rate | Watch::Gap)
+fn is_inside(watch: WaveWatch) -> bool {
+    matches!(
+        watch,
+        WaveWatch::Pressure | WaveWatch::Rate | WaveWatch::Gap
+    )
 }
 
 /// The system of one event.
-pub struct System<'a> {
-    pub(super) posed: &'a Posed,
+pub struct WaveSystem<'a> {
+    pub(super) posed: &'a PosedWave,
     /// The wave next to which the solution is sought.
-    pub near: &'a Near,
+    pub near: &'a NearWave,
     /// What singles out the point.
-    pub(super) condition: Condition,
+    pub(super) condition: WaveCondition,
     direction: f64,
     pub(super) steps: Vec<usize>,
     /// First unknown of each zone.
@@ -184,37 +190,30 @@ pub struct System<'a> {
     weights: Vec<f64>,
 }
 
-impl<'a> System<'a> {
+impl<'a> WaveSystem<'a> {
     /// The system and a first guess of its unknowns; `None` where the equations here do not serve.
     pub fn new(
-        posed: &'a Posed,
-        near: &'a Near,
-        condition: &Condition,
-    ) -> Option<(System<'a>, Vec<f64>)> {
-        System::cut(posed, near, condition, None)
+        posed: &'a PosedWave,
+        near: &'a NearWave,
+        condition: &WaveCondition,
+    ) -> Option<(WaveSystem<'a>, Vec<f64>)> {
+        WaveSystem::cut(posed, near, condition, None)
     }
 
     /// The same, with the zones cut into so many steps.
     pub(super) fn cut(
-        posed: &'a Posed,
-        near: &'a Near,
-        condition: &Condition,
+        posed: &'a PosedWave,
+        near: &'a NearWave,
+        condition: &WaveCondition,
         into: Option<&[usize]>,
-    ) -> Option<(System<'a>, Vec<f64>)> {
+    ) -> Option<(WaveSystem<'a>, Vec<f64>)> {
         let zones = near.zones.len();
         if zones == 0 || zones > MOST_ZONES || zones != near.signature.len() {
             return None;
         }
         let point = |value| Interval::point(value);
-        let frame = |direction| {
-            let (value, excess) = (point(near.parameter), point(near.excess));
-            posed
-                .written
-                .frame(posed.parameter, value, excess, direction)
-        };
-        let direction = frame(1.0)?.kappa.middle().signum();
-        let frame = frame(direction)?;
-        let mut system = System {
+        let (direction, frame) = frame_near(posed, near)?;
+        let mut system = WaveSystem {
             posed,
             near,
             condition: condition.clone(),
@@ -259,48 +258,59 @@ impl<'a> System<'a> {
             }
             system.steps.push(steps);
         }
-        if let Condition::Margin { watch, zone, time } = condition {
-            let duration = near.zones.get(*zone)?[2];
-            if is_inside(*watch) {
-                let steps = system.steps[*zone];
-                let step = duration / steps as f64;
-                let index = ((time / step).floor().max(0.0) as usize).min(steps - 1);
-                system.minimum = Some(index);
-                guess.push(time - index as f64 * step);
-            }
-        }
+        system.touch(&mut guess)?;
         guess.extend([0.0, near.parameter]);
         system.waves = guess.len();
-        if *condition == Condition::Fold {
+        if *condition == WaveCondition::Fold {
             let direction = system.fold_direction(&guess)?;
-            let size: f64 = direction.iter().map(|v| v * v).sum();
-            system.weights = direction.iter().map(|v| v / size).collect();
+            system.weights = normalising(&direction);
             guess.extend(direction);
         }
         guess.extend(system.crossing_near(&guess)?);
         Some((system, guess))
     }
 
+    /// The step in which a margin is least, and the time from its beginning, of an event inside a zone.
+    fn touch(&mut self, guess: &mut Vec<f64>) -> Option<()> {
+        if let WaveCondition::Margin { watch, zone, time } = &self.condition {
+            let duration = self.near.zones.get(*zone)?[2];
+            if is_inside(*watch) {
+                let steps = self.steps[*zone];
+                let step = duration / steps as f64;
+                let index = ((time / step).floor().max(0.0) as usize).min(steps - 1);
+                self.minimum = Some(index);
+                guess.push(time - index as f64 * step);
+            }
+        }
+        Some(())
+    }
+
     /// A zone that is touched inside is cut so finely that the touch and the ends lie in different steps.
     fn finer(&self, index: usize) -> usize {
         match &self.condition {
-            Condition::Margin { watch, zone, .. } if *zone == index && is_inside(*watch) => 4,
+            WaveCondition::Margin { watch, zone, .. } if *zone == index && is_inside(*watch) => 4,
             _ => 1,
         }
     }
 
     /// The flow of a zone; none in stick.
-    pub(super) fn flow<N: Number>(&self, frame: &Frame<N>, zone: usize) -> Option<Flow<N>> {
+    pub(super) fn flow<N: Number>(
+        &self,
+        frame: &IntervalFrame<N>,
+        zone: usize,
+    ) -> Option<RegimeFlow<N>> {
         match self.near.signature.zone(zone).regime {
-            Regime::Separation => Some(Flow::separation(frame)),
-            regime => regime.sliding().map(|sigma| Flow::contact(frame, sigma)),
+            Regime::Separation => Some(RegimeFlow::separation(frame)),
+            regime => regime
+                .sliding()
+                .map(|sigma| RegimeFlow::contact(frame, sigma)),
         }
     }
 
     /// A state of a zone a time later, without its layer.
     pub(super) fn later<N: Number>(
         &self,
-        frame: &Frame<N>,
+        frame: &IntervalFrame<N>,
         zone: usize,
         state: [N; 4],
         time: N,
@@ -315,7 +325,12 @@ impl<'a> System<'a> {
     }
 
     /// The state at the end of a zone at values of the unknowns; with a layer (Y, W, V̈, V⃛).
-    pub(super) fn end_of_zone<N: Number>(&self, frame: &Frame<N>, x: &[N], zone: usize) -> [N; 4] {
+    pub(super) fn end_of_zone<N: Number>(
+        &self,
+        frame: &IntervalFrame<N>,
+        x: &[N],
+        zone: usize,
+    ) -> [N; 4] {
         let step = self.steps[zone] - 1;
         let (last, time) = self.step_at(x, zone, step);
         let end = self.later(frame, zone, self.smooth(frame, zone, step, last), time);
@@ -325,11 +340,11 @@ impl<'a> System<'a> {
     /// Order of the zero just after the entry of a zone: of W − 1 in sliding, of U − δ in separation.
     pub fn order(&self, zone: usize) -> usize {
         match self.near.signature.zone(zone).entry {
-            Entry::TakeOff => 3,
-            Entry::Release if self.posed.written.ratio.is_some() => 1,
-            Entry::Release | Entry::Touch => 2,
-            Entry::Reversal | Entry::ArrestedLanding => 1,
-            Entry::Arrest | Entry::Landing | Entry::Section => 0,
+            ZoneEntry::TakeOff => 3,
+            ZoneEntry::Release if self.posed.written.ratio.is_some() => 1,
+            ZoneEntry::Release | ZoneEntry::Touch => 2,
+            ZoneEntry::Reversal | ZoneEntry::ArrestedLanding => 1,
+            ZoneEntry::Arrest | ZoneEntry::Landing | ZoneEntry::Section => 0,
         }
     }
 
@@ -393,12 +408,13 @@ impl<'a> System<'a> {
     }
 
     /// The condition, with the time of a minimum as it is at values of the unknowns.
-    pub fn located(&self, x: &[f64]) -> Condition {
+    pub fn located(&self, x: &[f64]) -> WaveCondition {
         let mut located = self.condition.clone();
-        if let Condition::Crossing { omega, .. } = &mut located {
+        if let WaveCondition::Crossing { omega, .. } = &mut located {
             *omega = x[self.waves];
         }
-        if let (Condition::Margin { zone, time, .. }, Some(step)) = (&mut located, self.minimum) {
+        if let (WaveCondition::Margin { zone, time, .. }, Some(step)) = (&mut located, self.minimum)
+        {
             let share = step as f64 / self.steps[*zone] as f64;
             *time = share * x[self.duration(*zone)] + x[self.waves - 3];
         }
@@ -406,9 +422,9 @@ impl<'a> System<'a> {
     }
 
     /// The wave at values of the unknowns.
-    pub fn refined(&self, x: &[f64]) -> Near {
+    pub fn refined(&self, x: &[f64]) -> NearWave {
         let [excess, parameter] = self.tail();
-        Near {
+        NearWave {
             signature: self.near.signature.clone(),
             zones: self
                 .first
@@ -462,18 +478,20 @@ impl<'a> System<'a> {
     /// The state at the minimum of an event inside a zone: its zone, its step, its time within the step.
     pub fn minimum<N: Number>(&self, x: &[N]) -> Option<(usize, usize, N)> {
         match (&self.condition, self.minimum) {
-            (Condition::Margin { zone, .. }, Some(step)) => Some((*zone, step, x[self.waves - 3])),
+            (WaveCondition::Margin { zone, .. }, Some(step)) => {
+                Some((*zone, step, x[self.waves - 3]))
+            }
             _ => None,
         }
     }
 
     /// Frame and flow at values of the unknowns.
-    pub fn frame_at<N: Number>(&self, x: &[N]) -> Option<Frame<N>> {
+    pub fn frame_at<N: Number>(&self, x: &[N]) -> Option<IntervalFrame<N>> {
         let [excess, parameter] = self.tail();
         self.frame(x[excess], x[parameter])
     }
 
-    pub(super) fn frame<N: Number>(&self, u: N, parameter: N) -> Option<Frame<N>> {
+    pub(super) fn frame<N: Number>(&self, u: N, parameter: N) -> Option<IntervalFrame<N>> {
         let excess = (N::double(1.0) + u).scaled(Interval::point(self.near.excess));
         self.posed
             .written
@@ -481,12 +499,29 @@ impl<'a> System<'a> {
     }
 
     /// Signed speed at a frame.
-    pub fn speed(&self, frame: &Frame<Interval>) -> Interval {
+    pub fn speed(&self, frame: &IntervalFrame<Interval>) -> Interval {
         frame.speed * Interval::point(self.direction)
     }
 
     /// Jump of W in the direction of slip that the friction of a Coulomb impact can make, f m_b U̇⁻/m_a.
-    pub fn impulse<N: Number>(&self, frame: &Frame<N>, rate: N) -> N {
+    pub fn impulse<N: Number>(&self, frame: &IntervalFrame<N>, rate: N) -> N {
         frame.friction * frame.mb * frame.ma.recip() * rate
     }
+}
+
+/// Weights w with ⟨w, v⟩ = 1.
+fn normalising(v: &[f64]) -> Vec<f64> {
+    let size: f64 = v.iter().map(|v| v * v).sum();
+    v.iter().map(|v| v / size).collect()
+}
+
+/// The frame of a wave in doubles, and the direction in which it runs.
+fn frame_near(posed: &PosedWave, near: &NearWave) -> Option<(f64, IntervalFrame<Interval>)> {
+    let [value, excess] = [near.parameter, near.excess].map(Interval::point);
+    let frame = |direction| {
+        let written = &posed.written;
+        written.frame(posed.parameter, value, excess, direction)
+    };
+    let direction = frame(1.0)?.kappa.middle().signum();
+    Some((direction, frame(direction)?))
 }

@@ -18,16 +18,16 @@
 //! spectral radius is less than 1 there is no eigenvalue, in any sector. As Λ → ∞ the bound becomes that of
 //! [`crate::tube::stability::asymptotic::HighFrequency`].
 
-use super::frame::Frame;
+use super::frame::IntervalFrame;
 use super::propagator::{Complex, ETA, ETA_RATE, Perturbation, dimension, unit};
-use super::system::System;
+use super::system::WaveSystem;
 use crate::interval::Interval;
-use crate::tube::model::signature::{Entry, Regime};
+use crate::tube::model::signature::{Regime, ZoneEntry};
 
 type Rows = Vec<Vec<Interval>>;
 
 /// The waves of a zone.
-struct Waves {
+struct ZoneWaves {
     /// xᵢ and 1 − xᵢ.
     x: Vec<Interval>,
     delay: Vec<Interval>,
@@ -124,13 +124,13 @@ fn exponential(a: &Rows) -> Option<Rows> {
     Some(power)
 }
 
-impl Waves {
-    fn new(frame: &Frame<Interval>, regime: Regime) -> Waves {
+impl ZoneWaves {
+    fn new(frame: &IntervalFrame<Interval>, regime: Regime) -> ZoneWaves {
         let one = Interval::ONE;
         if regime == Regime::Stick {
             // η alone, which stays what it is
             let nothing = rows(1, 1, |_, _| Interval::ZERO);
-            return Waves {
+            return ZoneWaves {
                 x: vec![Interval::ZERO],
                 delay: vec![one],
                 state: identity(1),
@@ -187,7 +187,7 @@ impl Waves {
             true => -over(i) * fields[i / 2].1,
             false => Interval::ZERO,
         });
-        Waves {
+        ZoneWaves {
             x,
             delay,
             state,
@@ -244,7 +244,7 @@ fn contracts(a: &Rows) -> bool {
     }
 }
 
-impl System<'_> {
+impl WaveSystem<'_> {
     /// The zones in their order from the first that sticks, or else from the first in contact.
     pub(super) fn course_of_zones(&self) -> Option<Vec<usize>> {
         let zones = self.near.signature.len();
@@ -272,7 +272,7 @@ impl System<'_> {
         // period, which falls at least like e^{−T Re λ/2}, it falls as Re λ grows
         let largest = Interval::point(rho) + Interval::point(top);
         let releases = |zone: usize| {
-            self.sticks() && self.near.signature.zone(zone + 1).entry == Entry::Release
+            self.sticks() && self.near.signature.zone(zone + 1).entry == ZoneEntry::Release
         };
         let w = Interval::ONE / Interval::point(least);
         let course = self.course_of_zones()?;
@@ -280,13 +280,13 @@ impl System<'_> {
         if course.iter().any(|zone| regime(*zone) == Regime::Contact) {
             return Some(false);
         }
-        let first = Waves::new(&frame, regime(course[0]));
+        let first = ZoneWaves::new(&frame, regime(course[0]));
         let mut period = identity(first.x.len());
         let (mut time, mut released) = (Interval::ZERO, Interval::ZERO);
         for (index, zone) in course.iter().enumerate() {
-            let waves = Waves::new(&frame, regime(*zone));
+            let waves = ZoneWaves::new(&frame, regime(*zone));
             let next = course[(index + 1) % course.len()];
-            let next = Waves::new(&frame, regime(next));
+            let next = ZoneWaves::new(&frame, regime(next));
             let duration = wave[self.duration(*zone)];
             let Some(bounds) = waves.bounds(w, Interval::point(rho), duration) else {
                 return Some(false);

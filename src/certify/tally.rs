@@ -2,14 +2,14 @@
 //! many eigenvalues grow, that number changes by what the events between them make of it, and by nothing else.
 
 use super::arc::Broken;
-use super::certificate::{Point, Provable, Tally};
+use super::certificate::{CertifiedPoint, GrowthTally, Provable};
 
 /// Why an arc of a branch is not proven.
 type BrokenArc<P> = Broken<<P as Provable>::Unproven, <P as Provable>::Beyond>;
 
 /// Points whose number of growing multipliers or eigenvalues does not follow from that at an earlier one, and the points between
 /// them, with the reason why no arc before them is proven.
-pub fn miscounted<P: Provable>(points: &[Point<P>]) -> Vec<(usize, BrokenArc<P>)> {
+pub fn miscounted<P: Provable>(points: &[CertifiedPoint<P>]) -> Vec<(usize, BrokenArc<P>)> {
     let mut found = Vec::new();
     // where the number was last known, and what it may be by now
     let mut known: Option<(usize, usize)> = None;
@@ -19,7 +19,7 @@ pub fn miscounted<P: Provable>(points: &[Point<P>]) -> Vec<(usize, BrokenArc<P>)
             known = None;
         }
         match P::tally(point) {
-            Tally::Known { growing, neutral } => {
+            GrowthTally::Known { growing, neutral } => {
                 let sides = [growing, growing + neutral];
                 let reached = |side: &usize| possible.contains(side);
                 let agrees = known.is_none() || sides.iter().any(reached);
@@ -33,12 +33,12 @@ pub fn miscounted<P: Provable>(points: &[Point<P>]) -> Vec<(usize, BrokenArc<P>)
                 possible = leaves.map(|(_, other)| *other).collect();
                 known = Some((index, growing));
             }
-            Tally::Passes(several) => {
+            GrowthTally::Passes(several) => {
                 let change =
                     |count: &usize| [count.checked_add(several), count.checked_sub(several)];
                 possible = possible.iter().flat_map(change).flatten().collect();
             }
-            Tally::Unknown => known = None,
+            GrowthTally::Unknown => known = None,
         }
     }
     found

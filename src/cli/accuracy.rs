@@ -6,17 +6,19 @@ use std::path::PathBuf;
 use clap::Args;
 use serde::Serialize;
 
-use super::failure::{Exit, Failure, Usage};
+use super::failure::{Usage, VerbExit, VerbFailure};
 use super::options::{Task, format, positive, read_any};
-use super::prepare::{Source, ready, ready_system};
-use super::progress::{Progress, drive};
+use super::prepare::{ProblemSource, ready, ready_system};
+use super::progress::{ProgressLine, drive};
 use super::{interrupt, warn};
-use crate::accuracy::{Course, Limits, Missed, Orbits, Row, Subject, Waves};
-use crate::hybrid::NoStart;
-use crate::output::accuracy::{AccuracyFolder, Interrupted};
+use crate::accuracy::{
+    MeasuredFamily, MeasurementLimits, Measurements, Missed, OrbitBranch, RungRow, WaveBranch,
+};
+use crate::hybrid::NoFirstPoint;
+use crate::output::accuracy::{AccuracyFolder, InterruptedTable};
 use crate::output::pictures::{self, PlotError};
 use crate::output::render::Format;
-use crate::output::store::{Kind, Store};
+use crate::output::store::{FolderKind, Store};
 use crate::problem::Any;
 
 #[derive(Debug, Args)]
@@ -39,7 +41,7 @@ pub(crate) struct AccuracyArguments {
 const RESUME: &str = "Keep the rows that are measured, times included, and measure the others within a \
                       budget of their own; the reference is computed anew";
 
-pub(crate) fn accuracy(arguments: &AccuracyArguments) -> Result<Exit, Failure> {
+pub(crate) fn accuracy(arguments: &AccuracyArguments) -> Result<VerbExit, VerbFailure> {
     let (task, format) = (&arguments.task, arguments.format.available()?);
     let (problem, text) = read_any(&task.problem)?;
     let out = task.folder("_accuracy");
@@ -50,18 +52,18 @@ pub(crate) fn accuracy(arguments: &AccuracyArguments) -> Result<Exit, Failure> {
             if prepared.restart.is_some() {
                 return Err(Usage::Restarted.into());
             }
-            let store = task.open(&out, Kind::Accuracy, problem)?;
-            let subject = Waves::new(problem, &prepared.continuation);
+            let store = task.open(&out, FolderKind::Accuracy, problem)?;
+            let subject = WaveBranch::new(problem, &prepared.continuation);
             let draw = |store: &Store| pictures::draw(store, Some(problem), format);
             measure(arguments, store, subject, problem, &prepared.source, draw)
         }
         Any::System(problem) => {
             let prepared = ready_system(*problem, text, &task.problem)?;
             let problem = &prepared.problem;
-            let store = task.open_system(&out, Kind::Accuracy, problem)?;
+            let store = task.open_system(&out, FolderKind::Accuracy, problem)?;
             let named = prepared.named.as_ref();
-            let subject = Orbits::new(problem, &prepared.continuation, named);
-            let subject = subject.ok_or(NoStart::Unknown);
+            let subject = OrbitBranch::new(problem, &prepared.continuation, named);
+            let subject = subject.ok_or(NoFirstPoint::Unknown);
             let subject = subject.map_err(|error| prepared.source.place_orbit(&error))?;
             let title = problem.title.as_deref();
             let draw = |store: &Store| pictures::draw_accuracy(store, title, format);
@@ -71,35 +73,35 @@ pub(crate) fn accuracy(arguments: &AccuracyArguments) -> Result<Exit, Failure> {
 }
 
 /// Measures every rung that has no row yet.
-fn measure<S: Subject>(
+fn measure<S: MeasuredFamily>(
     arguments: &AccuracyArguments,
     store: Store,
     subject: S,
     problem: &(impl Clone + Serialize),
-    source: &Source,
+    source: &ProblemSource,
     draw: impl Fn(&Store) -> Result<Vec<PathBuf>, PlotError>,
-) -> Result<Exit, Failure> {
+) -> Result<VerbExit, VerbFailure> {
     let task = &arguments.task;
     let (ladder, reference, remark) = (subject.ladder(), subject.reference(), subject.remark());
     let earlier = AccuracyFolder::interrupted(&store, &ladder)?;
     if earlier.is_some() {
         interrupt::progress_is_kept();
     }
-    let measured = |earlier: &Interrupted| earlier.rows.clone();
-    let mut rows: Vec<Row> = earlier.as_ref().map(measured).unwrap_or_default();
+    let measured = |earlier: &InterruptedTable| earlier.rows.clone();
+    let mut rows: Vec<RungRow> = earlier.as_ref().map(measured).unwrap_or_default();
     let mut course = None;
     if rows.len() < ladder.len() {
-        let progress = Progress::new(task.quiet);
+        let progress = ProgressLine::new(task.quiet);
         progress.show(f64::NAN, "the reference".into());
-        let limits = Limits {
+        let limits = MeasurementLimits {
             budget: arguments.budget,
             repeats: arguments.repeats.into(),
         };
-        let begun = Course::begin(subject, &rows, limits);
+        let begun = Measurements::begin(subject, &rows, limits);
         course = Some(begun.map_err(|missed| match missed {
             Missed::Run(error) => source.place(error),
             Missed::Orbit(error) => source.place_orbit(&error),
-            _ => Failure::from(Usage::Budget {
+            _ => VerbFailure::from(Usage::Budget {
                 method: reference.to_string(),
                 budget: arguments.budget,
             }),
@@ -128,7 +130,7 @@ fn measure<S: Subject>(
             ladder.len()
         ));
     }
-    Ok(Exit::Done)
+    Ok(VerbExit::Done)
 }
 
 /// A line of the table for a reader.
@@ -141,7 +143,7 @@ fn line<T: Display>(method: &str, setting: &str, cells: impl IntoIterator<Item =
 }
 
 /// The rows for a reader.
-fn text(rows: &[Row], remark: &str) -> String {
+fn text(rows: &[RungRow], remark: &str) -> String {
     let names = "points events speed switches events eigenvalues seconds points/s";
     let mut text = line("method", "setting", names.split(' ')) + "\n";
     let shown =

@@ -6,15 +6,15 @@ use std::path::Path;
 use clap::Args;
 
 use super::equilibria::{self, PreparedEquilibrium};
-use super::failure::{Exit, Failure, Usage};
+use super::failure::{Usage, VerbExit, VerbFailure};
 use super::options::{Task, read_any};
 use super::prepare::{Prepared, PreparedSystem, early_end, follow, ready, ready_system};
 use super::progress::each;
 use super::{print, stopped};
-use crate::branch::run::Item;
+use crate::branch::run::WaveItem;
 use crate::certify::{
-    self, Certificate, Counted, Outcome, Point, Provable, Refused, Requested, Stretch, equilibrium,
-    orbit,
+    self, ArcOutcome, Certificate, CertifiedPoint, Counted, ProofOutcome, Provable, RefusedProof,
+    RequestedWaves, equilibrium, orbit,
 };
 use crate::hybrid;
 use crate::hybrid::equilibrium::EquilibriumItem;
@@ -22,7 +22,7 @@ use crate::output::certify::{
     CertificateFolder, Certified, Read, read, table_agrees, theorems_agree,
 };
 use crate::output::layout::CERTIFICATES;
-use crate::output::store::{Kind, SOURCE};
+use crate::output::store::{FolderKind, SOURCE};
 use crate::problem::{Any, StabilitySection};
 
 #[derive(Debug, Args)]
@@ -42,7 +42,7 @@ pub(crate) struct CertifyArguments {
     spectrum: bool,
 }
 
-pub(crate) fn certify(arguments: &CertifyArguments) -> Result<Exit, Failure> {
+pub(crate) fn certify(arguments: &CertifyArguments) -> Result<VerbExit, VerbFailure> {
     let task = &arguments.task;
     if arguments.verify {
         return verify(&task.problem, task.quiet);
@@ -58,18 +58,20 @@ pub(crate) fn certify(arguments: &CertifyArguments) -> Result<Exit, Failure> {
     }
 }
 
-fn waves(arguments: &CertifyArguments, prepared: Prepared) -> Result<Exit, Failure> {
+fn waves(arguments: &CertifyArguments, prepared: Prepared) -> Result<VerbExit, VerbFailure> {
     let task = &arguments.task;
     let out = task.folder("_certify");
-    let store = task.open(&out, Kind::Certificate, &prepared.problem)?;
+    let store = task.open(&out, FolderKind::Certificate, &prepared.problem)?;
     let mut branch = prepared.begin(task.quiet)?;
-    let folder = CertificateFolder::create::<certify::Proof>(store)?;
-    let special = located(task.quiet, &mut branch, |item: &Item| item.event.is_some())?;
+    let folder = CertificateFolder::create::<certify::WaveProof>(store)?;
+    let special = located(task.quiet, &mut branch, |item: &WaveItem| {
+        item.event.is_some()
+    })?;
     let quiet = task.quiet;
     let proofs: Vec<_> = each(quiet, &special, "points", |item| {
         certify::certify(item, prepared.source.text())
     });
-    let mut points: Vec<Point> = proofs.into_iter().flatten().collect();
+    let mut points: Vec<CertifiedPoint> = proofs.into_iter().flatten().collect();
     if arguments.arcs {
         join(quiet, &mut points);
     }
@@ -87,22 +89,22 @@ fn waves(arguments: &CertifyArguments, prepared: Prepared) -> Result<Exit, Failu
     finish(task, &out, folder, points, &branch)
 }
 
-fn orbits(arguments: &CertifyArguments, prepared: PreparedSystem) -> Result<Exit, Failure> {
+fn orbits(arguments: &CertifyArguments, prepared: PreparedSystem) -> Result<VerbExit, VerbFailure> {
     let task = &arguments.task;
     if arguments.spectrum {
         return Err(Usage::OfWaves.into());
     }
     let out = task.folder("_certify");
-    let store = task.open_system(&out, Kind::Certificate, &prepared.problem)?;
+    let store = task.open_system(&out, FolderKind::Certificate, &prepared.problem)?;
     let mut branch = prepared.begin()?;
-    let folder = CertificateFolder::create::<orbit::Proof>(store)?;
-    let special = located(task.quiet, &mut branch, |item: &hybrid::Item| {
+    let folder = CertificateFolder::create::<orbit::OrbitProof>(store)?;
+    let special = located(task.quiet, &mut branch, |item: &hybrid::OrbitItem| {
         item.event.is_some()
     })?;
     let proofs: Vec<_> = each(task.quiet, &special, "points", |item| {
         orbit::certify(item, prepared.source.text())
     });
-    let mut points: Vec<Point<orbit::Proof>> = proofs.into_iter().flatten().collect();
+    let mut points: Vec<CertifiedPoint<orbit::OrbitProof>> = proofs.into_iter().flatten().collect();
     if arguments.arcs {
         join(task.quiet, &mut points);
     }
@@ -113,7 +115,7 @@ fn orbits(arguments: &CertifyArguments, prepared: PreparedSystem) -> Result<Exit
 fn of_equilibria(
     arguments: &CertifyArguments,
     prepared: &PreparedEquilibrium,
-) -> Result<Exit, Failure> {
+) -> Result<VerbExit, VerbFailure> {
     let task = &arguments.task;
     if arguments.spectrum {
         return Err(Usage::OfWaves.into());
@@ -122,9 +124,9 @@ fn of_equilibria(
         return Err(Usage::OfOrbits.into());
     }
     let out = task.folder("_certify");
-    let store = task.open_system(&out, Kind::Certificate, &prepared.problem)?;
+    let store = task.open_system(&out, FolderKind::Certificate, &prepared.problem)?;
     let mut branch = prepared.begin()?;
-    let folder = CertificateFolder::create::<equilibrium::Proof>(store)?;
+    let folder = CertificateFolder::create::<equilibrium::EquilibriumProof>(store)?;
     let special = located(task.quiet, &mut branch, |item: &EquilibriumItem| {
         item.event.is_some()
     })?;
@@ -136,9 +138,9 @@ fn of_equilibria(
 }
 
 /// Proves what lies between every two points.
-fn join<P: Provable + Sync>(quiet: bool, points: &mut [Point<P>])
+fn join<P: Provable + Sync>(quiet: bool, points: &mut [CertifiedPoint<P>])
 where
-    Point<P>: Sync,
+    CertifiedPoint<P>: Sync,
 {
     let pairs: Vec<_> = points.windows(2).collect();
     let arcs: Vec<_> = each(quiet, &pairs, "arcs", |both| both[1].stretch(&both[0]));
@@ -148,10 +150,10 @@ where
 }
 
 /// Takes back the arcs on which the number of what grows changes without an event that makes it change.
-fn compare<P: Provable>(points: &mut [Point<P>]) {
+fn compare<P: Provable>(points: &mut [CertifiedPoint<P>]) {
     for (index, reason) in certify::miscounted(points) {
-        if let Some(arc @ Stretch::Proven) = &mut points[index].arc {
-            *arc = Stretch::Open(reason.to_string());
+        if let Some(arc @ ArcOutcome::Proven) = &mut points[index].arc {
+            *arc = ArcOutcome::Open(reason.to_string());
         }
     }
 }
@@ -161,7 +163,7 @@ fn located<R: Run>(
     quiet: bool,
     branch: &mut R,
     is_special: impl Fn(&R::Item) -> bool,
-) -> Result<Vec<R::Item>, Failure> {
+) -> Result<Vec<R::Item>, VerbFailure> {
     let mut special = Vec::new();
     follow(quiet, branch, |items, branch| {
         special.extend(items.into_iter().filter(&is_special));
@@ -176,16 +178,16 @@ fn finish<P: Certified>(
     task: &Task,
     out: &Path,
     mut folder: CertificateFolder,
-    points: Vec<Point<P>>,
+    points: Vec<CertifiedPoint<P>>,
     branch: &impl Run,
-) -> Result<Exit, Failure> {
+) -> Result<VerbExit, VerbFailure> {
     for point in &points {
         folder.write(point)?;
     }
     let report: String = points.iter().map(P::sentence).collect();
-    let complete = |point: &Point<P>| {
+    let complete = |point: &CertifiedPoint<P>| {
         point.is_proven()
-            && !matches!(point.arc, Some(Stretch::Open(_)))
+            && !matches!(point.arc, Some(ArcOutcome::Open(_)))
             && !matches!(point.growth, Some(Counted::Open(_)))
     };
     let all = points.iter().all(complete);
@@ -194,11 +196,11 @@ fn finish<P: Certified>(
     if let Some(why) = early_end(branch) {
         return stopped(&why);
     }
-    Ok(if all { Exit::Done } else { Exit::Unmet })
+    Ok(if all { VerbExit::Done } else { VerbExit::Unmet })
 }
 
 /// Checks a stored certificate, with the table and the problem file beside it.
-fn verify(path: &Path, quiet: bool) -> Result<Exit, Failure> {
+fn verify(path: &Path, quiet: bool) -> Result<VerbExit, VerbFailure> {
     let file = match path.is_dir() {
         true => path.join(CertificateFolder::FILE),
         false => path.to_owned(),
@@ -211,25 +213,16 @@ fn verify(path: &Path, quiet: bool) -> Result<Exit, Failure> {
         Read::Orbits(certificate) => certificate.points.is_empty(),
         Read::Equilibria(certificate) => certificate.points.is_empty(),
     };
-    let belongs = match (&read, &problem) {
-        (_, None) => true,
-        (Read::Waves(_), Some((Any::Tube(problem), _))) => problem.continuation.is_some(),
-        (Read::Waves(_), _) | (_, Some((Any::Tube(_), _))) => false,
-        (read, Some((Any::System(problem), _))) => {
-            problem.continuation.is_some()
-                && !(problem.orbit.is_none() && problem.equilibrium.is_none())
-                && matches!(read, Read::Equilibria(_)) == problem.equilibrium.is_some()
-        }
-    };
+    let belongs = belongs(&read, problem.as_ref());
     match (read, &problem) {
         _ if is_empty => said_of_all("nothing is stated", quiet),
         _ if !belongs => said_of_all("it is not that of the problem file", quiet),
         (Read::Waves(certificate), problem) => {
             let requested = match problem {
-                Some((Any::Tube(problem), text)) => Requested::new(problem, text),
+                Some((Any::Tube(problem), text)) => RequestedWaves::new(problem, text),
                 _ => None,
             };
-            let rules = (|_: &Requested, _: &[_]| Ok(()), Requested::check);
+            let rules = (|_: &RequestedWaves, _: &[_]| Ok(()), RequestedWaves::check);
             told(
                 (&file, &certificate),
                 quiet,
@@ -240,10 +233,13 @@ fn verify(path: &Path, quiet: bool) -> Result<Exit, Failure> {
         }
         (Read::Orbits(certificate), problem) => {
             let requested = match problem {
-                Some((Any::System(problem), text)) => orbit::Requested::new(problem, text),
+                Some((Any::System(problem), text)) => orbit::RequestedOrbits::new(problem, text),
                 _ => None,
             };
-            let rules = (orbit::Requested::check_units, orbit::Requested::check);
+            let rules = (
+                orbit::RequestedOrbits::check_units,
+                orbit::RequestedOrbits::check,
+            );
             told(
                 (&file, &certificate),
                 quiet,
@@ -254,12 +250,14 @@ fn verify(path: &Path, quiet: bool) -> Result<Exit, Failure> {
         }
         (Read::Equilibria(certificate), problem) => {
             let requested = match problem {
-                Some((Any::System(problem), text)) => equilibrium::Requested::new(problem, text),
+                Some((Any::System(problem), text)) => {
+                    equilibrium::RequestedEquilibria::new(problem, text)
+                }
                 _ => None,
             };
             let rules = (
-                equilibrium::Requested::check_units,
-                equilibrium::Requested::check,
+                equilibrium::RequestedEquilibria::check_units,
+                equilibrium::RequestedEquilibria::check,
             );
             told(
                 (&file, &certificate),
@@ -272,12 +270,26 @@ fn verify(path: &Path, quiet: bool) -> Result<Exit, Failure> {
     }
 }
 
+/// Whether a certificate states what a branch of this problem may have.
+fn belongs(read: &Read, problem: Option<&(Any, String)>) -> bool {
+    match (read, problem) {
+        (_, None) => true,
+        (Read::Waves(_), Some((Any::Tube(problem), _))) => problem.continuation.is_some(),
+        (Read::Waves(_), _) | (_, Some((Any::Tube(_), _))) => false,
+        (read, Some((Any::System(problem), _))) => {
+            problem.continuation.is_some()
+                && !(problem.orbit.is_none() && problem.equilibrium.is_none())
+                && matches!(read, Read::Equilibria(_)) == problem.equilibrium.is_some()
+        }
+    }
+}
+
 /// Says why a certificate as a whole is none.
-fn said_of_all(reason: &str, quiet: bool) -> Result<Exit, Failure> {
+fn said_of_all(reason: &str, quiet: bool) -> Result<VerbExit, VerbFailure> {
     if !quiet {
         print(&format!("certificate: refused: {reason}\n"))?;
     }
-    Ok(Exit::Unmet)
+    Ok(VerbExit::Unmet)
 }
 
 /// Says of every stored point whether it holds: what its problem file asks of the units of all and of each point, where that is
@@ -287,13 +299,13 @@ fn told<P: Certified + Send + Sync, R: Sync>(
     quiet: bool,
     requested: Option<&R>,
     (check_units, check): (
-        impl Fn(&R, &[Point<P>]) -> Result<(), Refused>,
-        impl Fn(&R, &Point<P>, &P) -> Result<(), Refused> + Sync,
+        impl Fn(&R, &[CertifiedPoint<P>]) -> Result<(), RefusedProof>,
+        impl Fn(&R, &CertifiedPoint<P>, &P) -> Result<(), RefusedProof> + Sync,
     ),
-    proven_again: impl Fn(&Point<P>, &P) -> Result<P, Refused> + Sync,
-) -> Result<Exit, Failure>
+    proven_again: impl Fn(&CertifiedPoint<P>, &P) -> Result<P, RefusedProof> + Sync,
+) -> Result<VerbExit, VerbFailure>
 where
-    Point<P>: Send + Sync,
+    CertifiedPoint<P>: Send + Sync,
 {
     let points = &certificate.points;
     if !points.is_sorted_by(|before, point| before.label < point.label) {
@@ -304,8 +316,8 @@ where
         return said_of_all(&reason.to_string(), quiet);
     }
     let again = certify::repeated(points);
-    let verify = |point: &Point<P>, proof: &P| match again.contains(&point.label) {
-        true => Err(Refused::Statement("that it is not an earlier point")),
+    let verify = |point: &CertifiedPoint<P>, proof: &P| match again.contains(&point.label) {
+        true => Err(RefusedProof::Statement("that it is not an earlier point")),
         false => {
             let request = requested.map(|requested| check(requested, point, proof));
             request.unwrap_or(Ok(()))?;
@@ -313,11 +325,11 @@ where
         }
     };
     let indices: Vec<usize> = (0..points.len()).collect();
-    let verdicts: Vec<(String, Point<P>)> = each(quiet, &indices, "points", |&index| {
+    let verdicts: Vec<(String, CertifiedPoint<P>)> = each(quiet, &indices, "points", |&index| {
         let before = index.checked_sub(1).map(|before| &points[before]);
         verdict(&points[index], before, verify)
     });
-    let (verdicts, again): (Vec<String>, Vec<Point<P>>) = verdicts.into_iter().unzip();
+    let (verdicts, again): (Vec<String>, Vec<CertifiedPoint<P>>) = verdicts.into_iter().unzip();
     let table = table_agrees(&file.with_file_name(CERTIFICATES), &again)?;
     let theorems = theorems_agree(file, certificate)?;
     let beside = [
@@ -339,7 +351,7 @@ where
         print(&report)?;
     }
     let all = others.is_empty() && verdicts.iter().all(|verdict| verdict == VERIFIED);
-    Ok(if all { Exit::Done } else { Exit::Unmet })
+    Ok(if all { VerbExit::Done } else { VerbExit::Unmet })
 }
 
 /// What is said of a proof that holds.
@@ -348,28 +360,32 @@ const VERIFIED: &str = "verified";
 /// Whether a stored point, and the arc that leads to it, is what it says; with the point, whose intervals are no wider than they are
 /// proven.
 fn verdict<P: Provable>(
-    point: &Point<P>,
-    before: Option<&Point<P>>,
-    verify: impl Fn(&Point<P>, &P) -> Result<P, Refused>,
-) -> (String, Point<P>) {
+    point: &CertifiedPoint<P>,
+    before: Option<&CertifiedPoint<P>>,
+    verify: impl Fn(&CertifiedPoint<P>, &P) -> Result<P, RefusedProof>,
+) -> (String, CertifiedPoint<P>) {
     let mut again = point.clone();
     let verified = match &point.outcome {
-        Outcome::Proven(proof) => verify(point, proof),
-        Outcome::Open(_) if point.growth.is_some() || point.arc == Some(Stretch::Proven) => Err(
-            Refused::Statement("what follows from a point that is not proven"),
-        ),
-        Outcome::Open(reason) => return (format!("not proven: {reason}"), again),
+        ProofOutcome::Proven(proof) => verify(point, proof),
+        ProofOutcome::Open(_)
+            if point.growth.is_some() || point.arc == Some(ArcOutcome::Proven) =>
+        {
+            Err(RefusedProof::Statement(
+                "what follows from a point that is not proven",
+            ))
+        }
+        ProofOutcome::Open(reason) => return (format!("not proven: {reason}"), again),
     };
     let said = match (verified, &point.arc) {
         (Err(refused), _) => format!("refused: {refused}"),
-        (Ok(_), Some(Stretch::Open(reason))) => format!("before it not proven: {reason}"),
+        (Ok(_), Some(ArcOutcome::Open(reason))) => format!("before it not proven: {reason}"),
         (Ok(_), arc)
             if arc.is_some() && before.and_then(|before| point.stretch(before)) != *arc =>
         {
             "refused: the arc before it is said otherwise than what is proven".to_owned()
         }
         (Ok(proof), _) => {
-            again.outcome = Outcome::Proven(Box::new(proof));
+            again.outcome = ProofOutcome::Proven(Box::new(proof));
             match &point.growth {
                 Some(Counted::Open(reason)) => format!("growing eigenvalues not counted: {reason}"),
                 _ => VERIFIED.to_owned(),

@@ -6,12 +6,12 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::equilibria;
-use super::failure::{Exit, Failure};
-use super::junit::{self, Suite, Verdict};
+use super::failure::{VerbExit, VerbFailure};
+use super::junit::{self, CaseVerdict, Suite};
 use super::options::{read_any, spare, write};
 use super::prepare::{early_end, follow, ready, ready_system};
 use super::{print, warn};
-use crate::certify::{Point, certify, equilibrium, orbit};
+use crate::certify::{CertifiedPoint, certify, equilibrium, orbit};
 use crate::orbit::legs::Run;
 use crate::output::certify::Certified;
 use crate::output::store::Offers;
@@ -29,7 +29,7 @@ pub(crate) struct CheckArguments {
 }
 
 /// One expectation: what it was compared with, its numbers, and what else is wrong.
-struct Found {
+struct CheckedExpectation {
     title: String,
     lines: Vec<String>,
     wrong: Option<String>,
@@ -37,14 +37,14 @@ struct Found {
 }
 
 /// Outcome of one problem file.
-struct Outcome {
+struct CheckOutcome {
     file: String,
-    found: Vec<Found>,
-    exit: Exit,
+    found: Vec<CheckedExpectation>,
+    exit: VerbExit,
     trouble: Option<String>,
 }
 
-impl Outcome {
+impl CheckOutcome {
     /// Whether nothing was compared, and nothing went wrong: this is no success.
     fn skipped(&self) -> bool {
         self.found.is_empty() && self.trouble.is_none()
@@ -53,13 +53,13 @@ impl Outcome {
 
 const SKIPPED: &str = "nothing expected: the list `expect` is empty";
 
-pub(crate) fn check(arguments: &CheckArguments) -> Result<Exit, Failure> {
+pub(crate) fn check(arguments: &CheckArguments) -> Result<VerbExit, VerbFailure> {
     if let Some(path) = &arguments.junit {
         spare(path, &arguments.problems)?;
     }
     let mut outcomes = Vec::with_capacity(arguments.problems.len());
     for file in &arguments.problems {
-        let outcome = check_file(file).unwrap_or_else(|failure| Outcome {
+        let outcome = check_file(file).unwrap_or_else(|failure| CheckOutcome {
             file: problem::name_of(file),
             found: Vec::new(),
             exit: failure.exit(),
@@ -69,8 +69,11 @@ pub(crate) fn check(arguments: &CheckArguments) -> Result<Exit, Failure> {
         outcomes.push(outcome);
     }
     let skipped = outcomes.iter().filter(|outcome| outcome.skipped()).count();
-    let with = |exit: Exit| outcomes.iter().filter(move |outcome| outcome.exit == exit);
-    let (passed, compared) = (with(Exit::Done).count() - skipped, outcomes.len() - skipped);
+    let with = |exit: VerbExit| outcomes.iter().filter(move |outcome| outcome.exit == exit);
+    let (passed, compared) = (
+        with(VerbExit::Done).count() - skipped,
+        outcomes.len() - skipped,
+    );
     print(&format!(
         "{passed} of {compared} problem files as expected\n"
     ))?;
@@ -86,13 +89,13 @@ pub(crate) fn check(arguments: &CheckArguments) -> Result<Exit, Failure> {
     }
     // bad input outranks damaged input, then a numerical failure, then an expectation not met
     let ranks = [
-        Exit::BadInput,
-        Exit::InputOutput,
-        Exit::Numerical,
-        Exit::Unmet,
+        VerbExit::BadInput,
+        VerbExit::InputOutput,
+        VerbExit::Numerical,
+        VerbExit::Unmet,
     ];
     let worst = ranks.into_iter().find(|exit| with(*exit).next().is_some());
-    Ok(worst.unwrap_or(Exit::Done))
+    Ok(worst.unwrap_or(VerbExit::Done))
 }
 
 /// A file that only simulates has no branch to run, and nothing to compare.
@@ -100,7 +103,7 @@ fn simulates_only(problem: &Problem) -> bool {
     problem.simulation.is_some() && problem.continuation.is_none() && problem.expect.is_empty()
 }
 
-fn check_file(path: &Path) -> Result<Outcome, Failure> {
+fn check_file(path: &Path) -> Result<CheckOutcome, VerbFailure> {
     let file = problem::name_of(path);
     let (problem, text) = match read_any(path)? {
         (Any::Tube(problem), text) => (*problem, text),
@@ -122,11 +125,15 @@ fn check_file(path: &Path) -> Result<Outcome, Failure> {
     let compared = compare(&problem.expect, &events);
     let compared = compared.iter().map(|one| found(one, parameter.column()));
     let found = compared.chain(certified.iter().map(proven)).collect();
-    Ok(Outcome::of(file, found, &branch))
+    Ok(CheckOutcome::of(file, found, &branch))
 }
 
 /// The same of a problem with a system of one's own.
-fn check_system(path: &Path, problem: SystemProblem, text: String) -> Result<Outcome, Failure> {
+fn check_system(
+    path: &Path,
+    problem: SystemProblem,
+    text: String,
+) -> Result<CheckOutcome, VerbFailure> {
     let file = problem::name_of(path);
     if problem.continuation.is_none() && problem.expect.is_empty() {
         return Ok(skipped(file));
@@ -145,7 +152,7 @@ fn check_system(path: &Path, problem: SystemProblem, text: String) -> Result<Out
         let column = &prepared.continuation.parameter;
         let compared = compared.iter().map(|one| found(one, column));
         let found = compared.chain(certified.iter().map(proven)).collect();
-        return Ok(Outcome::of(file, found, &branch));
+        return Ok(CheckOutcome::of(file, found, &branch));
     }
     let prepared = ready_system(problem, text, path)?;
     let mut branch = prepared.begin()?;
@@ -160,7 +167,7 @@ fn check_system(path: &Path, problem: SystemProblem, text: String) -> Result<Out
     let column = &prepared.continuation.parameter;
     let compared = compared.iter().map(|one| found(one, column));
     let found = compared.chain(certified.iter().map(proven)).collect();
-    Ok(Outcome::of(file, found, &branch))
+    Ok(CheckOutcome::of(file, found, &branch))
 }
 
 /// The events of a branch that is followed to its end.
@@ -168,7 +175,7 @@ fn events<R: Run, E>(
     file: &str,
     branch: &mut R,
     mut event: impl FnMut(R::Item) -> Option<E>,
-) -> Result<Vec<E>, Failure> {
+) -> Result<Vec<E>, VerbFailure> {
     let mut events = Vec::new();
     follow(false, branch, |items, branch| {
         events.extend(items.into_iter().filter_map(&mut event));
@@ -179,25 +186,25 @@ fn events<R: Run, E>(
 }
 
 /// Of a file that has no branch to run, and nothing to compare.
-fn skipped(file: String) -> Outcome {
-    Outcome {
+fn skipped(file: String) -> CheckOutcome {
+    CheckOutcome {
         file,
         found: Vec::new(),
-        exit: Exit::Done,
+        exit: VerbExit::Done,
         trouble: None,
     }
 }
 
-impl Outcome {
+impl CheckOutcome {
     /// What was compared along a branch.
-    fn of(file: String, found: Vec<Found>, branch: &impl Run) -> Outcome {
+    fn of(file: String, found: Vec<CheckedExpectation>, branch: &impl Run) -> CheckOutcome {
         let trouble = early_end(branch);
-        Outcome {
+        CheckOutcome {
             file,
             exit: match &trouble {
-                _ if found.iter().any(|one| !one.met) => Exit::Unmet,
-                Some(_) => Exit::Numerical,
-                None => Exit::Done,
+                _ if found.iter().any(|one| !one.met) => VerbExit::Unmet,
+                Some(_) => VerbExit::Numerical,
+                None => VerbExit::Done,
             },
             found,
             trouble,
@@ -206,10 +213,10 @@ impl Outcome {
 }
 
 /// A special point to be proven, in words.
-fn proven<P: Certified>(point: &Point<P>) -> Found {
+fn proven<P: Certified>(point: &CertifiedPoint<P>) -> CheckedExpectation {
     let met = point.is_proven();
     let line = P::sentence(point).trim_end().to_owned();
-    Found {
+    CheckedExpectation {
         title: format!("{} at label {}", point.kind, point.label),
         lines: if met {
             vec![format!("ok   {line}")]
@@ -222,7 +229,7 @@ fn proven<P: Certified>(point: &Point<P>) -> Found {
 }
 
 /// An expectation in words.
-fn found(compared: &Compared<impl Occurrence>, column: &str) -> Found {
+fn found(compared: &Compared<impl Occurrence>, column: &str) -> CheckedExpectation {
     let expectation = compared.expectation;
     let mut title = expectation.event.to_string();
     // writing to a string does not fail
@@ -239,7 +246,7 @@ fn found(compared: &Compared<impl Occurrence>, column: &str) -> Found {
             compared.regimes.as_ref().map(ToString::to_string)
         }
     };
-    Found {
+    CheckedExpectation {
         title,
         lines: compared.numbers.iter().map(line).collect(),
         wrong,
@@ -260,7 +267,7 @@ fn line(one: &Comparison) -> String {
     }
 }
 
-fn text(outcome: &Outcome) -> String {
+fn text(outcome: &CheckOutcome) -> String {
     let mut text = format!("{}\n", outcome.file);
     // writing to a string does not fail
     for one in &outcome.found {
@@ -281,21 +288,21 @@ fn text(outcome: &Outcome) -> String {
     text
 }
 
-fn suite(outcome: &Outcome) -> Suite {
+fn suite(outcome: &CheckOutcome) -> Suite {
     let compared = outcome.found.iter().map(|one| {
         let lines: Vec<String> = one.lines.iter().chain(&one.wrong).cloned().collect();
         let verdict = match one.met {
-            true => Verdict::Passed,
-            false => Verdict::Failed(lines.join("\n")),
+            true => CaseVerdict::Passed,
+            false => CaseVerdict::Failed(lines.join("\n")),
         };
         (one.title.clone(), verdict)
     });
     let skipped = outcome.skipped().then(|| {
-        let verdict = Verdict::Skipped(SKIPPED.to_owned());
+        let verdict = CaseVerdict::Skipped(SKIPPED.to_owned());
         ("expect".to_owned(), verdict)
     });
     let trouble = outcome.trouble.iter();
-    let trouble = trouble.map(|trouble| ("branch".to_owned(), Verdict::Error(trouble.clone())));
+    let trouble = trouble.map(|trouble| ("branch".to_owned(), CaseVerdict::Error(trouble.clone())));
     Suite {
         name: outcome.file.clone(),
         cases: compared.chain(skipped).chain(trouble).collect(),

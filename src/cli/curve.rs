@@ -3,15 +3,17 @@
 use clap::Args;
 use serde::Serialize;
 
-use super::failure::{Exit, Failure};
+use super::failure::{VerbExit, VerbFailure};
 use super::options::{Task, format, read_any};
-use super::prepare::{Source, named, named_equilibrium, ready, ready_system};
-use super::progress::{Progress, drive};
+use super::prepare::{ProblemSource, named, named_equilibrium, ready, ready_system};
+use super::progress::{ProgressLine, drive};
 use super::{interrupt, summary, titled, warn};
-use crate::branch::run::Runner;
-use crate::curve::start::{self, NoCurve, Start};
+use crate::branch::run::WaveRunner;
+use crate::curve::search;
+use crate::curve::start::{self, CurveStart, NoCurve};
 use crate::curve::{
-    Curve, Equilibria, Orbits, Plane, Run, find_of_equilibria, labelled_of_equilibria,
+    CurveRun, EquilibriaInPlane, OrbitsInPlane, ParameterPlane, WholeCurve, find_of_equilibria,
+    labelled_of_equilibria,
 };
 use crate::hybrid;
 use crate::hybrid::equilibrium::{EquilibriumRunner, NoEquilibriumStart};
@@ -20,7 +22,7 @@ use crate::orbit::legs;
 use crate::output::curve::CurveFolder;
 use crate::output::pictures::{self, PlotError};
 use crate::output::render::Format;
-use crate::output::store::{Kind, Store};
+use crate::output::store::{FolderKind, Store};
 use crate::output::waves::labelled;
 use crate::problem::{self, Any, CurveEvent, Problem, SystemCurveEvent, SystemProblem};
 
@@ -34,7 +36,7 @@ pub(crate) struct CurveArguments {
     format: Format,
 }
 
-pub(crate) fn curve(arguments: &CurveArguments) -> Result<Exit, Failure> {
+pub(crate) fn curve(arguments: &CurveArguments) -> Result<VerbExit, VerbFailure> {
     let task = &arguments.task;
     let format = arguments.format.available()?;
     let (problem, text) = read_any(&task.problem)?;
@@ -47,14 +49,19 @@ pub(crate) fn curve(arguments: &CurveArguments) -> Result<Exit, Failure> {
     }
 }
 
-fn of_tube(task: &Task, problem: &Problem, text: String, format: Format) -> Result<Exit, Failure> {
+fn of_tube(
+    task: &Task,
+    problem: &Problem,
+    text: String,
+    format: Format,
+) -> Result<VerbExit, VerbFailure> {
     let name = task.name();
     let section = problem.curve(&text, &name)?;
-    let store = task.open(&task.folder("_curve"), Kind::Curve, problem)?;
+    let store = task.open(&task.folder("_curve"), FolderKind::Curve, problem)?;
     let begin = || start(task, problem, text, section);
-    let draw = |store: &Store, found: &Curve, ranges| {
+    let draw = |store: &Store, found: &WholeCurve, ranges| {
         let picture = (
-            Kind::Curve.name().to_owned(),
+            FolderKind::Curve.name().to_owned(),
             Ok(pictures::curve::of_waves(found, ranges, Some(problem))),
         );
         pictures::put(store, Some(problem), format, [picture]).map(|_| ())
@@ -65,7 +72,7 @@ fn of_tube(task: &Task, problem: &Problem, text: String, format: Format) -> Resu
         store,
         (problem, title, format),
         begin,
-        &Failure::from,
+        &VerbFailure::from,
         draw,
     )
 }
@@ -75,10 +82,10 @@ fn of_system(
     problem: &SystemProblem,
     text: String,
     format: Format,
-) -> Result<Exit, Failure> {
+) -> Result<VerbExit, VerbFailure> {
     let name = task.name();
     let section = problem.curve(&text, &name)?;
-    let source = Source::new(name, text.clone());
+    let source = ProblemSource::new(name, text.clone());
     let earlier = match &section.event {
         SystemCurveEvent::Label { dir, label } => Some(named(problem, dir, *label, true, &source)?),
         _ => None,
@@ -87,9 +94,10 @@ fn of_system(
         Some(named) => named.kind,
         None => section.event.kind(),
     };
-    let refuse = |error: NoCurve<Orbits>| refusal(&source, &error, hybrid::NoStart::about);
+    let refuse =
+        |error: NoCurve<OrbitsInPlane>| refusal(&source, &error, hybrid::NoFirstPoint::about);
     let ready = || ready_system(problem.clone(), text, &task.problem);
-    let progress = || Progress::new(task.quiet);
+    let progress = || ProgressLine::new(task.quiet);
     // a homoclinic orbit is followed as its saddle
     if kind == Some(EventType::HC) {
         let begin = || {
@@ -97,15 +105,15 @@ fn of_system(
                 Some(named) => start::labelled_connection(problem, &named.saved, section),
                 None => {
                     let (prepared, progress) = (ready()?, progress());
-                    let mut watch = |branch: &hybrid::Runner| looking(&progress, branch);
+                    let mut watch = |branch: &hybrid::OrbitRunner| looking(&progress, branch);
                     let begun = |problem: &SystemProblem| prepared.start(problem);
-                    start::find_connection(problem, section, begun, &mut watch)
+                    search::find_connection(problem, section, begun, &mut watch)
                 }
             };
             begun.map_err(&refuse)
         };
         let about = NoEquilibriumStart::about;
-        let refuse = |error: NoCurve<Equilibria>| refusal(&source, &error, about);
+        let refuse = |error: NoCurve<EquilibriaInPlane>| refusal(&source, &error, about);
         return follow_system(task, problem, format, begin, &refuse);
     }
     let begin = || {
@@ -116,9 +124,9 @@ fn of_system(
             }
             None => {
                 let (prepared, progress) = (ready()?, progress());
-                let mut watch = |branch: &hybrid::Runner| looking(&progress, branch);
+                let mut watch = |branch: &hybrid::OrbitRunner| looking(&progress, branch);
                 let begun = |problem: &SystemProblem| prepared.start(problem);
-                start::find_of_system(problem, section, begun, &mut watch)
+                search::find_of_system(problem, section, begun, &mut watch)
             }
         };
         begun.map_err(&refuse)
@@ -131,11 +139,12 @@ fn of_equilibria(
     problem: &SystemProblem,
     text: String,
     format: Format,
-) -> Result<Exit, Failure> {
+) -> Result<VerbExit, VerbFailure> {
     let name = task.name();
     let section = problem.curve(&text, &name)?;
-    let source = Source::new(name, text.clone());
-    let refuse = |error: NoCurve<Equilibria>| refusal(&source, &error, NoEquilibriumStart::about);
+    let source = ProblemSource::new(name, text.clone());
+    let refuse =
+        |error: NoCurve<EquilibriaInPlane>| refusal(&source, &error, NoEquilibriumStart::about);
     let begin = || {
         if let SystemCurveEvent::Label { dir, label } = &section.event {
             let at = ("curve.event", true);
@@ -144,7 +153,7 @@ fn of_equilibria(
             return begun.map_err(&refuse);
         }
         let prepared = super::equilibria::ready(problem.clone(), text, &task.problem)?;
-        let progress = Progress::new(task.quiet);
+        let progress = ProgressLine::new(task.quiet);
         let mut watch = |branch: &EquilibriumRunner| looking(&progress, branch);
         let begun = || prepared.start();
         find_of_equilibria(problem, section, begun, &mut watch).map_err(&refuse)
@@ -153,15 +162,15 @@ fn of_equilibria(
 }
 
 /// Follows a curve of a system into its folder.
-fn follow_system<P: Plane>(
+fn follow_system<P: ParameterPlane>(
     task: &Task,
     problem: &SystemProblem,
     format: Format,
-    begin: impl FnOnce() -> Result<Start<P>, Failure>,
-    refuse: &dyn Fn(NoCurve<P>) -> Failure,
-) -> Result<Exit, Failure> {
-    let store = task.open_system(&task.folder("_curve"), Kind::Curve, problem)?;
-    let draw = |store: &Store, found: &Curve<P>, ranges| {
+    begin: impl FnOnce() -> Result<CurveStart<P>, VerbFailure>,
+    refuse: &dyn Fn(NoCurve<P>) -> VerbFailure,
+) -> Result<VerbExit, VerbFailure> {
+    let store = task.open_system(&task.folder("_curve"), FolderKind::Curve, problem)?;
+    let draw = |store: &Store, found: &WholeCurve<P>, ranges| {
         let drawn = pictures::orbits::draw_curve(store, problem, found, ranges, format);
         drawn.map(|_| ())
     };
@@ -171,11 +180,11 @@ fn follow_system<P: Plane>(
 
 /// Why there is no curve of a system, at the line of the problem file that it is about; of a branch that does not begin that
 /// is known to the reason.
-fn refusal<P: Plane>(
-    source: &Source,
+fn refusal<P: ParameterPlane>(
+    source: &ProblemSource,
     error: &NoCurve<P>,
     about: impl Fn(&P::NoBranch) -> (&'static str, &'static str),
-) -> Failure {
+) -> VerbFailure {
     let (path, help) = match error {
         NoCurve::Run(reason) => about(reason),
         NoCurve::Outside { .. } => ("curve.range", "widen it"),
@@ -187,28 +196,28 @@ fn refusal<P: Plane>(
         }
     };
     let exit = match error {
-        NoCurve::Outside { .. } | NoCurve::Kind { .. } => Exit::BadInput,
-        _ => Exit::Numerical,
+        NoCurve::Outside { .. } | NoCurve::Kind { .. } => VerbExit::BadInput,
+        _ => VerbExit::Numerical,
     };
     source.placed(path, error.to_string(), help, exit)
 }
 
 /// Says how far the branch is on which the event is looked for.
-fn looking(progress: &Progress, branch: &impl legs::Run) {
+fn looking(progress: &ProgressLine, branch: &impl legs::Run) {
     let points = branch.progress().points;
     let words = format!("looking for the event: {points} points of the branch");
     progress.show(f64::NAN, words);
 }
 
 /// Follows a curve to both ends into a folder.
-fn follow<P: Plane>(
+fn follow<P: ParameterPlane>(
     task: &Task,
     store: Store,
     (problem, title, format): (&(impl Clone + Serialize), Option<&str>, Format),
-    begin: impl FnOnce() -> Result<Start<P>, Failure>,
-    refuse: &dyn Fn(NoCurve<P>) -> Failure,
-    draw: impl Fn(&Store, &Curve<P>, [(f64, f64); 2]) -> Result<(), PlotError>,
-) -> Result<Exit, Failure> {
+    begin: impl FnOnce() -> Result<CurveStart<P>, VerbFailure>,
+    refuse: &dyn Fn(NoCurve<P>) -> VerbFailure,
+    draw: impl Fn(&Store, &WholeCurve<P>, [(f64, f64); 2]) -> Result<(), PlotError>,
+) -> Result<VerbExit, VerbFailure> {
     let singular = |reason| refuse(NoCurve::Singular(reason));
     let (mut run, mut folder) = match CurveFolder::interrupted(&store)? {
         Some(interrupted) => {
@@ -218,7 +227,7 @@ fn follow<P: Plane>(
         }
         None => {
             let start = begin()?;
-            let run = Run::begin(&start.system, start.event, &start.point, start.limits);
+            let run = CurveRun::begin(&start.system, start.event, &start.point, start.limits);
             let run = run.map_err(singular)?;
             let folder = CurveFolder::create(store, &run, problem, format)?;
             interrupt::progress_is_kept();
@@ -233,7 +242,7 @@ fn follow<P: Plane>(
         Ok(Some((run.part(), run.position())))
     })?;
     let ranges = run.head().limits.ranges;
-    let progress = Progress::new(task.quiet);
+    let progress = ProgressLine::new(task.quiet);
     progress.show(
         f64::NAN,
         "the names of the regions beside the curve".to_owned(),
@@ -252,9 +261,9 @@ fn follow<P: Plane>(
         for side in [0, 1] {
             warn(&found.end(side));
         }
-        return Ok(Exit::Numerical);
+        return Ok(VerbExit::Numerical);
     }
-    Ok(Exit::Done)
+    Ok(VerbExit::Done)
 }
 
 /// The event that the curve begins with.
@@ -263,18 +272,18 @@ fn start(
     problem: &Problem,
     text: String,
     section: &problem::CurveSection,
-) -> Result<Start, Failure> {
+) -> Result<CurveStart, VerbFailure> {
     if let CurveEvent::Label { dir, label } = &section.event {
-        let source = Source::new(task.name(), text);
+        let source = ProblemSource::new(task.name(), text);
         let earlier = source.restart(dir, problem.wave.mode)?;
         let (event, wave) = (labelled(dir, *label)?, earlier.labelled(dir, *label)?);
         return Ok(start::labelled(problem, wave, event, section)?);
     }
     let prepared = ready(problem.clone(), text, &task.problem)?;
-    let progress = Progress::new(task.quiet);
-    let mut watch = |branch: &Runner| looking(&progress, branch);
+    let progress = ProgressLine::new(task.quiet);
+    let mut watch = |branch: &WaveRunner| looking(&progress, branch);
     let begun = |problem: &Problem| prepared.start(task.quiet, problem);
-    start::find(problem, section, begun, &mut watch).map_err(|error| match error {
+    search::find(problem, section, begun, &mut watch).map_err(|error| match error {
         NoCurve::Run(error) => prepared.source.place(error),
         error => error.into(),
     })

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use super::failure::{Exit, Failure};
-use super::prepare::{Source, named_equilibrium, ways};
+use super::failure::{VerbExit, VerbFailure};
+use super::prepare::{ProblemSource, named_equilibrium, ways};
 use crate::hybrid::equilibrium::{EquilibriumRunner, NamedEquilibrium, NoEquilibriumStart};
 use crate::problem::{self, Continuation, EquilibriumStart, SystemProblem};
 
@@ -12,16 +12,16 @@ pub(crate) struct PreparedEquilibrium {
     pub problem: SystemProblem,
     pub continuation: Continuation<String>,
     named: Option<NamedEquilibrium>,
-    source: Source,
+    source: ProblemSource,
 }
 
 impl PreparedEquilibrium {
     /// The beginning of the branch, or the line of the problem file that keeps it from beginning.
-    pub(crate) fn begin(&self) -> Result<EquilibriumRunner, Failure> {
+    pub(crate) fn begin(&self) -> Result<EquilibriumRunner, VerbFailure> {
         self.start().map_err(|error| {
             let (path, help) = error.about();
             let message = error.to_string();
-            self.source.placed(path, message, help, Exit::Numerical)
+            self.source.placed(path, message, help, VerbExit::Numerical)
         })
     }
 
@@ -41,8 +41,8 @@ pub(crate) fn ready(
     problem: SystemProblem,
     text: String,
     path: &Path,
-) -> Result<PreparedEquilibrium, Failure> {
-    let source = Source::new(problem::name_of(path), text);
+) -> Result<PreparedEquilibrium, VerbFailure> {
+    let source = ProblemSource::new(problem::name_of(path), text);
     let section = problem.continuation(source.text(), source.name())?;
     let mut continuation = section.clone();
     let start = problem.equilibrium.as_ref().map(|section| &section.start);

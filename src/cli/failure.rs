@@ -19,7 +19,7 @@ use crate::tube::wave::hopf::NoHopf;
 
 /// How a verb has ended; the number is the exit code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Exit {
+pub(crate) enum VerbExit {
     /// All that was asked for is done.
     Done = 0,
     /// An expectation of `check` is not met.
@@ -32,8 +32,8 @@ pub(crate) enum Exit {
     InputOutput = 4,
 }
 
-impl From<Exit> for ExitCode {
-    fn from(exit: Exit) -> ExitCode {
+impl From<VerbExit> for ExitCode {
+    fn from(exit: VerbExit) -> ExitCode {
         ExitCode::from(exit as u8)
     }
 }
@@ -45,12 +45,12 @@ or usage; 3 numerical failure (no start, or the branch ended before its range); 
 
 /// Everything that can end a verb early.
 #[derive(Debug, thiserror::Error)]
-pub(crate) enum Failure {
+pub(crate) enum VerbFailure {
     #[error("{0}")]
     Problem(#[from] ProblemError),
     /// What cannot be computed, with the line of the problem file it is about.
     #[error("{0}")]
-    Placed(ProblemError, Exit),
+    Placed(ProblemError, VerbExit),
     #[error("{0}")]
     Store(#[from] StoreError),
     #[error("{0}")]
@@ -62,7 +62,7 @@ pub(crate) enum Failure {
     #[error("{0}")]
     Curve(#[from] NoCurve),
     #[error("{0}")]
-    Radial(#[from] radial::Error),
+    Radial(#[from] radial::RadialError),
     #[error("{0}")]
     Usage(#[from] Usage),
     /// Standard output.
@@ -70,35 +70,36 @@ pub(crate) enum Failure {
     Output(io::Error),
 }
 
-impl Failure {
+impl VerbFailure {
     /// What helps, if it does not say so itself, with the options that the verb has.
     pub(crate) fn cure(&self, offers: Offers) -> &'static str {
         match self {
-            Failure::Store(error) | Failure::Plot(PlotError::Store(error)) => error.cure(offers),
+            VerbFailure::Store(error) | VerbFailure::Plot(PlotError::Store(error)) => {
+                error.cure(offers)
+            }
             _ => "",
         }
     }
 
     /// The exit code that it means.
-    pub(crate) fn exit(&self) -> Exit {
+    pub(crate) fn exit(&self) -> VerbExit {
         match self {
-            Failure::Placed(_, exit) => *exit,
-            Failure::Run(RunError::NoHopf(NoHopf::Parameter)) => Exit::BadInput,
-            Failure::Run(RunError::NoStart(_) | RunError::NoHopf(_)) | Failure::Radial(_) => {
-                Exit::Numerical
-            }
-            Failure::Curve(
+            VerbFailure::Placed(_, exit) => *exit,
+            VerbFailure::Run(RunError::NoHopf(NoHopf::Parameter)) => VerbExit::BadInput,
+            VerbFailure::Run(RunError::NoStart(_) | RunError::NoHopf(_))
+            | VerbFailure::Radial(_) => VerbExit::Numerical,
+            VerbFailure::Curve(
                 NoCurve::Run(RunError::Asked(_)) | NoCurve::Outside { .. } | NoCurve::Kind { .. },
-            ) => Exit::BadInput,
-            Failure::Curve(_) => Exit::Numerical,
-            Failure::Store(error) | Failure::Plot(PlotError::Store(error)) => {
+            ) => VerbExit::BadInput,
+            VerbFailure::Curve(_) => VerbExit::Numerical,
+            VerbFailure::Store(error) | VerbFailure::Plot(PlotError::Store(error)) => {
                 match error.is_usage() {
-                    true => Exit::BadInput,
-                    false => Exit::InputOutput,
+                    true => VerbExit::BadInput,
+                    false => VerbExit::InputOutput,
                 }
             }
-            Failure::Output(_) => Exit::InputOutput,
-            _ => Exit::BadInput,
+            VerbFailure::Output(_) => VerbExit::InputOutput,
+            _ => VerbExit::BadInput,
         }
     }
 }

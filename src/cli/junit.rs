@@ -5,7 +5,7 @@ use std::fmt::Write;
 use crate::output::report::escaped;
 
 /// How a test case has come out.
-pub(crate) enum Verdict {
+pub(crate) enum CaseVerdict {
     Passed,
     /// With what was found instead.
     Failed(String),
@@ -18,19 +18,19 @@ pub(crate) enum Verdict {
 /// The test cases of a file, each with its name.
 pub(crate) struct Suite {
     pub name: String,
-    pub cases: Vec<(String, Verdict)>,
+    pub cases: Vec<(String, CaseVerdict)>,
 }
 
 /// The counts of test cases as attributes.
-fn counts<'a>(cases: impl Iterator<Item = &'a (String, Verdict)>) -> String {
-    let verdicts: Vec<&Verdict> = cases.map(|(_, verdict)| verdict).collect();
-    let count = |of: fn(&&&Verdict) -> bool| verdicts.iter().filter(of).count();
+fn counts<'a>(cases: impl Iterator<Item = &'a (String, CaseVerdict)>) -> String {
+    let verdicts: Vec<&CaseVerdict> = cases.map(|(_, verdict)| verdict).collect();
+    let count = |of: fn(&&&CaseVerdict) -> bool| verdicts.iter().filter(of).count();
     format!(
         "tests=\"{}\" failures=\"{}\" errors=\"{}\" skipped=\"{}\"",
         verdicts.len(),
-        count(|verdict| matches!(verdict, Verdict::Failed(_))),
-        count(|verdict| matches!(verdict, Verdict::Error(_))),
-        count(|verdict| matches!(verdict, Verdict::Skipped(_)))
+        count(|verdict| matches!(verdict, CaseVerdict::Failed(_))),
+        count(|verdict| matches!(verdict, CaseVerdict::Error(_))),
+        count(|verdict| matches!(verdict, CaseVerdict::Skipped(_)))
     )
 }
 
@@ -47,13 +47,13 @@ pub(crate) fn report(suites: &[Suite]) -> String {
             let name = attribute(name);
             let head = format!("        <testcase name=\"{name}\" classname=\"{file}\"");
             let (tag, message) = match verdict {
-                Verdict::Passed => {
+                CaseVerdict::Passed => {
                     let _ = writeln!(text, "{head}/>");
                     continue;
                 }
-                Verdict::Failed(message) => ("failure", message),
-                Verdict::Error(message) => ("error", message),
-                Verdict::Skipped(message) => ("skipped", message),
+                CaseVerdict::Failed(message) => ("failure", message),
+                CaseVerdict::Error(message) => ("error", message),
+                CaseVerdict::Skipped(message) => ("skipped", message),
             };
             let message = attribute(message);
             let _ = writeln!(
@@ -83,8 +83,11 @@ mod tests {
         let suite = Suite {
             name: "a<b>&\"c\".ron".to_owned(),
             cases: vec![
-                ("HB".to_owned(), Verdict::Passed),
-                ("LP".to_owned(), Verdict::Failed("one\ntwo\u{1}".to_owned())),
+                ("HB".to_owned(), CaseVerdict::Passed),
+                (
+                    "LP".to_owned(),
+                    CaseVerdict::Failed("one\ntwo\u{1}".to_owned()),
+                ),
             ],
         };
         let text = report(&[suite]);

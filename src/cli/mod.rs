@@ -33,7 +33,7 @@ use clap::{
 
 use crate::output::store::Offers;
 use crate::problem::{self, SystemProblem};
-use failure::{EXIT_CODES, Exit, Failure};
+use failure::{EXIT_CODES, VerbExit, VerbFailure};
 
 /// Continuation and bifurcation of friction-driven travelling waves (brake squeal).
 #[derive(Debug, Parser)]
@@ -155,7 +155,7 @@ pub fn main() -> ExitCode {
         Verb::Steady(arguments) => steady::steady(&arguments),
         Verb::Simulate(arguments) => simulate::simulate(&arguments),
         Verb::Report(arguments) => report::report(&arguments),
-        Verb::New(arguments) => print(&arguments.purpose.template()).map(|()| Exit::Done),
+        Verb::New(arguments) => print(&arguments.purpose.template()).map(|()| VerbExit::Done),
         #[cfg(feature = "completions")]
         Verb::Completions { shell } => shell::completions(shell),
         #[cfg(feature = "completions")]
@@ -187,11 +187,11 @@ fn offers(command: &Command, matches: &ArgMatches) -> Offers {
 }
 
 /// Writes to standard output.
-fn print(text: &str) -> Result<(), Failure> {
+fn print(text: &str) -> Result<(), VerbFailure> {
     let mut out = io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
         // the reader may close the pipe early; files and exit code are due all the same
-        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(Failure::Output(error)),
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(VerbFailure::Output(error)),
         _ => Ok(()),
     }
 }
@@ -202,9 +202,9 @@ fn titled(title: Option<&str>, text: &str) -> String {
 }
 
 /// Ends a verb that could not compute what was asked for.
-fn stopped(reason: &impl ToString) -> Result<Exit, Failure> {
+fn stopped(reason: &impl ToString) -> Result<VerbExit, VerbFailure> {
     warn(&reason.to_string());
-    Ok(Exit::Numerical)
+    Ok(VerbExit::Numerical)
 }
 
 /// Writes a warning to standard error.

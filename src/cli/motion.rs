@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::failure::{Exit, Failure, Usage};
+use super::failure::{Usage, VerbExit, VerbFailure};
 use super::options::Task;
 use super::progress::drive;
 use super::summary::flows;
@@ -12,11 +12,15 @@ use crate::messages::halt;
 use crate::output::motion::MotionFolder;
 use crate::output::pictures;
 use crate::output::render::Format;
-use crate::output::store::Kind;
+use crate::output::store::FolderKind;
 use crate::problem::SystemProblem;
 
 /// Computes the motion and writes it as it goes on.
-pub(super) fn simulate(task: &Task, problem: &SystemProblem, text: &str) -> Result<Exit, Failure> {
+pub(super) fn simulate(
+    task: &Task,
+    problem: &SystemProblem,
+    text: &str,
+) -> Result<VerbExit, VerbFailure> {
     let name = task.name();
     let section = problem.simulation(text, &name)?;
     let system = &problem.system;
@@ -24,7 +28,7 @@ pub(super) fn simulate(task: &Task, problem: &SystemProblem, text: &str) -> Resu
     let start = problem.beginning().and_then(|start| start.place(system));
     let start = start.ok_or(Usage::NoBeginning)?;
     let out = task.folder("_simulation");
-    let store = task.open_system(&out, Kind::Simulation, problem)?;
+    let store = task.open_system(&out, FolderKind::Simulation, problem)?;
     let mut folder = MotionFolder::create(&store, problem)?;
     let mut course = Course::new(&affine, start, section.duration, section.samples);
     let mut stop = None;
@@ -56,7 +60,7 @@ pub(super) fn simulate(task: &Task, problem: &SystemProblem, text: &str) -> Resu
     words.push_str(&flows(system, &affine));
     task.say(&titled(problem.title.as_deref(), &words), "results", &out)?;
     match stop {
-        None => Ok(Exit::Done),
+        None => Ok(VerbExit::Done),
         Some(reason) => stopped(&halt(system, &reason)),
     }
 }

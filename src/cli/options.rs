@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::failure::{Failure, Usage};
+use super::failure::{Usage, VerbFailure};
 use super::{print, warn};
 use crate::output::render::Format;
-use crate::output::store::{Existing, Kind, Store, io_error};
+use crate::output::store::{Existing, FolderKind, Store, io_error};
 use crate::problem::{
     self, Any, CurveEvent, Problem, STANDARD_INPUT, SystemCurveEvent, SystemProblem,
 };
@@ -36,7 +36,7 @@ pub(crate) struct Task {
 
 impl Task {
     /// The problem, its text and its name for messages.
-    pub(crate) fn read(&self) -> Result<(Problem, String, String), Failure> {
+    pub(crate) fn read(&self) -> Result<(Problem, String, String), VerbFailure> {
         let (problem, text) = read(&self.problem)?;
         Ok((problem, text, self.name()))
     }
@@ -67,7 +67,7 @@ impl Task {
     }
 
     /// Prints what was found and where it is kept, unless nothing is to be printed.
-    pub(crate) fn say(&self, found: &str, kept: &str, folder: &Path) -> Result<(), Failure> {
+    pub(crate) fn say(&self, found: &str, kept: &str, folder: &Path) -> Result<(), VerbFailure> {
         match self.quiet {
             true => Ok(()),
             false => print(&format!("{found}{kept} in {}\n", folder.display())),
@@ -78,9 +78,9 @@ impl Task {
     pub(crate) fn open(
         &self,
         folder: &Path,
-        kind: Kind,
+        kind: FolderKind,
         problem: &Problem,
-    ) -> Result<Store, Failure> {
+    ) -> Result<Store, VerbFailure> {
         let existing = Existing::of(self.resume, self.force);
         let inputs = self.inputs(problem);
         Ok(Store::open(folder, kind, problem, existing, &inputs)?)
@@ -90,9 +90,9 @@ impl Task {
     pub(crate) fn open_system(
         &self,
         folder: &Path,
-        kind: Kind,
+        kind: FolderKind,
         problem: &SystemProblem,
-    ) -> Result<Store, Failure> {
+    ) -> Result<Store, VerbFailure> {
         let existing = Existing::of(self.resume, self.force);
         let mut inputs = vec![self.problem.clone()];
         inputs.extend(problem.earlier_run().cloned());
@@ -121,14 +121,14 @@ impl Task {
 }
 
 /// Reads a problem file with waves of a tube, with a warning of what no real tube has.
-pub(crate) fn read(path: &Path) -> Result<(Problem, String), Failure> {
+pub(crate) fn read(path: &Path) -> Result<(Problem, String), VerbFailure> {
     let (problem, text) = problem::read(path)?;
     doubt(path, &problem);
     Ok((problem, text))
 }
 
 /// Reads a problem file of either kind, with a warning of what no real tube has.
-pub(crate) fn read_any(path: &Path) -> Result<(Any, String), Failure> {
+pub(crate) fn read_any(path: &Path) -> Result<(Any, String), VerbFailure> {
     let (problem, text) = problem::read_any(path)?;
     if let Any::Tube(problem) = &problem {
         doubt(path, problem);
@@ -165,8 +165,8 @@ impl Threads {
         &self,
         default: usize,
         most: usize,
-        work: impl FnOnce() -> Result<T, Failure> + Send,
-    ) -> Result<T, Failure> {
+        work: impl FnOnce() -> Result<T, VerbFailure> + Send,
+    ) -> Result<T, VerbFailure> {
         let threads = self.threads.map_or(default, usize::from).min(most).max(1);
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
         // a single thread is this one, unless another pool has it already
@@ -251,7 +251,7 @@ pub(crate) fn set(problem: &mut Problem, parameter: Parameter, value: f64) -> Re
 }
 
 /// Refuses a file for output that is read as well, or that cannot be: before the computation.
-pub(crate) fn spare(path: &Path, inputs: &[PathBuf]) -> Result<(), Failure> {
+pub(crate) fn spare(path: &Path, inputs: &[PathBuf]) -> Result<(), VerbFailure> {
     let canonical = |path: &Path| fs::canonicalize(path).ok();
     let there = canonical(path);
     if there.is_some() && inputs.iter().any(|input| canonical(input) == there) {
@@ -265,7 +265,7 @@ pub(crate) fn spare(path: &Path, inputs: &[PathBuf]) -> Result<(), Failure> {
 }
 
 /// Writes a file that the user has named.
-pub(crate) fn write(path: &Path, text: &str) -> Result<(), Failure> {
+pub(crate) fn write(path: &Path, text: &str) -> Result<(), VerbFailure> {
     Ok(fs::write(path, text).map_err(io_error("write it", path))?)
 }
 
@@ -273,7 +273,7 @@ pub(crate) fn write(path: &Path, text: &str) -> Result<(), Failure> {
 pub(crate) fn picture<'a>(
     path: Option<&'a Path>,
     inputs: &[PathBuf],
-) -> Result<Option<(&'a Path, Format)>, Failure> {
+) -> Result<Option<(&'a Path, Format)>, VerbFailure> {
     let Some(path) = path else {
         return Ok(None);
     };

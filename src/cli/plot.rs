@@ -4,16 +4,16 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 
-use super::failure::{Exit, Failure, Usage};
+use super::failure::{Usage, VerbExit, VerbFailure};
 use super::options::{format, there};
 use super::print;
-use crate::branch::run::Runner;
+use crate::branch::run::WaveRunner;
 use crate::output::layout;
 use crate::output::origin;
 use crate::output::pictures::{self, View};
 use crate::output::render::Format;
 use crate::output::run::RunFolder;
-use crate::output::store::{Kind, Store};
+use crate::output::store::{FolderKind, Store};
 use crate::output::waves::Waves;
 use crate::problem::{Any, Plot, SystemPlot, SystemProblem};
 
@@ -32,7 +32,7 @@ pub(crate) struct PlotArguments {
     y: Option<String>,
     /// A logarithmic axis: x, which is assumed, or y; give it twice for both
     #[arg(long, value_name = "AXIS", value_enum, num_args = 0..=1, default_missing_value = "x")]
-    log: Vec<Side>,
+    log: Vec<DiagramAxis>,
     /// Part of the horizontal axis
     #[arg(long, value_name = "LOW,HIGH", value_parser = range, allow_hyphen_values = true)]
     range: Option<(f64, f64)>,
@@ -49,7 +49,7 @@ pub(crate) struct PlotArguments {
 
 /// An axis of a diagram.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Side {
+enum DiagramAxis {
     X,
     Y,
 }
@@ -80,76 +80,45 @@ fn range(text: &str) -> Result<(f64, f64), Usage> {
         .ok_or_else(|| Usage::Ends(text.to_owned()))
 }
 
-pub(crate) fn plot(arguments: &PlotArguments) -> Result<Exit, Failure> {
+pub(crate) fn plot(arguments: &PlotArguments) -> Result<VerbExit, VerbFailure> {
     let (folder, format) = (&arguments.folder, arguments.format.available()?);
     there(folder)?;
     let store = Store::visit(folder);
     let kind = store.as_ref().ok().and_then(Store::kind);
-    let run = kind.is_none_or(|kind| kind == Kind::Run);
-    let viewed = run || kind == Some(Kind::Scan) && !arguments.view_of_branch();
+    let run = kind.is_none_or(|kind| kind == FolderKind::Run);
+    let viewed = run || kind == Some(FolderKind::Scan) && !arguments.view_of_branch();
     if !viewed && arguments.view() {
         return Err(Usage::NoView(folder.clone()).into());
     }
-    if arguments.over.is_some() && kind != Some(Kind::Scan) {
+    if arguments.over.is_some() && kind != Some(FolderKind::Scan) {
         return Err(Usage::NoScan(folder.clone()).into());
     }
     let mut problem = match kind {
-        Some(Kind::MapShard | Kind::ScanShard) => {
+        Some(FolderKind::MapShard | FolderKind::ScanShard) => {
             let verb = match kind {
-                Some(Kind::MapShard) => Kind::Map.name(),
-                _ => Kind::Scan.name(),
+                Some(FolderKind::MapShard) => FolderKind::Map.name(),
+                _ => FolderKind::Scan.name(),
             };
             let folder = folder.clone();
             return Err(Usage::Unjoined { folder, verb }.into());
         }
-        Some(Kind::Certificate) => return Err(Usage::NoPicture(folder.clone()).into()),
+        Some(FolderKind::Certificate) => return Err(Usage::NoPicture(folder.clone()).into()),
         _ => match origin::problem(folder)? {
-            Some(Any::System(problem)) if kind == Some(Kind::Curve) => {
+            Some(Any::System(problem)) if kind == Some(FolderKind::Curve) => {
                 return list(&pictures::orbits::draw(&store?, &problem, format)?);
             }
             Some(Any::System(problem)) if run => {
                 return plot_orbits(arguments, &store?, *problem, format);
             }
             Some(Any::System(problem)) => {
-                let store = store?;
-                return match kind {
-                    Some(Kind::Scan) => {
-                        let over = arguments.over.as_deref();
-                        if let Some(run) = over {
-                            of_parameter(run, &problem)?;
-                        }
-                        let state = arguments.y.as_deref();
-                        if state.is_some() {
-                            refuse_drawn(arguments, &store, format)?;
-                        }
-                        let shown = (over, state);
-                        list(&pictures::scan::draw(&store, &problem, shown, format)?)
-                    }
-                    Some(Kind::Map) => {
-                        let picture = pictures::map::of_system(store.path(), &problem);
-                        let mut named = vec![(Kind::Map.name().to_owned(), picture)];
-                        if problem.map.as_ref().is_some_and(|map| map.shares.is_some()) {
-                            let shares = pictures::shares::picture(store.path(), &problem);
-                            named.push((layout::SHARES_PICTURE.to_owned(), shares));
-                        }
-                        list(&pictures::put(&store, None, format, named)?)
-                    }
-                    Some(Kind::Simulation) => {
-                        list(&pictures::motion::draw(&store, &problem, format)?)
-                    }
-                    Some(Kind::Accuracy) => {
-                        let title = problem.title.as_deref();
-                        list(&pictures::draw_accuracy(&store, title, format)?)
-                    }
-                    _ => Err(Usage::Unpictured(folder.clone()).into()),
-                };
+                return plot_system(arguments, &store?, &problem, format);
             }
             known => known.and_then(Any::tube),
         },
     };
     if run && problem.is_none() {
         problem = Some(match &store {
-            Ok(store) => RunFolder::<Runner>::saved(store)?.problem,
+            Ok(store) => RunFolder::<WaveRunner>::saved(store)?.problem,
             // a folder of a version before manifests may still hold a run
             Err(_) => Waves::read(folder)?.problem,
         });
@@ -173,13 +142,51 @@ pub(crate) fn plot(arguments: &PlotArguments) -> Result<Exit, Failure> {
     list(&pictures::draw(&store, problem.as_ref(), format)?)
 }
 
+/// The pictures of what is no branch of a system.
+fn plot_system(
+    arguments: &PlotArguments,
+    store: &Store,
+    problem: &SystemProblem,
+    format: Format,
+) -> Result<VerbExit, VerbFailure> {
+    match store.kind() {
+        Some(FolderKind::Scan) => {
+            let over = arguments.over.as_deref();
+            if let Some(run) = over {
+                of_parameter(run, problem)?;
+            }
+            let state = arguments.y.as_deref();
+            if state.is_some() {
+                refuse_drawn(arguments, store, format)?;
+            }
+            let shown = (over, state);
+            list(&pictures::scan::draw(store, problem, shown, format)?)
+        }
+        Some(FolderKind::Map) => {
+            let picture = pictures::map::of_system(store.path(), problem);
+            let mut named = vec![(FolderKind::Map.name().to_owned(), picture)];
+            if problem.map.as_ref().is_some_and(|map| map.shares.is_some()) {
+                let shares = pictures::shares::picture(store.path(), problem);
+                named.push((layout::SHARES_PICTURE.to_owned(), shares));
+            }
+            list(&pictures::put(store, None, format, named)?)
+        }
+        Some(FolderKind::Simulation) => list(&pictures::motion::draw(store, problem, format)?),
+        Some(FolderKind::Accuracy) => {
+            let title = problem.title.as_deref();
+            list(&pictures::draw_accuracy(store, title, format)?)
+        }
+        _ => Err(Usage::Unpictured(arguments.folder.clone()).into()),
+    }
+}
+
 /// The pictures of a branch of orbits: those asked for, one view, or the diagram.
 fn plot_orbits(
     arguments: &PlotArguments,
     store: &Store,
     mut problem: SystemProblem,
     format: Format,
-) -> Result<Exit, Failure> {
+) -> Result<VerbExit, VerbFailure> {
     if problem.continuation.is_none() {
         return Err(Usage::NoBranch(arguments.folder.clone()).into());
     }
@@ -200,9 +207,9 @@ fn plot_orbits(
 }
 
 /// Refuses a run that is no branch in the parameter of a scan.
-fn of_parameter(run: &Path, scan: &SystemProblem) -> Result<(), Failure> {
+fn of_parameter(run: &Path, scan: &SystemProblem) -> Result<(), VerbFailure> {
     there(run)?;
-    let is_run = Store::visit(run)?.kind() == Some(Kind::Run);
+    let is_run = Store::visit(run)?.kind() == Some(FolderKind::Run);
     let found = match origin::problem(run)? {
         Some(Any::System(problem)) if is_run => problem.continuation,
         _ => None,
@@ -221,7 +228,11 @@ fn of_parameter(run: &Path, scan: &SystemProblem) -> Result<(), Failure> {
 }
 
 /// Refuses to replace a view that was drawn before.
-fn refuse_drawn(arguments: &PlotArguments, store: &Store, format: Format) -> Result<(), Failure> {
+fn refuse_drawn(
+    arguments: &PlotArguments,
+    store: &Store,
+    format: Format,
+) -> Result<(), VerbFailure> {
     let earlier = store.path().join(pictures::view_file(format));
     if earlier.exists() && !arguments.force {
         return Err(Usage::Drawn(earlier).into());
@@ -235,16 +246,16 @@ impl PlotArguments {
         View {
             column: self.y.clone().unwrap_or(column.to_owned()),
             range: self.range.unwrap_or(View::EVERYWHERE),
-            logarithmic: Some(self.log.contains(&Side::X)),
+            logarithmic: Some(self.log.contains(&DiagramAxis::X)),
             height: self.range_y.unwrap_or(View::EVERYWHERE),
-            logarithmic_height: self.log.contains(&Side::Y),
+            logarithmic_height: self.log.contains(&DiagramAxis::Y),
         }
     }
 }
 
-fn list(written: &[PathBuf]) -> Result<Exit, Failure> {
+fn list(written: &[PathBuf]) -> Result<VerbExit, VerbFailure> {
     for path in written {
         print(&format!("{}\n", path.display()))?;
     }
-    Ok(Exit::Done)
+    Ok(VerbExit::Done)
 }

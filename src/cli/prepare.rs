@@ -1,15 +1,15 @@
 //! A problem made ready to be run: the wave it restarts from, and the ways its branch can go.
 
-use crate::orbit::legs::{End, Run};
+use crate::orbit::legs::{Run, RunEnd};
 use std::path::Path;
 
-use super::failure::{Exit, Failure};
+use super::failure::{VerbExit, VerbFailure};
 use super::options::read;
-use super::progress::{Progress, drive};
+use super::progress::{ProgressLine, drive};
 use crate::branch::SavedWave;
-use crate::branch::run::{RunError, Runner};
+use crate::branch::run::{RunError, WaveRunner};
 use crate::hybrid::equilibrium::NamedEquilibrium;
-use crate::hybrid::{self, EarlierPoint, Named, NoStart};
+use crate::hybrid::{self, EarlierPoint, NamedOrbit, NoFirstPoint};
 use crate::orbit::EventType;
 use crate::output::attractors::SavedAttractors;
 use crate::output::equilibria::Equilibria;
@@ -26,14 +26,14 @@ pub(crate) struct Prepared {
     pub problem: Problem,
     pub continuation: Continuation,
     pub restart: Option<SavedWave>,
-    pub source: Source,
+    pub source: ProblemSource,
 }
 
 impl Prepared {
     /// The beginning of the branch, with the search for its first wave shown.
-    pub(crate) fn start(&self, quiet: bool, problem: &Problem) -> Result<Runner, RunError> {
-        let progress = Progress::new(quiet);
-        Runner::begin_watched(
+    pub(crate) fn start(&self, quiet: bool, problem: &Problem) -> Result<WaveRunner, RunError> {
+        let progress = ProgressLine::new(quiet);
+        WaveRunner::begin_watched(
             problem,
             &self.continuation,
             self.restart.as_ref(),
@@ -44,7 +44,7 @@ impl Prepared {
     }
 
     /// The same, with the line of the problem file that keeps it from beginning.
-    pub(crate) fn begin(&self, quiet: bool) -> Result<Runner, Failure> {
+    pub(crate) fn begin(&self, quiet: bool) -> Result<WaveRunner, VerbFailure> {
         let begun = self.start(quiet, &self.problem);
         begun.map_err(|error| self.source.place(error))
     }
@@ -54,8 +54,8 @@ impl Prepared {
 pub(crate) fn follow<R: Run>(
     quiet: bool,
     branch: &mut R,
-    mut take: impl FnMut(Vec<R::Item>, &R) -> Result<String, Failure>,
-) -> Result<(), Failure> {
+    mut take: impl FnMut(Vec<R::Item>, &R) -> Result<String, VerbFailure>,
+) -> Result<(), VerbFailure> {
     drive(quiet, || {
         if branch.progress().end.is_some() {
             return Ok(None);
@@ -69,21 +69,23 @@ pub(crate) fn follow<R: Run>(
 /// Why a branch ended before its range, if it did.
 pub(crate) fn early_end(branch: &impl Run) -> Option<String> {
     match &branch.progress().end {
-        Some(End::Failed(reason)) => Some(format!("the branch ended before its range: {reason}")),
+        Some(RunEnd::Failed(reason)) => {
+            Some(format!("the branch ended before its range: {reason}"))
+        }
         _ => None,
     }
 }
 
 /// The file of a problem, for messages that point into it.
-pub(crate) struct Source {
+pub(crate) struct ProblemSource {
     name: String,
     text: String,
 }
 
-impl Source {
+impl ProblemSource {
     /// The text of a file.
-    pub(crate) fn new(name: String, text: String) -> Source {
-        Source { name, text }
+    pub(crate) fn new(name: String, text: String) -> ProblemSource {
+        ProblemSource { name, text }
     }
 
     /// The name of the file.
@@ -97,7 +99,7 @@ impl Source {
     }
 
     /// A refusal of what stands at a path.
-    pub(crate) fn refuse(&self, path: &str, message: String, help: &str) -> Failure {
+    pub(crate) fn refuse(&self, path: &str, message: String, help: &str) -> VerbFailure {
         self.refusal(path, message, help).into()
     }
 
@@ -106,30 +108,36 @@ impl Source {
     }
 
     /// The same with an exit code of its own.
-    pub(crate) fn placed(&self, path: &str, message: String, help: &str, exit: Exit) -> Failure {
-        Failure::Placed(self.refusal(path, message, help), exit)
+    pub(crate) fn placed(
+        &self,
+        path: &str,
+        message: String,
+        help: &str,
+        exit: VerbExit,
+    ) -> VerbFailure {
+        VerbFailure::Placed(self.refusal(path, message, help), exit)
     }
 
     /// What ends a run before it begins, with the line it is about if there is one.
-    pub(crate) fn place(&self, error: RunError) -> Failure {
+    pub(crate) fn place(&self, error: RunError) -> VerbFailure {
         match error.about() {
             None => error.into(),
             Some((path, help)) => {
                 let message = error.to_string();
                 let place = self.refusal(path, message, help);
-                Failure::Placed(place, Failure::Run(error).exit())
+                VerbFailure::Placed(place, VerbFailure::Run(error).exit())
             }
         }
     }
 
     /// What ends a run of orbits before it begins, with the line it is about.
-    pub(crate) fn place_orbit(&self, error: &NoStart) -> Failure {
+    pub(crate) fn place_orbit(&self, error: &NoFirstPoint) -> VerbFailure {
         let (path, help) = error.about();
-        self.placed(path, error.to_string(), help, Exit::Numerical)
+        self.placed(path, error.to_string(), help, VerbExit::Numerical)
     }
 
     /// The run of a folder to restart from, which must hold waves of this mode.
-    pub(crate) fn restart(&self, dir: &Path, mode: u32) -> Result<Waves, Failure> {
+    pub(crate) fn restart(&self, dir: &Path, mode: u32) -> Result<Waves, VerbFailure> {
         let earlier = Waves::read(dir)?;
         let known = earlier.problem.wave.mode;
         if known != mode {
@@ -144,7 +152,7 @@ impl Source {
     }
 
     /// Refuses a label at which no wave of this mode, of twice the wavelength, branches off.
-    fn doubling(&self, dir: &Path, label: usize, mode: u32) -> Result<(), Failure> {
+    fn doubling(&self, dir: &Path, label: usize, mode: u32) -> Result<(), VerbFailure> {
         let event = waves::labelled(dir, label)?;
         if event.kind == EventType::BP && event.sector == mode as usize {
             return Ok(());
@@ -164,14 +172,14 @@ impl Source {
 }
 
 /// Reads a problem file, and the wave it restarts from if it does.
-pub(crate) fn prepare(path: &Path) -> Result<Prepared, Failure> {
+pub(crate) fn prepare(path: &Path) -> Result<Prepared, VerbFailure> {
     let (problem, text) = read(path)?;
     ready(problem, text, path)
 }
 
 /// The branch of a problem that was read, and the wave it restarts from if it does.
-pub(crate) fn ready(problem: Problem, text: String, path: &Path) -> Result<Prepared, Failure> {
-    let source = Source::new(problem::name_of(path), text);
+pub(crate) fn ready(problem: Problem, text: String, path: &Path) -> Result<Prepared, VerbFailure> {
+    let source = ProblemSource::new(problem::name_of(path), text);
     let mut continuation = problem.continuation(&source.text, &source.name)?.clone();
     let mut restart = None;
     if let Some((dir, label)) = problem.wave.start.label() {
@@ -221,19 +229,22 @@ pub(crate) struct PreparedSystem {
     pub problem: SystemProblem,
     pub continuation: Continuation<String>,
     pub named: Option<EarlierPoint>,
-    pub source: Source,
+    pub source: ProblemSource,
 }
 
 impl PreparedSystem {
     /// The beginning of the branch, or the line of the problem file that keeps it from beginning.
-    pub(crate) fn begin(&self) -> Result<hybrid::Runner, Failure> {
+    pub(crate) fn begin(&self) -> Result<hybrid::OrbitRunner, VerbFailure> {
         let begun = self.start(&self.problem);
         begun.map_err(|error| self.source.place_orbit(&error))
     }
 
     /// The same for the problem with other settings.
-    pub(crate) fn start(&self, problem: &SystemProblem) -> Result<hybrid::Runner, NoStart> {
-        hybrid::Runner::begin(problem, &self.continuation, self.named.as_ref())
+    pub(crate) fn start(
+        &self,
+        problem: &SystemProblem,
+    ) -> Result<hybrid::OrbitRunner, NoFirstPoint> {
+        hybrid::OrbitRunner::begin(problem, &self.continuation, self.named.as_ref())
     }
 }
 
@@ -242,8 +253,8 @@ pub(crate) fn ready_system(
     problem: SystemProblem,
     text: String,
     path: &Path,
-) -> Result<PreparedSystem, Failure> {
-    let source = Source::new(problem::name_of(path), text);
+) -> Result<PreparedSystem, VerbFailure> {
+    let source = ProblemSource::new(problem::name_of(path), text);
     let mut continuation = problem.continuation(&source.text, &source.name)?.clone();
     let start = &problem.orbit.start;
     let named = match start {
@@ -292,8 +303,8 @@ pub(crate) fn named(
     dir: &Path,
     label: usize,
     is_event: bool,
-    source: &Source,
-) -> Result<Named, Failure> {
+    source: &ProblemSource,
+) -> Result<NamedOrbit, VerbFailure> {
     let others = match origin::problem(dir) {
         Ok(Some(Any::Tube(_))) => Some("waves of a tube, not orbits of a system"),
         _ if holds_equilibria(dir) => Some("equilibria, not orbits of a system"),
@@ -324,7 +335,7 @@ pub(crate) fn named(
     if dir.join(SavedAttractors::FILE).exists() {
         let earlier = SavedAttractors::read(dir)?;
         belongs(&earlier.problem)?;
-        return Ok(Named {
+        return Ok(NamedOrbit {
             saved: earlier.labelled(dir, label)?.clone(),
             kind: None,
             has_shrunk: false,
@@ -334,7 +345,7 @@ pub(crate) fn named(
     belongs(&earlier.problem)?;
     let saved = earlier.labelled(dir, label)?.clone();
     let kind = kind_of(dir, label)?;
-    Ok(Named {
+    Ok(NamedOrbit {
         has_shrunk: kind == Some(EventType::BP) && saved.has_shrunk(&earlier.labelled),
         saved,
         kind,
@@ -347,8 +358,8 @@ pub(super) fn named_equilibrium(
     problem: &SystemProblem,
     (dir, label): (&Path, usize),
     (at, is_event): (&str, bool),
-    source: &Source,
-) -> Result<NamedEquilibrium, Failure> {
+    source: &ProblemSource,
+) -> Result<NamedEquilibrium, VerbFailure> {
     let refuse = |what: &str| {
         let message = format!("{} holds {what}", dir.display());
         source.refuse(at, message, "name another folder")
@@ -383,8 +394,8 @@ pub(super) fn ways<P>(
     continuation: &Continuation<P>,
     column: &str,
     first: Option<f64>,
-    source: &Source,
-) -> Result<Toward, Failure> {
+    source: &ProblemSource,
+) -> Result<Toward, VerbFailure> {
     let (low, high) = continuation.range;
     let first = first.unwrap_or(f64::NAN);
     match continuation.toward {

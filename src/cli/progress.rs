@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 
-use super::failure::Failure;
+use super::failure::VerbFailure;
 
 /// Time between two lines.
 const EVERY: Duration = Duration::from_secs(10);
@@ -41,9 +41,9 @@ pub(crate) type Here = (f64, String);
 /// Takes steps until there is none left, and shows after each where the work is.
 pub(crate) fn drive(
     quiet: bool,
-    mut step: impl FnMut() -> Result<Option<Here>, Failure>,
-) -> Result<(), Failure> {
-    let progress = Progress::new(quiet);
+    mut step: impl FnMut() -> Result<Option<Here>, VerbFailure>,
+) -> Result<(), VerbFailure> {
+    let progress = ProgressLine::new(quiet);
     while let Some((part, words)) = step()? {
         progress.show(part, words);
     }
@@ -58,7 +58,7 @@ pub(crate) fn each<T: Sync, R: Send, C: FromParallelIterator<R>>(
     what: &str,
     work: impl Fn(&T) -> R + Sync,
 ) -> C {
-    let tally = Tally {
+    let tally = WorkTally {
         before: 0,
         all: list.len(),
         what,
@@ -71,7 +71,7 @@ pub(crate) fn each<T: Sync, R: Send, C: FromParallelIterator<R>>(
 }
 
 /// What is counted of some work.
-pub(crate) struct Tally<'a> {
+pub(crate) struct WorkTally<'a> {
     /// How many an earlier run has done.
     pub before: usize,
     /// How many there are with those.
@@ -84,10 +84,10 @@ pub(crate) struct Tally<'a> {
 pub(crate) fn tallied<T: Sync, R: Send, C: FromParallelIterator<R>>(
     quiet: bool,
     list: &[T],
-    Tally { before, all, what }: Tally<'_>,
+    WorkTally { before, all, what }: WorkTally<'_>,
     work: impl Fn(&T, &(dyn Fn() + Sync)) -> R + Sync,
 ) -> C {
-    let (progress, done) = (Progress::new(quiet), AtomicUsize::new(before));
+    let (progress, done) = (ProgressLine::new(quiet), AtomicUsize::new(before));
     let show = |done: usize| {
         let words = format!("{done} of {all} {what}");
         progress.show(done as f64 / all as f64, words);
@@ -99,14 +99,14 @@ pub(crate) fn tallied<T: Sync, R: Send, C: FromParallelIterator<R>>(
 }
 
 /// What is known of the work.
-struct State {
+struct WorkState {
     part: f64,
     words: String,
     /// When and where it was first known to be: resumed work does not begin at 0.
     first: Option<(Instant, f64)>,
 }
 
-impl State {
+impl WorkState {
     /// Seconds left at the pace since the first look.
     fn left(&self) -> Option<f64> {
         let (begun, first) = self.first?;
@@ -115,17 +115,17 @@ impl State {
 }
 
 /// What is shown of work, until it is dropped.
-pub(crate) struct Progress {
-    state: Arc<Mutex<State>>,
+pub(crate) struct ProgressLine {
+    state: Arc<Mutex<WorkState>>,
     bar: Option<ProgressBar>,
     /// The thread that writes lines, and what ends it.
     lines: Option<(Sender<()>, JoinHandle<()>)>,
 }
 
-impl Progress {
+impl ProgressLine {
     /// Begins to count time.
-    pub(crate) fn new(quiet: bool) -> Progress {
-        let state = Arc::new(Mutex::new(State {
+    pub(crate) fn new(quiet: bool) -> ProgressLine {
+        let state = Arc::new(Mutex::new(WorkState {
             part: f64::NAN,
             words: BEGINNING.to_owned(),
             first: None,
@@ -138,7 +138,7 @@ impl Progress {
             Some((stop, thread.ok()?))
         };
         let terminal = stderr().is_terminal();
-        Progress {
+        ProgressLine {
             state,
             bar: (!quiet && terminal).then(bar),
             lines: (!quiet && !terminal).then(lines).flatten(),
@@ -166,7 +166,7 @@ impl Progress {
     }
 }
 
-impl Drop for Progress {
+impl Drop for ProgressLine {
     fn drop(&mut self) {
         if let Some((stop, thread)) = self.lines.take() {
             drop(stop);
@@ -203,7 +203,7 @@ fn lock<T>(state: &Mutex<T>) -> MutexGuard<'_, T> {
 }
 
 /// Writes a line now and then, also where a step takes long.
-fn write_lines(state: &Mutex<State>, stopped: &Receiver<()>) {
+fn write_lines(state: &Mutex<WorkState>, stopped: &Receiver<()>) {
     let mut shown = false;
     let since = || spoken(&SPOKEN).elapsed();
     while stopped.recv_timeout(pause(since())) == Err(RecvTimeoutError::Timeout) {

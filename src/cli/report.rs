@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::failure::{Exit, Failure};
+use super::failure::{VerbExit, VerbFailure};
 use super::options::there;
 use super::print;
 use crate::output::report;
@@ -16,11 +16,11 @@ pub(crate) struct ReportArguments {
     folder: PathBuf,
 }
 
-pub(crate) fn report(arguments: &ReportArguments) -> Result<Exit, Failure> {
+pub(crate) fn report(arguments: &ReportArguments) -> Result<VerbExit, VerbFailure> {
     there(&arguments.folder)?;
     let store = Store::visit(&arguments.folder)?;
     let page = report::page(&store)?;
     store.replace(report::PAGE, page.as_bytes())?;
     print(&format!("{}\n", store.path().join(report::PAGE).display()))?;
-    Ok(Exit::Done)
+    Ok(VerbExit::Done)
 }

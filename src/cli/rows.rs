@@ -7,16 +7,16 @@ use std::str::FromStr;
 
 use clap::{Args, Subcommand};
 
-use super::failure::{Exit, Failure, Usage};
+use super::failure::{Usage, VerbExit, VerbFailure};
 use super::options::{Task, Threads, cores, picture, read_any};
-use super::progress::{Progress, Tally, tallied};
+use super::progress::{ProgressLine, WorkTally, tallied};
 use super::{interrupt, print, stopped};
-use crate::hybrid::scan::{Scanner, Settled};
-use crate::map::{self, Attractors, Cell, CellRow, Draws, Motions, Outcome};
+use crate::hybrid::scan::{ScannedMotion, Scanner};
+use crate::map::{self, Attractors, Cell, CellRow, Draws, MotionOutcome, Motions};
 use crate::messages::AWAY;
 use crate::output::attractors;
 use crate::output::layout::{self, SCAN};
-use crate::output::origin::Origin;
+use crate::output::origin::ProblemOrigin;
 use crate::output::pictures;
 use crate::output::render::{Format, Picture};
 use crate::output::rows::{Mapped, Rowed, RowsFolder, of_shard};
@@ -94,15 +94,15 @@ impl FromStr for Shard {
 const MOST_THREADS: usize = 256;
 
 /// Computes the text of a row. What comes before it in its sweep is there where it is not the first.
-type Work<'a> = Box<dyn Fn(usize, Option<&str>) -> Result<String, Failure> + Sync + 'a>;
+type Work<'a> = Box<dyn Fn(usize, Option<&str>) -> Result<String, VerbFailure> + Sync + 'a>;
 
 /// A verb that computes a table row by row.
-pub(crate) trait Verb: Rowed + Sync {
+pub(crate) trait RowVerb: Rowed + Sync {
     /// Ending of the default folder.
     const ENDING: &'static str;
 
     /// The problem of a file, with its section.
-    fn read(task: &Task) -> Result<Self, Failure>;
+    fn read(task: &Task) -> Result<Self, VerbFailure>;
     /// What the results are computed from.
     fn inputs(&self, task: &Task) -> Vec<PathBuf>;
     /// Rows that are computed one after the other, each from the one before.
@@ -111,26 +111,26 @@ pub(crate) trait Verb: Rowed + Sync {
     }
 
     /// What computes a row.
-    fn work(&self, quiet: bool) -> Result<Work<'_>, Failure>;
+    fn work(&self, quiet: bool) -> Result<Work<'_>, VerbFailure>;
     /// Joins the rows of folders, and makes what follows from all of them.
-    fn join(&self, folder: &RowsFolder<Self>, from: &[PathBuf]) -> Result<(), Failure> {
+    fn join(&self, folder: &RowsFolder<Self>, from: &[PathBuf]) -> Result<(), VerbFailure> {
         Ok(folder.join(from, &mut |_, cells| Ok(cells))?)
     }
 
     /// The picture of the table in a folder.
     fn picture(&self, folder: &Path) -> Result<Picture, StoreError>;
     /// How the verb ends, after all rows were joined.
-    fn end(&self, _: &RowsFolder<Self>) -> Result<Exit, Failure> {
-        Ok(Exit::Done)
+    fn end(&self, _: &RowsFolder<Self>) -> Result<VerbExit, VerbFailure> {
+        Ok(VerbExit::Done)
     }
 }
 
 /// Draws the picture in the folder, and the one asked for besides.
-fn draw<P: Verb>(
+fn draw<P: RowVerb>(
     problem: &P,
     store: &Store,
     asked: Option<(&Path, Format)>,
-) -> Result<(), Failure> {
+) -> Result<(), VerbFailure> {
     let picture = problem.picture(store.path())?;
     if let Some((path, format)) = asked {
         let bytes = picture.file(format).map_err(pictures::PlotError::from)?;
@@ -142,7 +142,7 @@ fn draw<P: Verb>(
 }
 
 /// `brakewave map`, of waves or of a system.
-pub(crate) fn map(arguments: &RowsArguments) -> Result<Exit, Failure> {
+pub(crate) fn map(arguments: &RowsArguments) -> Result<VerbExit, VerbFailure> {
     let of_system = match (&arguments.verb, &arguments.task) {
         (Some(RowsVerb::Merge(arguments)), _) => {
             let mut shards = arguments.shards.iter();
@@ -158,7 +158,7 @@ pub(crate) fn map(arguments: &RowsArguments) -> Result<Exit, Failure> {
     }
 }
 
-pub(crate) fn rows<P: Verb>(arguments: &RowsArguments) -> Result<Exit, Failure> {
+pub(crate) fn rows<P: RowVerb>(arguments: &RowsArguments) -> Result<VerbExit, VerbFailure> {
     match (&arguments.verb, &arguments.task) {
         (Some(RowsVerb::Merge(arguments)), _) => merge::<P>(arguments),
         (None, Some(task)) => run::<P>(arguments, task),
@@ -166,27 +166,23 @@ pub(crate) fn rows<P: Verb>(arguments: &RowsArguments) -> Result<Exit, Failure> 
     }
 }
 
-fn run<P: Verb>(arguments: &RowsArguments, task: &Task) -> Result<Exit, Failure> {
+fn run<P: RowVerb>(arguments: &RowsArguments, task: &Task) -> Result<VerbExit, VerbFailure> {
     let problem = P::read(task)?;
     let mut out = task.folder(P::ENDING);
     let inputs = problem.inputs(task);
     let picture = picture(arguments.plot.as_deref(), &inputs)?;
     let shard = arguments.shard.unwrap_or(Shard { number: 1, of: 1 });
-    let mut kind = P::KIND;
-    if shard.of > 1 {
-        kind = P::SHARD;
-        if task.out.is_none() {
-            out.push(format!("shard-{}-of-{}", shard.number, shard.of));
-        }
+    let kind = if shard.of > 1 { P::SHARD } else { P::KIND };
+    if shard.of > 1 && task.out.is_none() {
+        out.push(format!("shard-{}-of-{}", shard.number, shard.of));
     }
     let existing = Existing::of(task.resume, task.force);
     let store = Store::open(&out, kind, &problem, existing, &inputs)?;
-    let folder = RowsFolder::new(store, Origin::of(&problem))?;
+    let folder = RowsFolder::new(store, ProblemOrigin::of(&problem))?;
     let finished = folder.finished()?;
     let is_open = |row: &usize| finished.binary_search(row).is_err();
-    let sweeps = problem.sweeps().into_iter();
-    let sweeps = sweeps.skip(shard.number - 1).step_by(shard.of);
-    let own: Vec<Range<usize>> = sweeps.collect();
+    let sweeps = problem.sweeps().into_iter().skip(shard.number - 1);
+    let own: Vec<Range<usize>> = sweeps.step_by(shard.of).collect();
     let all = own.iter().map(ExactSizeIterator::len).sum();
     let sweeps: Vec<Range<usize>> = own
         .into_iter()
@@ -202,12 +198,12 @@ fn run<P: Verb>(arguments: &RowsArguments, task: &Task) -> Result<Exit, Failure>
             return Ok(());
         }
         let work = problem.work(task.quiet)?;
-        let tally = Tally {
+        let tally = WorkTally {
             before: all - rows.len(),
             all,
             what: "rows",
         };
-        let written: Result<(), Failure> = tallied(task.quiet, &sweeps, tally, |sweep, done| {
+        tallied(task.quiet, &sweeps, tally, |sweep, done| {
             let mut before = None;
             for row in sweep.clone() {
                 if !is_open(&row) {
@@ -225,27 +221,23 @@ fn run<P: Verb>(arguments: &RowsArguments, task: &Task) -> Result<Exit, Failure>
                 before = Some(cells);
                 done();
             }
-            Ok::<(), Failure>(())
-        });
-        written
+            Ok::<(), VerbFailure>(())
+        })
     })?;
     folder.begin(&rows)?;
-    let mut exit = Exit::Done;
-    let what = if shard.of > 1 {
-        "shard"
-    } else {
-        P::KIND.name()
+    let (what, exit) = match shard.of {
+        1 => {
+            problem.join(&folder, std::slice::from_ref(&out))?;
+            draw(&problem, folder.store(), picture)?;
+            (P::KIND.name(), problem.end(&folder)?)
+        }
+        _ => ("shard", VerbExit::Done),
     };
-    if shard.of == 1 {
-        problem.join(&folder, std::slice::from_ref(&out))?;
-        draw(&problem, folder.store(), picture)?;
-        exit = problem.end(&folder)?;
-    }
     task.say("", what, &out)?;
     Ok(exit)
 }
 
-fn merge<P: Verb>(arguments: &MergeArguments) -> Result<Exit, Failure> {
+fn merge<P: RowVerb>(arguments: &MergeArguments) -> Result<VerbExit, VerbFailure> {
     let picture = picture(arguments.plot.as_deref(), &[])?;
     let (first, others) = arguments.shards.split_first().ok_or(Usage::NoProblem)?;
     let origin = of_shard::<P>(first)?;
@@ -277,10 +269,10 @@ fn merge<P: Verb>(arguments: &MergeArguments) -> Result<Exit, Failure> {
 
 const MAP: &str = "_map";
 
-impl Verb for Mapped<Problem> {
+impl RowVerb for Mapped<Problem> {
     const ENDING: &'static str = MAP;
 
-    fn read(task: &Task) -> Result<Mapped<Problem>, Failure> {
+    fn read(task: &Task) -> Result<Mapped<Problem>, VerbFailure> {
         let (problem, text, name) = task.read()?;
         problem.map(&text, &name)?;
         Ok(Mapped(problem))
@@ -290,11 +282,11 @@ impl Verb for Mapped<Problem> {
         task.inputs(&self.0)
     }
 
-    fn work(&self, quiet: bool) -> Result<Work<'_>, Failure> {
+    fn work(&self, quiet: bool) -> Result<Work<'_>, VerbFailure> {
         let Some(section) = &self.0.map else {
             return Err(Usage::NoProblem.into());
         };
-        let progress = Progress::new(quiet);
+        let progress = ProgressLine::new(quiet);
         let mut watch = |waves: usize| {
             progress.show(
                 f64::NAN,
@@ -321,14 +313,14 @@ impl Mapped<SystemProblem> {
     /// Rows of the plane: those of shares come after them.
     fn plane_rows(&self) -> usize {
         let map = self.0.map.as_ref();
-        map.map_or(0, |map| map::Plane::new(map).rows())
+        map.map_or(0, |map| map::MapPlane::new(map).rows())
     }
 }
 
-impl Verb for Mapped<SystemProblem> {
+impl RowVerb for Mapped<SystemProblem> {
     const ENDING: &'static str = MAP;
 
-    fn read(task: &Task) -> Result<Mapped<SystemProblem>, Failure> {
+    fn read(task: &Task) -> Result<Mapped<SystemProblem>, VerbFailure> {
         let (problem, text, name) = of_system(task)?;
         problem.map(&text, &name)?;
         Ok(Mapped(problem))
@@ -338,18 +330,18 @@ impl Verb for Mapped<SystemProblem> {
         vec![task.problem.clone()]
     }
 
-    fn work(&self, _: bool) -> Result<Work<'_>, Failure> {
+    fn work(&self, _: bool) -> Result<Work<'_>, VerbFailure> {
         let motions = Motions::new(&self.0).ok_or(Usage::NoBeginning)?;
         let draws = Draws::new(&self.0);
         let plane = self.plane_rows();
         Ok(Box::new(move |row, _| {
             let drawn = draws.as_ref().zip(row.checked_sub(plane));
-            let cells: Vec<Outcome> = match drawn {
+            let cells: Vec<MotionOutcome> = match drawn {
                 Some((draws, value)) => draws.row(value),
                 None => motions.row(row),
             };
             let basin = self.0.map.as_ref().is_some_and(SystemMap::is_basin);
-            let line = |cell: &Outcome| {
+            let line = |cell: &MotionOutcome| {
                 let row = CellRow::settled(&self.0.system, cell);
                 match basin || drawn.is_some() {
                     true => table::line(&CellRow::of_basin(row, cell.mark.as_ref())),
@@ -360,7 +352,7 @@ impl Verb for Mapped<SystemProblem> {
         }))
     }
 
-    fn join(&self, folder: &RowsFolder<Self>, from: &[PathBuf]) -> Result<(), Failure> {
+    fn join(&self, folder: &RowsFolder<Self>, from: &[PathBuf]) -> Result<(), VerbFailure> {
         let basin = self.0.map.as_ref().is_some_and(SystemMap::is_basin);
         let motions = Motions::new(&self.0).ok_or(Usage::NoBeginning)?;
         let draws = Draws::new(&self.0);
@@ -402,7 +394,7 @@ impl Verb for Mapped<SystemProblem> {
 }
 
 /// The problem of a file with a system, its text and its name for messages.
-fn of_system(task: &Task) -> Result<(SystemProblem, String, String), Failure> {
+fn of_system(task: &Task) -> Result<(SystemProblem, String, String), VerbFailure> {
     let (problem, text) = read_any(&task.problem)?;
     let name = task.name();
     match problem {
@@ -417,10 +409,10 @@ fn of_system(task: &Task) -> Result<(SystemProblem, String, String), Failure> {
     }
 }
 
-impl Verb for SystemProblem {
+impl RowVerb for SystemProblem {
     const ENDING: &'static str = "_scan";
 
-    fn read(task: &Task) -> Result<SystemProblem, Failure> {
+    fn read(task: &Task) -> Result<SystemProblem, VerbFailure> {
         let (problem, text, name) = of_system(task)?;
         problem.scan(&text, &name)?;
         Ok(problem)
@@ -437,12 +429,12 @@ impl Verb for SystemProblem {
         self.scan.as_ref().map_or(Vec::new(), |scan| scan.sweeps())
     }
 
-    fn work(&self, _: bool) -> Result<Work<'_>, Failure> {
+    fn work(&self, _: bool) -> Result<Work<'_>, VerbFailure> {
         let scanner = self.scan.as_ref().and_then(|scan| Scanner::new(self, scan));
         let scanner = scanner.ok_or(Usage::NoBeginning)?;
         Ok(Box::new(move |row, before| {
             let before = before.and_then(|rows| last(self, &scanner, rows));
-            let settled: Vec<Settled> = scanner.piece(row, before);
+            let settled: Vec<ScannedMotion> = scanner.piece(row, before);
             Ok(lines(&scanner.system, &settled))
         }))
     }
@@ -452,7 +444,7 @@ impl Verb for SystemProblem {
     }
 
     /// A motion that ends early is told; what there is of it is kept. One that stays away from the section is no failure.
-    fn end(&self, folder: &RowsFolder<SystemProblem>) -> Result<Exit, Failure> {
+    fn end(&self, folder: &RowsFolder<SystemProblem>) -> Result<VerbExit, VerbFailure> {
         let table = store::table(&folder.path().join(SCAN))?;
         let lacking = (0..table.len()).filter(|row| {
             let why = table.text(*row, "why");
@@ -460,7 +452,7 @@ impl Verb for SystemProblem {
         });
         let lacking: Vec<usize> = lacking.collect();
         let Some(&first) = lacking.first() else {
-            return Ok(Exit::Done);
+            return Ok(VerbExit::Done);
         };
         let name = self.scan.as_ref().map_or("", |scan| &scan.parameter);
         let value: f64 = table.field(first, "value").unwrap_or(f64::NAN);

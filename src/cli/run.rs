@@ -4,18 +4,18 @@ use std::path::Path;
 
 use clap::Args;
 
-use super::failure::{Exit, Failure, Usage};
+use super::failure::{Usage, VerbExit, VerbFailure};
 use super::options::{Task, Threads, read_any};
 use super::prepare::{early_end, follow, ready, ready_system};
 use super::{interrupt, stopped, summary, titled, warn};
-use crate::branch::run::Runner;
+use crate::branch::run::WaveRunner;
 use crate::hybrid;
 use crate::hybrid::equilibrium::EquilibriumRunner;
 use crate::orbit::legs::Run;
 use crate::output::pictures;
 use crate::output::render::Format;
 use crate::output::run::{RESTART, Recorded, Restart, RunFolder};
-use crate::output::store::{Kind, Store, damaged};
+use crate::output::store::{FolderKind, Store, damaged};
 use crate::problem::{Any, Problem, SystemProblem};
 
 #[derive(Debug, Args)]
@@ -26,7 +26,7 @@ pub(crate) struct RunArguments {
     threads: Threads,
 }
 
-pub(crate) fn run(arguments: &RunArguments) -> Result<Exit, Failure> {
+pub(crate) fn run(arguments: &RunArguments) -> Result<VerbExit, VerbFailure> {
     let (problem, text) = read_any(&arguments.task.problem)?;
     match problem {
         Any::Tube(problem) => waves(arguments, *problem, text),
@@ -37,20 +37,24 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<Exit, Failure> {
     }
 }
 
-fn waves(arguments: &RunArguments, problem: Problem, text: String) -> Result<Exit, Failure> {
+fn waves(
+    arguments: &RunArguments,
+    problem: Problem,
+    text: String,
+) -> Result<VerbExit, VerbFailure> {
     let task = &arguments.task;
     let prepared = ready(problem, text, &task.problem)?;
     let problem = &prepared.problem;
     let out = task.folder("");
-    let store = task.open(&out, Kind::Run, problem)?;
-    let followed: Followed<Runner> = Followed::new(
+    let store = task.open(&out, FolderKind::Run, problem)?;
+    let followed: Followed<WaveRunner> = Followed::new(
         task,
         &out,
         store,
         problem,
-        |saved: &Restart<Runner>| {
+        |saved: &Restart<WaveRunner>| {
             let (first, progress) = (saved.labelled(&out, 1)?, saved.progress.clone());
-            Runner::resume(problem, &prepared.continuation, first, progress)
+            WaveRunner::resume(problem, &prepared.continuation, first, progress)
                 .map_err(|reason| spoiled(&out, &reason))
         },
         || prepared.begin(task.quiet),
@@ -71,15 +75,19 @@ fn waves(arguments: &RunArguments, problem: Problem, text: String) -> Result<Exi
     branch_end(&followed.branch, followed.branch.notes())
 }
 
-fn orbits(arguments: &RunArguments, problem: SystemProblem, text: String) -> Result<Exit, Failure> {
+fn orbits(
+    arguments: &RunArguments,
+    problem: SystemProblem,
+    text: String,
+) -> Result<VerbExit, VerbFailure> {
     let task = &arguments.task;
     let prepared = ready_system(problem, text, &task.problem)?;
     let problem = &prepared.problem;
     let out = task.folder("");
     let continuation = &prepared.continuation;
-    let resume = |saved: &Restart<hybrid::Runner>| {
+    let resume = |saved: &Restart<hybrid::OrbitRunner>| {
         let (first, progress) = (saved.labelled(&out, 1)?, saved.progress.clone());
-        hybrid::Runner::resume(problem, continuation, first, progress)
+        hybrid::OrbitRunner::resume(problem, continuation, first, progress)
             .map_err(|reason| spoiled(&out, &reason))
     };
     // with a prescribed period the parameter that is free tells more
@@ -94,7 +102,7 @@ fn equilibria(
     arguments: &RunArguments,
     problem: SystemProblem,
     text: String,
-) -> Result<Exit, Failure> {
+) -> Result<VerbExit, VerbFailure> {
     let task = &arguments.task;
     let prepared = super::equilibria::ready(problem, text, &task.problem)?;
     let problem = &prepared.problem;
@@ -117,12 +125,12 @@ fn of_system<R: Recorded<Problem = SystemProblem>>(
     arguments: &RunArguments,
     problem: &SystemProblem,
     shown: (&str, &str),
-    resume: impl FnOnce(&Restart<R>) -> Result<R, Failure>,
-    begin: impl FnOnce() -> Result<R, Failure>,
-) -> Result<Followed<R>, Failure> {
+    resume: impl FnOnce(&Restart<R>) -> Result<R, VerbFailure>,
+    begin: impl FnOnce() -> Result<R, VerbFailure>,
+) -> Result<Followed<R>, VerbFailure> {
     let task = &arguments.task;
     let out = task.folder("");
-    let store = task.open_system(&out, Kind::Run, problem)?;
+    let store = task.open_system(&out, FolderKind::Run, problem)?;
     let followed = Followed::new(task, &out, store, problem, resume, begin)?;
     let store = followed.folder.store();
     arguments.threads.install(1, usize::MAX, || {
@@ -141,7 +149,7 @@ fn of_system<R: Recorded<Problem = SystemProblem>>(
 }
 
 /// What was saved does not go on.
-fn spoiled(folder: &Path, reason: &impl ToString) -> Failure {
+fn spoiled(folder: &Path, reason: &impl ToString) -> VerbFailure {
     damaged(&folder.join(RESTART), reason.to_string()).into()
 }
 
@@ -159,9 +167,9 @@ impl<R: Recorded> Followed<R> {
         out: &Path,
         store: Store,
         problem: &R::Problem,
-        resume: impl FnOnce(&Restart<R>) -> Result<R, Failure>,
-        begin: impl FnOnce() -> Result<R, Failure>,
-    ) -> Result<Followed<R>, Failure> {
+        resume: impl FnOnce(&Restart<R>) -> Result<R, VerbFailure>,
+        begin: impl FnOnce() -> Result<R, VerbFailure>,
+    ) -> Result<Followed<R>, VerbFailure> {
         let saved = RunFolder::<R>::interrupted(&store, problem)?;
         let mut branch = if let Some(saved) = &saved {
             interrupt::progress_is_kept();
@@ -192,7 +200,7 @@ impl<R: Recorded> Followed<R> {
     }
 
     /// Prints what was found.
-    fn say(&self, task: &Task, out: &Path, mut text: String) -> Result<(), Failure> {
+    fn say(&self, task: &Task, out: &Path, mut text: String) -> Result<(), VerbFailure> {
         if self.finished {
             text.push_str("the run was finished already: nothing was left to compute\n");
         }
@@ -201,9 +209,9 @@ impl<R: Recorded> Followed<R> {
 }
 
 /// Warns of what could not be settled, and says how a branch ended.
-fn branch_end(branch: &impl Run, notes: &[impl ToString]) -> Result<Exit, Failure> {
+fn branch_end(branch: &impl Run, notes: &[impl ToString]) -> Result<VerbExit, VerbFailure> {
     for note in notes {
         warn(&note.to_string());
     }
-    early_end(branch).map_or(Ok(Exit::Done), |why| stopped(&why))
+    early_end(branch).map_or(Ok(VerbExit::Done), |why| stopped(&why))
 }

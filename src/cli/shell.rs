@@ -7,7 +7,7 @@ use clap::{Args, Command, CommandFactory};
 use clap_complete::{Shell, generate};
 use clap_mangen::Man;
 
-use super::failure::{Exit, Failure};
+use super::failure::{VerbExit, VerbFailure};
 use super::{Arguments, options, print};
 use crate::output::store::io_error;
 
@@ -27,16 +27,16 @@ const COMPLETIONS: [(Shell, &str); 3] = [
 ];
 
 /// Prints the script for a shell.
-pub(super) fn completions(shell: Shell) -> Result<Exit, Failure> {
-    print(&script(shell)).map(|()| Exit::Done)
+pub(super) fn completions(shell: Shell) -> Result<VerbExit, VerbFailure> {
+    print(&script(shell)).map(|()| VerbExit::Done)
 }
 
 /// The pages of the program and of each verb: printed one after the other, or as files.
-pub(super) fn manual(arguments: &ManualArguments) -> Result<Exit, Failure> {
+pub(super) fn manual(arguments: &ManualArguments) -> Result<VerbExit, VerbFailure> {
     let pages = pages()?;
     let Some(folder) = &arguments.out else {
         let text: String = pages.into_iter().map(|(_, page)| page).collect();
-        return print(&text).map(|()| Exit::Done);
+        return print(&text).map(|()| VerbExit::Done);
     };
     let pages = pages
         .into_iter()
@@ -48,7 +48,7 @@ pub(super) fn manual(arguments: &ManualArguments) -> Result<Exit, Failure> {
         options::write(&path, &text)?;
         print(&format!("{}\n", path.display()))?;
     }
-    Ok(Exit::Done)
+    Ok(VerbExit::Done)
 }
 
 fn script(shell: Shell) -> String {
@@ -58,13 +58,13 @@ fn script(shell: Shell) -> String {
 }
 
 /// The pages of the manual with the names of their files.
-fn pages() -> Result<Vec<(String, String)>, Failure> {
+fn pages() -> Result<Vec<(String, String)>, VerbFailure> {
     let mut program = without_help(Arguments::command());
     program.build();
     let page = |command| {
         let page = Man::new(command).source(concat!("brakewave ", env!("CARGO_PKG_VERSION")));
         let mut text = Vec::new();
-        page.render(&mut text).map_err(Failure::Output)?;
+        page.render(&mut text).map_err(VerbFailure::Output)?;
         let text = String::from_utf8_lossy(&text).into_owned();
         Ok((page.get_filename(), text))
     };

@@ -6,11 +6,11 @@ use std::time::{Duration, Instant};
 
 use clap::Args;
 
-use super::failure::{Exit, Failure, Usage};
+use super::failure::{Usage, VerbExit, VerbFailure};
 use super::motion;
 use super::options::{Task, Threads, cores, read_any};
 use super::prepare::ready;
-use super::progress::{Progress, drive};
+use super::progress::{ProgressLine, drive};
 use super::{interrupt, stopped, titled, warn};
 use crate::branch::run::RunError;
 use crate::output::layout::{END, GROWTH, MEASURES, START, profile_file};
@@ -18,12 +18,13 @@ use crate::output::pictures;
 use crate::output::render::Format;
 use crate::output::run::{PROFILE_RESOLUTION, RESTART};
 use crate::output::simulation::{SimulationCheckpoint, SimulationFolder, columns};
-use crate::output::store::{Checkpoint, Kind, Store, VERSION, damaged};
+use crate::output::store::{Checkpoint, FolderKind, Store, VERSION, damaged};
 use crate::output::waves::Waves;
 use crate::problem::{self, Any, Continuation, Problem, Start};
 use crate::simulation::course::{CoursePiece, NoCourse, SimulationCourse};
 use crate::tube::model::{Model, Parameter};
 
+use crate::simulation::growth::GrowthError;
 use crate::simulation::measure::{Measure, TimeSample};
 use crate::simulation::motion::SimulatedMotion;
 use crate::simulation::perturbations::{Grows, GrowthRow};
@@ -52,7 +53,7 @@ fn beginning(
     problem: &Problem,
     text: &str,
     section: &Simulation,
-) -> Result<(Model, Option<Profile>), Failure> {
+) -> Result<(Model, Option<Profile>), VerbFailure> {
     let model = problem.model;
     let (dir, label) = match &section.start {
         SimulationStart::SteadySliding => return Ok((model, None)),
@@ -86,7 +87,7 @@ fn beginning(
 }
 
 /// The wave that the branch of the problem begins with, at the same points as in the table of its profile.
-fn first_wave(task: &Task, problem: &Problem, text: &str) -> Result<(Model, Profile), Failure> {
+fn first_wave(task: &Task, problem: &Problem, text: &str) -> Result<(Model, Profile), VerbFailure> {
     let mut problem = problem.clone();
     problem.stability = None;
     // a wave in closed form is the beginning of any branch
@@ -119,12 +120,12 @@ fn remark(found: &Model, wanted: &Model) {
     }
 }
 
-pub(crate) fn simulate(arguments: &SimulateArguments) -> Result<Exit, Failure> {
+pub(crate) fn simulate(arguments: &SimulateArguments) -> Result<VerbExit, VerbFailure> {
     let (threads, task) = (&arguments.threads, &arguments.task);
     threads.install(cores(), cores(), || simulate_with(task))
 }
 
-fn simulate_with(task: &Task) -> Result<Exit, Failure> {
+fn simulate_with(task: &Task) -> Result<VerbExit, VerbFailure> {
     let (problem, text) = read_any(&task.problem)?;
     match problem {
         Any::Tube(problem) => simulate_tube(task, *problem, text),
@@ -132,23 +133,13 @@ fn simulate_with(task: &Task) -> Result<Exit, Failure> {
     }
 }
 
-fn simulate_tube(task: &Task, problem: Problem, text: String) -> Result<Exit, Failure> {
+fn simulate_tube(task: &Task, problem: Problem, text: String) -> Result<VerbExit, VerbFailure> {
     let name = task.name();
     let section = problem.simulation(&text, &name)?;
     let (model, wave) = beginning(task, &problem, &text, section)?;
     let out = task.folder("_simulation");
-    let begun = SimulationCourse::begin(section, &model, problem.wave.mode, wave);
-    let mut course = begun.map_err(|reason| match reason {
-        NoCourse::Motion(error) => {
-            let (path, help) = error.about();
-            problem::refuse_at(&text, &name, path, error.to_string(), help).into()
-        }
-        reason => Failure::from(Usage::Simulation {
-            file: name.clone(),
-            reason,
-        }),
-    })?;
-    let store = task.open(&out, Kind::Simulation, &problem)?;
+    let mut course = begun(&problem, section, &model, wave, (&text, &name))?;
+    let store = task.open(&out, FolderKind::Simulation, &problem)?;
     let mut folder = open(store, &problem, &mut course)?;
     interrupt::progress_is_kept();
     let bytes = disk_space(course.motion(), course.count(), section.snapshots);
@@ -193,28 +184,67 @@ fn simulate_tube(task: &Task, problem: Problem, text: String) -> Result<Exit, Fa
     folder.line(END, &course.motion().line())?;
     let measures = course.measures();
     folder.table(MEASURES, &measures)?;
+    let (eigenvalues, unresolved) = match growth(&course, task.quiet) {
+        Ok(found) => found,
+        Err(error) => return stopped(&error),
+    };
+    if section.growth.is_some() && course.has_wave() {
+        folder.table(GROWTH, &eigenvalues)?;
+    }
+    pictures::draw(folder.store(), Some(&problem), Format::Svg)?;
+    let mut text = report(&measures, &eigenvalues, course.samples());
+    text.push_str(&remarks(&course, section.duration, &unresolved, seconds));
+    task.say(&titled(problem.title.as_deref(), &text), "results", &out)?;
+    Ok(VerbExit::Done)
+}
+
+/// Growth rates of the perturbations that are asked for, and the sectors in which none is resolved.
+fn growth(
+    course: &SimulationCourse,
+    quiet: bool,
+) -> Result<(Vec<GrowthRow>, Vec<usize>), GrowthError> {
     let (mut eigenvalues, mut unresolved) = (Vec::new(), Vec::new());
-    let progress = Progress::new(task.quiet);
+    let progress = ProgressLine::new(quiet);
     let mut done = 0.0;
     for (perturbations, parameters, wave) in course.perturbations() {
         let found = perturbations.growth(parameters, wave, &mut |part| {
             done += part;
             let words = format!("perturbations of sector {}", perturbations.sector());
             progress.show(course.position(done), words);
-        });
-        match found {
-            Ok(found) if found.is_empty() => unresolved.push(perturbations.sector()),
-            Ok(found) => eigenvalues.extend(found),
-            Err(error) => return stopped(&error),
+        })?;
+        if found.is_empty() {
+            unresolved.push(perturbations.sector());
         }
+        eigenvalues.extend(found);
     }
-    drop(progress);
-    if section.growth.is_some() && course.has_wave() {
-        folder.table(GROWTH, &eigenvalues)?;
-    }
-    pictures::draw(folder.store(), Some(&problem), Format::Svg)?;
+    Ok((eigenvalues, unresolved))
+}
+
+/// The simulation that a problem asks for; what its model refuses is shown in the text.
+fn begun(
+    problem: &Problem,
+    section: &Simulation,
+    model: &Model,
+    wave: Option<Profile>,
+    (text, name): (&str, &str),
+) -> Result<SimulationCourse, VerbFailure> {
+    let begun = SimulationCourse::begin(section, model, problem.wave.mode, wave);
+    begun.map_err(|reason| match reason {
+        NoCourse::Motion(error) => {
+            let (path, help) = error.about();
+            problem::refuse_at(text, name, path, error.to_string(), help).into()
+        }
+        reason => VerbFailure::from(Usage::Simulation {
+            file: name.to_owned(),
+            reason,
+        }),
+    })
+}
+
+/// What is to be said of the run beside its measures.
+fn remarks(course: &SimulationCourse, duration: f64, unresolved: &[usize], seconds: f64) -> String {
     let (motion, taken) = (course.motion(), course.taken());
-    let mut text = report(&measures, &eigenvalues, course.samples());
+    let mut text = String::new();
     // writing to a string does not fail
     for sector in unresolved {
         let _ = writeln!(
@@ -226,7 +256,7 @@ fn simulate_tube(task: &Task, problem: Problem, text: String) -> Result<Exit, Fa
         let _ = writeln!(
             text,
             "the last sample is at the end, t = {}, {:.3e} after the one before; measures leave it out",
-            section.duration,
+            duration,
             course.rest()
         );
     }
@@ -239,8 +269,7 @@ fn simulate_tube(task: &Task, problem: Problem, text: String) -> Result<Exit, Fa
             motion.time_step()
         );
     }
-    task.say(&titled(problem.title.as_deref(), &text), "results", &out)?;
-    Ok(Exit::Done)
+    text
 }
 
 /// The folder of a simulation that begins, or of one that goes on.
@@ -248,7 +277,7 @@ fn open(
     store: Store,
     problem: &Problem,
     course: &mut SimulationCourse,
-) -> Result<SimulationFolder, Failure> {
+) -> Result<SimulationFolder, VerbFailure> {
     let points = course.motion().line().radial.len();
     let Some(saved) = SimulationFolder::interrupted(&store, problem)? else {
         let mut folder = SimulationFolder::create(store, problem, points)?;

@@ -6,15 +6,15 @@ use std::path::PathBuf;
 use clap::Args;
 use faer::c64;
 
-use super::failure::{Exit, Failure, Usage};
+use super::failure::{Usage, VerbExit, VerbFailure};
 use super::options::{assignment, once, picture, positive, set, spare, write};
 use super::prepare::{Prepared, prepare};
 use super::progress::drive;
 use super::{print, stopped, summary, warn};
 use crate::branch::BranchPoint;
-use crate::branch::passage::Passage;
+use crate::branch::passage::PassageSearch;
 use crate::branch::row::{EigenfunctionRow, EigenvalueRow, WaveEigenvalueRow};
-use crate::branch::run::{End, Item, answer};
+use crate::branch::run::{End, WaveItem, answer};
 use crate::discretised;
 use crate::orbit::Stability;
 use crate::output::pictures;
@@ -23,7 +23,7 @@ use crate::table;
 use crate::tube::model::{FrictionLaw, Parameter};
 use crate::tube::stability::characteristic::Characteristic;
 use crate::tube::stability::eigenfunction::eigenfunction;
-use crate::tube::stability::spectrum::{Request, spectrum as compute};
+use crate::tube::stability::spectrum::{SpectrumRequest, spectrum as compute};
 
 #[derive(Debug, Args)]
 pub(crate) struct SpectrumArguments {
@@ -86,7 +86,7 @@ fn smoothing(law: FrictionLaw, asked: Option<f64>) -> Result<f64, Usage> {
 const RESOLUTION: usize = 180;
 
 /// The sectors, eigenvalues and frequencies that are asked for.
-fn request(problem: &Problem, sector: Option<usize>) -> Result<Request, Usage> {
+fn request(problem: &Problem, sector: Option<usize>) -> Result<SpectrumRequest, Usage> {
     let mode = problem.wave.mode as usize;
     let assumed = || StabilitySection::of(&problem.model).request(problem.wave.mode);
     let mut request = problem.request().unwrap_or_else(assumed);
@@ -98,7 +98,7 @@ fn request(problem: &Problem, sector: Option<usize>) -> Result<Request, Usage> {
     Ok(request)
 }
 
-pub(crate) fn spectrum(arguments: &SpectrumArguments) -> Result<Exit, Failure> {
+pub(crate) fn spectrum(arguments: &SpectrumArguments) -> Result<VerbExit, VerbFailure> {
     let mut prepared = prepare(&arguments.problem)?;
     let Prepared {
         problem,
@@ -151,16 +151,16 @@ pub(crate) fn spectrum(arguments: &SpectrumArguments) -> Result<Exit, Failure> {
         false => prepared.start(false, &prepared.problem)?,
     };
     let wanted = arguments.passage.unwrap_or(1);
-    let mut passage = Passage::new(branch, target, wanted.into());
+    let mut passage = PassageSearch::new(branch, target, wanted.into());
     drive(false, || {
-        let words = |passage: &Passage| format!("{} points on the way", passage.points());
+        let words = |passage: &PassageSearch| format!("{} points on the way", passage.points());
         Ok(passage.step().then(|| (f64::NAN, words(&passage))))
     })?;
     if let Some(value) = target {
         remark(&passage, parameter, value, wanted);
     }
     match passage.found() {
-        None => Ok(Exit::Numerical),
+        None => Ok(VerbExit::Numerical),
         Some(item) => match arguments.discretised {
             None => write_spectrum(item, &request, arguments),
             Some(points) => write_ring(item, &request, &prepared.problem, arguments, points),
@@ -169,7 +169,7 @@ pub(crate) fn spectrum(arguments: &SpectrumArguments) -> Result<Exit, Failure> {
 }
 
 /// What is to be known of other passages, and why there is none.
-fn remark(passage: &Passage, parameter: Parameter, value: f64, wanted: u16) {
+fn remark(passage: &PassageSearch, parameter: Parameter, value: f64, wanted: u16) {
     let (name, passages, steps) = (parameter.column(), passage.passages(), passage.steps());
     let more = passage.end().is_none();
     if passage.found().is_none() {
@@ -196,12 +196,12 @@ fn remark(passage: &Passage, parameter: Parameter, value: f64, wanted: u16) {
 
 /// The eigenvalues of the discretised ring on standard output, and its multipliers as a picture.
 fn write_ring(
-    item: &Item,
-    request: &Request,
+    item: &WaveItem,
+    request: &SpectrumRequest,
     problem: &Problem,
     arguments: &SpectrumArguments,
     points: usize,
-) -> Result<Exit, Failure> {
+) -> Result<VerbExit, VerbFailure> {
     let (wave, unknowns) = item.wave();
     let settings = discretised::RingSettings {
         points,
@@ -211,7 +211,7 @@ fn write_ring(
     };
     let inputs = std::slice::from_ref(&arguments.problem);
     let picture = picture(arguments.plot.as_deref(), inputs)?;
-    let everything = Request {
+    let everything = SpectrumRequest {
         eigenvalues: usize::MAX,
         max_frequency: f64::INFINITY,
         ..request.clone()
@@ -246,15 +246,15 @@ fn write_ring(
     let mut point = item.point.clone();
     point.speed = ring.speed;
     print(&eigenvalue_table(&eigenvalues, &point, arguments.csv))?;
-    Ok(Exit::Done)
+    Ok(VerbExit::Done)
 }
 
 /// The eigenvalues of a wave on standard output, and its eigenfunctions where they are asked for.
 fn write_spectrum(
-    item: &Item,
-    request: &Request,
+    item: &WaveItem,
+    request: &SpectrumRequest,
     arguments: &SpectrumArguments,
-) -> Result<Exit, Failure> {
+) -> Result<VerbExit, VerbFailure> {
     let (wave, unknowns) = item.wave();
     let characteristic = match Characteristic::new(wave, unknowns) {
         Ok(characteristic) => characteristic,
@@ -290,8 +290,8 @@ fn write_spectrum(
         warn(&format!("stable: {}: {reason}", spectrum.stable.word()));
     }
     Ok(match spectrum.sectors.is_empty() {
-        true => Exit::Numerical,
-        false => Exit::Done,
+        true => VerbExit::Numerical,
+        false => VerbExit::Done,
     })
 }
 

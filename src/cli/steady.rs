@@ -4,18 +4,18 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::failure::{Exit, Failure, Usage};
+use super::failure::{Usage, VerbExit, VerbFailure};
 use super::options::{named, of_tube, once, picture, read_any, set};
-use super::progress::Progress;
+use super::progress::ProgressLine;
 use super::{print, summary, warn};
 use crate::output::render::Format;
 use crate::output::steady::{AFTER_STATES, BEFORE_STATES};
-use crate::output::store::{Existing, Kind, Store};
+use crate::output::store::{Existing, FolderKind, Store};
 use crate::output::{self, pictures};
 use crate::problem::{Any, MAX_MODE, Problem, SystemProblem};
 use crate::table::{self, Table};
 use crate::tube::steady::row::ModeRow;
-use crate::tube::steady::{self, Mode, Settings, first_to_grow};
+use crate::tube::steady::{self, SteadyMode, SteadySettings, first_to_grow};
 
 /// Most families and radial functions that can be asked for.
 const MOST_FAMILIES: u16 = 64;
@@ -84,7 +84,7 @@ fn modes(text: &str) -> Result<(u32, u32), Usage> {
     Ok((first, last))
 }
 
-pub(crate) fn steady(arguments: &SteadyArguments) -> Result<Exit, Failure> {
+pub(crate) fn steady(arguments: &SteadyArguments) -> Result<VerbExit, VerbFailure> {
     match read_any(&arguments.problem)?.0 {
         Any::Tube(problem) => sliding(arguments, *problem),
         Any::System(problem) => equilibria(arguments, *problem),
@@ -92,7 +92,10 @@ pub(crate) fn steady(arguments: &SteadyArguments) -> Result<Exit, Failure> {
 }
 
 /// The equilibria of a system.
-fn equilibria(arguments: &SteadyArguments, problem: SystemProblem) -> Result<Exit, Failure> {
+fn equilibria(
+    arguments: &SteadyArguments,
+    problem: SystemProblem,
+) -> Result<VerbExit, VerbFailure> {
     for (option, given) in [
         ("--modes", arguments.modes.is_some()),
         ("--order", arguments.order.is_some()),
@@ -115,7 +118,7 @@ fn equilibria(arguments: &SteadyArguments, problem: SystemProblem) -> Result<Exi
     if let Some(path) = &arguments.out {
         let existing = Existing::of(false, arguments.force);
         let inputs = [arguments.problem.clone()];
-        let store = Store::open(path, Kind::Steady, &problem, existing, &inputs)?;
+        let store = Store::open(path, FolderKind::Steady, &problem, existing, &inputs)?;
         output::steady::write_equilibria(&store, &problem, &text)?;
     }
     let states = problem.system.source.states.iter().map(String::as_str);
@@ -125,11 +128,11 @@ fn equilibria(arguments: &SteadyArguments, problem: SystemProblem) -> Result<Exi
         .chain(AFTER_STATES)
         .collect();
     print(&summary::table(text, arguments.csv, &shown))?;
-    Ok(Exit::Done)
+    Ok(VerbExit::Done)
 }
 
 /// The modes of steady sliding of a tube.
-fn sliding(arguments: &SteadyArguments, mut problem: Problem) -> Result<Exit, Failure> {
+fn sliding(arguments: &SteadyArguments, mut problem: Problem) -> Result<VerbExit, VerbFailure> {
     let inputs = [arguments.problem.clone()];
     let picture = picture(arguments.plot.as_deref(), &inputs)?;
     let at = arguments.at.iter();
@@ -140,7 +143,7 @@ fn sliding(arguments: &SteadyArguments, mut problem: Problem) -> Result<Exit, Fa
         set(&mut problem, parameter, value)?;
     }
     let existing = Existing::of(false, arguments.force);
-    let open = |path: &PathBuf| Store::open(path, Kind::Steady, &problem, existing, &inputs);
+    let open = |path: &PathBuf| Store::open(path, FolderKind::Steady, &problem, existing, &inputs);
     let store = arguments.out.as_ref().map(open).transpose()?;
     let model = problem.model;
     let geometry = model.source.geometry();
@@ -148,7 +151,7 @@ fn sliding(arguments: &SteadyArguments, mut problem: Problem) -> Result<Exit, Fa
     let (first, last) = arguments
         .modes
         .unwrap_or((1, (2 * problem.wave.mode).clamp(LEAST_MODES, MAX_MODE)));
-    let settings = Settings {
+    let settings = SteadySettings {
         friction: model.friction,
         law: model.law,
         mismatch: model.mismatch,
@@ -156,8 +159,8 @@ fn sliding(arguments: &SteadyArguments, mut problem: Problem) -> Result<Exit, Fa
         families: usize::from(arguments.families),
         order: arguments.order.map(usize::from),
     };
-    let mut modes = Vec::<Mode>::new();
-    let progress = Progress::new(false);
+    let mut modes = Vec::<SteadyMode>::new();
+    let progress = ProgressLine::new(false);
     for mode in first..=last {
         let (done, all) = (modes.len(), last + 1 - first);
         let part = done as f64 / f64::from(all);
@@ -182,6 +185,12 @@ fn sliding(arguments: &SteadyArguments, mut problem: Problem) -> Result<Exit, Fa
         pictures::save(file, &problem, drawn)?;
     }
     print(&summary::table(text, arguments.csv, &SHOWN))?;
+    warn_of(&modes, [reduced, full], last);
+    Ok(VerbExit::Done)
+}
+
+/// Warns of a mode asked for last that goes first, and of radial problems that are not converged.
+fn warn_of(modes: &[SteadyMode], [reduced, full]: [Option<usize>; 2], last: u32) {
     for (found, what) in [(reduced, "in the reduced model"), (full, "of the tube")] {
         if found.is_some_and(|index| index + 1 == modes.len() && modes.len() > 1) {
             warn(&format!(
@@ -190,7 +199,7 @@ fn sliding(arguments: &SteadyArguments, mut problem: Problem) -> Result<Exit, Fa
             ));
         }
     }
-    let coarse = |mode: &&Mode| mode.full.as_ref().is_some_and(|full| full.error > PROMISED);
+    let coarse = |mode: &&SteadyMode| mode.full.as_ref().is_some_and(|full| full.error > PROMISED);
     let unconverged: Vec<String> = modes
         .iter()
         .filter(coarse)
@@ -203,5 +212,4 @@ fn sliding(arguments: &SteadyArguments, mut problem: Problem) -> Result<Exit, Fa
             unconverged.join(", ")
         ));
     }
-    Ok(Exit::Done)
 }

@@ -7,7 +7,7 @@ use std::path::Path;
 use super::sequences;
 use crate::affine::mode::AffineSystem;
 use crate::affine::system::System;
-use crate::curve::{Curve, Plane, Point};
+use crate::curve::{CurvePoint, ParameterPlane, WholeCurve};
 use crate::orbit::EventType;
 use crate::orbit::Orbit as _;
 use crate::output::curve::words;
@@ -17,7 +17,7 @@ use crate::output::waves::separates;
 use crate::problem::{Problem, Start};
 use crate::table::Table;
 use crate::tube::model::{Damping, FrictionLaw, Landing, Model, Parameter, Sectors};
-use crate::tube::wave::start::{Onset, Which, onset, slip_stick};
+use crate::tube::wave::start::{SlipStickOnset, Which, onset, slip_stick};
 
 /// A number for a table: 12 significant digits, in a width of 18.
 fn figure(value: f64) -> String {
@@ -34,7 +34,7 @@ fn figure(value: f64) -> String {
 }
 
 /// The columns of a branch that its summary shows: the parameter, and a number of the orbit.
-struct Shown<'a> {
+struct SummaryColumns<'a> {
     parameter: &'a str,
     symbol: &'a str,
     number: &'a str,
@@ -42,7 +42,7 @@ struct Shown<'a> {
 }
 
 /// The labelled points and the events of a branch, line by line.
-fn listed(points: &Table, events: &Table, shown: &Shown) -> String {
+fn listed(points: &Table, events: &Table, shown: &SummaryColumns) -> String {
     let number =
         |table: &Table, row: usize, column: &str| table.field(row, column).unwrap_or(f64::NAN);
     // the frequency in hertz where the rotation is known
@@ -89,32 +89,40 @@ fn listed(points: &Table, events: &Table, shown: &Shown) -> String {
     let found: Vec<usize> = (0..events.len()).filter(found).collect();
     let _ = writeln!(report, "\n{} points, {} events", points.len(), found.len());
     for row in found {
-        let _ = write!(
-            report,
-            "  {} at {} = {:.15} ± {:.0e}, {} = {:.15}",
-            events.text(row, "type"),
-            shown.symbol,
-            number(events, row, shown.parameter),
-            number(events, row, "uncertainty"),
-            shown.number_symbol,
-            number(events, row, shown.number)
-        );
-        let pair = events
-            .field::<f64>(row, "omega")
-            .zip(events.field::<usize>(row, "sector"));
-        if let Some((omega, sector)) = pair {
-            let _ = write!(report, ", ω = {omega:.12} in sector {sector}");
-        }
-        let [before, after] =
-            ["regimes_before", "regimes_after"].map(|column| events.text(row, column));
-        if before != after {
-            let _ = write!(report, ": {}", sequences::changed(before, after));
-        }
-        if let Some(hertz) = events.field::<f64>(row, "hertz") {
-            let _ = write!(report, ", {hertz:.2} Hz");
-        }
-        let _ = writeln!(report, "; {}", events.text(row, "what"));
+        report.push_str(&event_line(events, row, shown));
     }
+    report
+}
+
+/// An event with its uncertainty, what changes there, and what is said of it.
+fn event_line(events: &Table, row: usize, shown: &SummaryColumns) -> String {
+    let number = |column: &str| events.field(row, column).unwrap_or(f64::NAN);
+    let mut report = String::new();
+    let _ = write!(
+        report,
+        "  {} at {} = {:.15} ± {:.0e}, {} = {:.15}",
+        events.text(row, "type"),
+        shown.symbol,
+        number(shown.parameter),
+        number("uncertainty"),
+        shown.number_symbol,
+        number(shown.number)
+    );
+    let pair = events
+        .field::<f64>(row, "omega")
+        .zip(events.field::<usize>(row, "sector"));
+    if let Some((omega, sector)) = pair {
+        let _ = write!(report, ", ω = {omega:.12} in sector {sector}");
+    }
+    let [before, after] =
+        ["regimes_before", "regimes_after"].map(|column| events.text(row, column));
+    if before != after {
+        let _ = write!(report, ": {}", sequences::changed(before, after));
+    }
+    if let Some(hertz) = events.field::<f64>(row, "hertz") {
+        let _ = write!(report, ", {hertz:.2} Hz");
+    }
+    let _ = writeln!(report, "; {}", events.text(row, "what"));
     report
 }
 
@@ -156,7 +164,7 @@ pub(crate) fn of_system(
 ) -> Result<String, StoreError> {
     let points = store::table(&folder.join(BRANCH))?;
     let events = store::table(&folder.join(EVENTS))?;
-    let shown = Shown {
+    let shown = SummaryColumns {
         parameter,
         symbol: parameter,
         number,
@@ -176,7 +184,7 @@ pub(crate) fn branch(
     let parameter = problem.parameter();
     let points = store::table(&folder.join(BRANCH))?;
     let events = store::table(&folder.join(EVENTS))?;
-    let shown = Shown {
+    let shown = SummaryColumns {
         parameter: parameter.column(),
         symbol: parameter.symbol(),
         number: "speed",
@@ -229,7 +237,7 @@ fn expected(problem: &Problem, model: &Model) -> Option<String> {
         ..*model
     };
     let wave = slip_stick(&plain, problem.wave.mode, which).ok()?;
-    let Onset {
+    let SlipStickOnset {
         separation,
         reverse,
     } = onset(&plain, &wave);
@@ -341,7 +349,7 @@ fn aligned(table: &Table, chosen: &[&str]) -> String {
 }
 
 /// The special points of a curve, a line each.
-pub(crate) fn curve<P: Plane>(curve: &Curve<P>) -> String {
+pub(crate) fn curve<P: ParameterPlane>(curve: &WholeCurve<P>) -> String {
     let mut text = String::new();
     let [first, second] = curve.parameters.each_ref().map(P::Orbit::column);
     let measure = P::MEASURE.map_or_else(String::new, |measure| format!(", {measure}"));
@@ -353,7 +361,7 @@ pub(crate) fn curve<P: Plane>(curve: &Curve<P>) -> String {
     let last = curve.points.len().saturating_sub(1);
     for (index, point) in curve.points.iter().enumerate() {
         let end = index == 0 || index == last;
-        let Point {
+        let CurvePoint {
             kind: Some(kind), ..
         } = point
         else {

@@ -1,10 +1,13 @@
 //! The curve of an event beyond a point at which another inequality fails.
 
-use super::event::{EventCurve, INTO, OWN, Stage};
-use super::plane::{Condition, FailureOf, MarginOf, Plane};
+use super::event::{CurveRefusal, EventCurve, INTO, OWN, Stage};
+use super::located::StepEvent;
+use super::plane::{EventCondition, FailureOf, MarginOf, ParameterPlane};
+use super::point::{PointType, What};
 use super::system::EventSystem;
 use crate::continuation::Node;
-use crate::continuation::walk::{self, CurveBeginning};
+use crate::continuation::locate::Place;
+use crate::continuation::walk::{self, Curve as _, CurveBeginning};
 use crate::linalg::Vector;
 use crate::orbit::change::nearest_beyond;
 use crate::orbit::special::Change;
@@ -17,7 +20,41 @@ const AT_SECOND: f64 = 1e-8;
 /// Lengths of the first step tried into a candidate.
 const TRIES: usize = 8;
 
-impl<P: Plane> EventCurve<P> {
+/// Type of a point where a second event is met, what is said of it, and the curve beyond.
+type MetEvent<P> = (
+    PointType,
+    What<<P as ParameterPlane>::Orbit>,
+    Option<CurveBeginning<EventCurve<P>>>,
+);
+
+impl<P: ParameterPlane> EventCurve<P> {
+    /// Where further margins vanish: the type of the point, what is said of it, and the curve that goes on, if one does.
+    pub(super) fn second_event(
+        &self,
+        step: &Stage<P>,
+        place: &Place,
+        together: &[StepEvent<P>],
+    ) -> Result<MetEvent<P>, CurveRefusal<P>> {
+        let margins = together.iter().filter_map(|event| match event {
+            StepEvent::Margin(margin) => Some(margin.clone()),
+            _ => None,
+        });
+        let mut margins: Vec<MarginOf<P>> = margins.collect();
+        // a zone without length says most about what comes next
+        margins.sort_by_key(P::Orbit::precedence);
+        let second = self.second(&place.node.point, &margins[0], step.steps.tolerance);
+        let second = second.map_err(CurveRefusal::Flow)?;
+        let mut entries = margins.iter();
+        let entry = entries.find_map(|margin| self.enter(step, &place.node, margin));
+        let kind = P::with_event(self.event, second.kind);
+        let what = What::Meeting {
+            second: Box::new(second),
+            may_go_on: matches!(self.system.condition, EventCondition::Margin(_)),
+            next: entry.as_ref().map(|entry| entry.curve.name().clone()),
+        };
+        Ok((kind, what, entry))
+    }
+
     /// The change of regime where another margin vanishes.
     pub(super) fn second(
         &self,
@@ -40,7 +77,7 @@ impl<P: Plane> EventCurve<P> {
         node: &Node,
         second: &MarginOf<P>,
     ) -> Option<CurveBeginning<EventCurve<P>>> {
-        let Condition::Margin(first) = &self.system.condition else {
+        let EventCondition::Margin(first) = &self.system.condition else {
             return None;
         };
         let first_key = P::key(first);
@@ -93,7 +130,9 @@ impl<P: Plane> EventCurve<P> {
         vanish: &[MarginOf<P>],
     ) -> Option<(EventSystem<P>, Node, f64, Vec<(P::Watch, usize)>)> {
         let signature = candidate.orbit.signature().clone();
-        let system = self.system.of(signature, Condition::Margin(margin.clone()));
+        let system = self
+            .system
+            .of(signature, EventCondition::Margin(margin.clone()));
         let count = system.orbit_unknowns();
         let parameters = node.point.len() - 2;
         let point = Vector::from_fn(count + 2, |row, _| match row {
@@ -128,13 +167,13 @@ impl<P: Plane> EventCurve<P> {
 }
 
 /// Whether a margin is the duration of a zone, which says most about what comes next.
-fn is_duration<P: Plane>(margin: &MarginOf<P>) -> bool {
+fn is_duration<P: ParameterPlane>(margin: &MarginOf<P>) -> bool {
     P::Orbit::precedence(margin) == 0
 }
 
 /// Which of the margins that vanish at the beginning of a step vanish at its end too; `None` where that
 /// is not admissible.
-fn vanishing<P: Plane>(
+fn vanishing<P: ParameterPlane>(
     system: &EventSystem<P>,
     to: &Node,
     vanish: &[MarginOf<P>],

@@ -4,8 +4,8 @@ use std::sync::{Arc, OnceLock};
 
 use serde::{Deserialize, Serialize};
 
-use super::plane::{Condition, NotEvaluated, Plane, Test, TestValues};
-use super::point::{Gone, Name, PointType, What};
+use super::plane::{EventCondition, NotEvaluated, ParameterPlane, Test, TestValues};
+use super::point::{Gone, PointType, RegionName, What};
 use crate::affine::connection::Connection;
 use crate::affine::equilibrium::codimension::KeptEigenvalues;
 use crate::affine::equilibrium::plane::{
@@ -21,7 +21,7 @@ use crate::orbit::{EventType, Orbit};
 
 /// All that an equilibrium needs beside its mode.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Equilibria {
+pub struct EquilibriaInPlane {
     system: System,
     values: Vec<f64>,
     parameters: [usize; 2],
@@ -61,7 +61,7 @@ pub enum CriticalEquilibrium {
 /// β is zero to rounding where branches cross; more than this, in equations of order one, is an imperfect crossing.
 const PERFECT: f64 = 1e-9;
 
-impl Equilibria {
+impl EquilibriaInPlane {
     /// Those beside an equilibrium, of a branch with `known` units; `widths` are the units of the parameters.
     ///
     /// # Errors
@@ -72,8 +72,8 @@ impl Equilibria {
         parameters: [usize; 2],
         widths: [f64; 2],
         known: Option<&EquilibriumScales>,
-    ) -> Result<Equilibria, EquilibriumFailure> {
-        Ok(Equilibria {
+    ) -> Result<EquilibriaInPlane, EquilibriumFailure> {
+        Ok(EquilibriaInPlane {
             system: curve.setting.system.clone(),
             values: curve.values_at(point),
             parameters,
@@ -114,7 +114,7 @@ fn growing(curve: &EquilibriumCurve, point: &Vector) -> Option<usize> {
     (!examination.is_undecided()).then(|| examination.growing())
 }
 
-impl Plane for Equilibria {
+impl ParameterPlane for EquilibriaInPlane {
     type Orbit = EquilibriumCurve;
     type Watch = usize;
     type Spectral = CriticalEquilibrium;
@@ -206,13 +206,13 @@ impl Plane for Equilibria {
     /// The states, and the first Lyapunov coefficient of a Hopf point.
     fn numbers(
         &self,
-        condition: &Condition<Equilibria>,
+        condition: &EventCondition<EquilibriaInPlane>,
         curve: &EquilibriumCurve,
         point: &Vector,
         further: &[f64],
     ) -> Vec<Option<f64>> {
         let lyapunov = match condition {
-            Condition::Spectral(CriticalEquilibrium::Pair { .. }) => {
+            EventCondition::Spectral(CriticalEquilibrium::Pair { .. }) => {
                 let omega = self.omega(further);
                 (omega > 0.0)
                     .then(|| curve.lyapunov(point, omega))
@@ -225,7 +225,7 @@ impl Plane for Equilibria {
     }
 
     fn passing(curve: &EquilibriumCurve, point: &Vector) -> String {
-        let name = Equilibria::name(curve, point);
+        let name = EquilibriaInPlane::name(curve, point);
         match growing(curve, point) {
             None => name,
             Some(0) => format!("stable {name}"),
@@ -243,8 +243,8 @@ impl Plane for Equilibria {
         curve: &EquilibriumCurve,
         point: &Vector,
         _: Option<EventType>,
-    ) -> Option<Option<Name>> {
-        Some(growing(curve, point).map(Name::Growing))
+    ) -> Option<Option<RegionName>> {
+        Some(growing(curve, point).map(RegionName::Growing))
     }
 
     fn further(spectral: &CriticalEquilibrium) -> usize {
@@ -272,19 +272,21 @@ impl Plane for Equilibria {
     fn extended(
         &self,
         signature: &RestMode,
-        condition: &Condition<Equilibria>,
+        condition: &EventCondition<EquilibriaInPlane>,
         point: &Vector,
         equations: (&mut [f64], &mut Matrix),
     ) -> Option<Result<(), EquilibriumFailure>> {
         let special = match condition {
-            Condition::Fold => SpecialCondition::Fold,
-            Condition::Spectral(CriticalEquilibrium::Pair { near }) => SpecialCondition::Pair(near),
-            Condition::Spectral(CriticalEquilibrium::Crossing { near }) => {
+            EventCondition::Fold => SpecialCondition::Fold,
+            EventCondition::Spectral(CriticalEquilibrium::Pair { near }) => {
+                SpecialCondition::Pair(near)
+            }
+            EventCondition::Spectral(CriticalEquilibrium::Crossing { near }) => {
                 SpecialCondition::Crossing(near)
             }
-            Condition::Spectral(CriticalEquilibrium::Connection(_))
-            | Condition::Margin(_)
-            | Condition::Constant(_) => return None,
+            EventCondition::Spectral(CriticalEquilibrium::Connection(_))
+            | EventCondition::Margin(_)
+            | EventCondition::Constant(_) => return None,
         };
         let mode = (signature.mode, signature.name.as_str());
         let plane = self.plane(signature);
@@ -297,7 +299,7 @@ impl Plane for Equilibria {
         curve: &EquilibriumCurve,
         point: &Vector,
         further: &[f64],
-    ) -> Result<Vec<f64>, NotEvaluated<Equilibria>> {
+    ) -> Result<Vec<f64>, NotEvaluated<EquilibriaInPlane>> {
         let values = curve.values_at(point);
         if let CriticalEquilibrium::Connection(connection) = spectral {
             let arrival = self.system.at(&values, &[]).ok().and_then(|system| {
@@ -316,7 +318,7 @@ impl Plane for Equilibria {
         let count = all.len();
         let mut residual = vec![0.0; count - 1];
         let mut jacobian = Matrix::zeros(count, count);
-        let condition = Condition::Spectral(spectral.clone());
+        let condition = EventCondition::Spectral(spectral.clone());
         let equations = (&mut residual[..], &mut jacobian);
         if let Some(done) = self.extended(curve.signature(), &condition, &all, equations) {
             done.map_err(NotEvaluated::Flow)?;
@@ -365,25 +367,29 @@ impl Plane for Equilibria {
     }
 
     /// A null vector with the sign of the other one; vectors of a pair that the current vector normalises.
-    fn alias(condition: &Condition<Equilibria>, further: &[f64], near: &[f64]) -> Option<Vec<f64>> {
+    fn alias(
+        condition: &EventCondition<EquilibriaInPlane>,
+        further: &[f64],
+        near: &[f64],
+    ) -> Option<Vec<f64>> {
         let turned = || {
             let product: f64 = further.iter().zip(near).map(|(x, y)| x * y).sum();
             further.iter().map(|x| x * product.signum()).collect()
         };
         match condition {
-            Condition::Fold => Some(turned()),
-            Condition::Spectral(CriticalEquilibrium::Pair { near }) => {
+            EventCondition::Fold => Some(turned()),
+            EventCondition::Spectral(CriticalEquilibrium::Pair { near }) => {
                 PairVectors::of(further)?.normalised(near)
             }
-            Condition::Spectral(CriticalEquilibrium::Crossing { near }) => {
+            EventCondition::Spectral(CriticalEquilibrium::Crossing { near }) => {
                 let psi = &further[..near.len()];
                 let product: f64 = psi.iter().zip(near).map(|(x, y)| x * y).sum();
                 let beta = further.get(near.len()).copied();
                 Some(psi.iter().map(|x| x / product).chain(beta).collect())
             }
-            Condition::Spectral(CriticalEquilibrium::Connection(_))
-            | Condition::Margin(_)
-            | Condition::Constant(_) => None,
+            EventCondition::Spectral(CriticalEquilibrium::Connection(_))
+            | EventCondition::Margin(_)
+            | EventCondition::Constant(_) => None,
         }
     }
 
@@ -416,7 +422,7 @@ impl Plane for Equilibria {
     fn with_fold(event: EventType) -> PointType {
         match event {
             EventType::HB => PointType::ZH,
-            _ => Equilibria::with_event(event, EventType::LP),
+            _ => EquilibriaInPlane::with_event(event, EventType::LP),
         }
     }
 
@@ -431,7 +437,7 @@ impl Plane for Equilibria {
     /// Of a pair ω² and l₁, and another pair; beside a zero eigenvalue a second one, and a pair; beside none a pair.
     fn watched(
         &self,
-        condition: &Condition<Equilibria>,
+        condition: &EventCondition<EquilibriaInPlane>,
         curve: &EquilibriumCurve,
         point: &Vector,
         further: &[f64],
@@ -457,10 +463,9 @@ impl Plane for Equilibria {
             ]
         };
         let tests = match condition {
-            Condition::Fold | Condition::Spectral(CriticalEquilibrium::Crossing { .. }) => {
-                with_zero()
-            }
-            Condition::Spectral(CriticalEquilibrium::Pair { .. }) => {
+            EventCondition::Fold
+            | EventCondition::Spectral(CriticalEquilibrium::Crossing { .. }) => with_zero(),
+            EventCondition::Spectral(CriticalEquilibrium::Pair { .. }) => {
                 let omega = self.omega(further);
                 let is_pair = omega > 0.0;
                 let degenerate = is_pair.then(|| curve.degenerate_hopf(point, omega));
@@ -478,8 +483,8 @@ impl Plane for Equilibria {
                 ]
             }
             // a saddle that is left in one direction, or whose growing ones stay as many
-            Condition::Spectral(CriticalEquilibrium::Connection(_)) => Vec::new(),
-            Condition::Margin(_) | Condition::Constant(_) => {
+            EventCondition::Spectral(CriticalEquilibrium::Connection(_)) => Vec::new(),
+            EventCondition::Margin(_) | EventCondition::Constant(_) => {
                 vec![pair(PointType::One(EventType::HB), KeptEigenvalues::None)]
             }
         };

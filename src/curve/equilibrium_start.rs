@@ -1,10 +1,11 @@
 //! The special equilibrium that a curve begins with, found on a branch of equilibria.
 
-use super::equilibria::{CriticalEquilibrium, Equilibria};
-use super::plane::Plane;
-use super::point::Limits;
+use super::equilibria::{CriticalEquilibrium, EquilibriaInPlane};
+use super::plane::ParameterPlane;
+use super::point::CurveLimits;
 use super::run::Singular;
-use super::start::{NoCurve, Start, event, pose};
+use super::search::event;
+use super::start::{CurveStart, NoCurve, pose};
 use crate::affine::equilibrium::start::EquilibriumRequest;
 use crate::affine::equilibrium::{EquilibriumCurve, EquilibriumScales};
 use crate::hybrid::equilibrium::{
@@ -18,19 +19,19 @@ use crate::problem::{SystemCurve, SystemProblem};
 /// sees the branch after every step.
 ///
 /// # Errors
-/// As [`super::start::find`].
+/// As [`super::search::find`].
 pub fn find_of_equilibria(
     problem: &SystemProblem,
     curve: &SystemCurve,
     begin: impl FnOnce() -> Result<EquilibriumRunner, NoEquilibriumStart>,
     watch: &mut dyn FnMut(&EquilibriumRunner),
-) -> Result<Start<Equilibria>, NoCurve<Equilibria>> {
+) -> Result<CurveStart<EquilibriaInPlane>, NoCurve<EquilibriaInPlane>> {
     let branch = begin().map_err(NoCurve::Run)?;
     let kind = curve.event.kind();
     let wanted = kind.map_or_else(String::new, |kind| kind.to_string());
     let asked = (kind, curve.index);
     let scales = branch.state().scales;
-    let item = event::<Equilibria, _>(branch, asked, wanted, |item| item.point.kind, watch)?;
+    let item = event::<EquilibriaInPlane, _>(branch, asked, wanted, |item| item.point.kind, watch)?;
     let unknown = NoCurve::Run(NoEquilibriumStart::Unknown);
     let (saved, kind) = item.saved.zip(item.point.kind).ok_or(unknown)?;
     pose_equilibrium(problem, (&saved, Some(&scales)), kind, curve)
@@ -44,10 +45,10 @@ pub fn labelled_of_equilibria(
     problem: &SystemProblem,
     named: &NamedEquilibrium,
     curve: &SystemCurve,
-) -> Result<Start<Equilibria>, NoCurve<Equilibria>> {
+) -> Result<CurveStart<EquilibriaInPlane>, NoCurve<EquilibriaInPlane>> {
     let NamedEquilibrium { saved, kind } = named;
     let kind = kind.unwrap_or(EventType::EP);
-    if !Equilibria::FOLLOWED.contains(&kind) {
+    if !EquilibriaInPlane::FOLLOWED.contains(&kind) {
         let label = saved.label;
         return Err(NoCurve::Kind { label, kind });
     }
@@ -60,8 +61,8 @@ fn pose_equilibrium(
     (saved, known): (&LabelledEquilibrium, Option<&EquilibriumScales>),
     kind: EventType,
     section: &SystemCurve,
-) -> Result<Start<Equilibria>, NoCurve<Equilibria>> {
-    let limits = Limits::of(section);
+) -> Result<CurveStart<EquilibriaInPlane>, NoCurve<EquilibriaInPlane>> {
+    let limits = CurveLimits::of(section);
     let unknown = || NoCurve::Run(NoEquilibriumStart::Unknown);
     let parameters = &problem.system.source.parameters;
     let (first, second) = &section.parameters;
@@ -76,9 +77,9 @@ fn pose_equilibrium(
     };
     let at = EquilibriumCurve::at(&request, &saved.state).map_err(Singular::flow)?;
     let pair = [one, other];
-    let plane = Equilibria::new(&at.0, &at.1, pair, limits.widths(), known);
+    let plane = EquilibriaInPlane::new(&at.0, &at.1, pair, limits.widths(), known);
     let plane = plane.map_err(Singular::flow)?;
-    let posed = |index: usize| -> Result<(EquilibriumCurve, Vector), NoCurve<Equilibria>> {
+    let posed = |index: usize| -> Result<(EquilibriumCurve, Vector), NoCurve<EquilibriaInPlane>> {
         let curve = plane.orbit(at.0.signature(), plane.values(), index);
         let curve = curve.map_err(Singular::flow)?;
         let point = curve.pack(&saved.state, plane.values()[index]);

@@ -2,10 +2,12 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::plane::{Condition, ExaminationOf, FailureOf, MarginOf, Plane, TestValues};
-use super::point::{Gone, Limits, Point};
+use super::plane::{
+    EventCondition, ExaminationOf, FailureOf, MarginOf, ParameterPlane, TestValues,
+};
+use super::point::{CurveLimits, CurvePoint, Gone, PointType, What};
 use super::system::EventSystem;
-use super::tube::Tube;
+use super::tube::WavesInPlane;
 use crate::continuation::Node;
 use crate::continuation::walk::Segment;
 use crate::linalg::{self, Vector};
@@ -23,10 +25,10 @@ pub(super) const INTO: f64 = 1e-3;
 
 /// Orbits of one signature at an event, as a curve in two parameters.
 #[derive(Clone, Debug)]
-pub struct EventCurve<P: Plane> {
+pub struct EventCurve<P: ParameterPlane> {
     pub(super) system: EventSystem<P>,
     pub(super) event: EventType,
-    pub(super) limits: Limits,
+    pub(super) limits: CurveLimits,
     /// Margins that vanish along the whole curve.
     pub(super) own: Vec<(P::Watch, usize)>,
     /// Whether det F_x tells a fold.
@@ -35,7 +37,7 @@ pub struct EventCurve<P: Plane> {
 
 /// Test functions at a point.
 #[derive(Clone, Debug)]
-pub struct Tests<P: Plane> {
+pub struct Tests<P: ParameterPlane> {
     pub(super) examination: ExaminationOf<P>,
     /// The slopes of its margins along the curve.
     pub(super) slopes: Vec<f64>,
@@ -49,16 +51,24 @@ pub struct Tests<P: Plane> {
 
 /// A point of a curve with the equations that it solves.
 #[derive(Clone, Debug)]
-pub struct Solved<P: Plane = Tube> {
-    pub(super) point: Point,
+pub struct Solved<P: ParameterPlane = WavesInPlane> {
+    pub(super) point: CurvePoint,
     pub(super) system: EventSystem<P>,
     pub(super) unknowns: Vector,
+}
+
+impl<P: ParameterPlane> Solved<P> {
+    /// Makes it a special point of this type.
+    pub(super) fn say(&mut self, kind: PointType, what: &What<P::Orbit>) {
+        self.point.kind = Some(kind);
+        self.point.what = P::say(what);
+    }
 }
 
 /// Why an event refuses a step.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(bound = "")]
-pub enum Refusal<P: Plane = Tube> {
+pub enum CurveRefusal<P: ParameterPlane = WavesInPlane> {
     /// Its test functions cannot be evaluated.
     Flow(FailureOf<P>),
     /// A margin is negative from where it is first posed.
@@ -69,11 +79,11 @@ pub enum Refusal<P: Plane = Tube> {
     Gone(Gone),
 }
 
-impl<P: Plane> std::error::Error for Refusal<P> {}
+impl<P: ParameterPlane> std::error::Error for CurveRefusal<P> {}
 
 /// Why an event ends for reasons of its own.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Stop {
+pub enum CurveStop {
     /// At its last point, which says why.
     There,
     /// It is none any more.
@@ -82,13 +92,13 @@ pub enum Stop {
 
 pub(super) type Stage<'a, P> = Segment<'a, Tests<P>>;
 
-impl<P: Plane> EventCurve<P> {
+impl<P: ParameterPlane> EventCurve<P> {
     /// An event at a solution of its equations.
     pub(super) fn new(
         system: EventSystem<P>,
         event: EventType,
         point: &Vector,
-        limits: Limits,
+        limits: CurveLimits,
     ) -> Result<EventCurve<P>, FailureOf<P>> {
         let (orbit, unknowns) = system.orbit(point, 0)?;
         let examination = orbit.examination(&unknowns)?;
@@ -102,7 +112,7 @@ impl<P: Plane> EventCurve<P> {
         let regular =
             linalg::least(&square).is_some_and(|least| least.value > SINGULAR * least.largest);
         Ok(EventCurve {
-            with_fold: regular && system.condition != Condition::Fold,
+            with_fold: regular && system.condition != EventCondition::Fold,
             system,
             event,
             limits,
@@ -112,42 +122,49 @@ impl<P: Plane> EventCurve<P> {
 
     /// Test functions at a node; `left` orients the left null vector. Refused where the event is none
     /// any more.
-    pub(super) fn tests(&self, node: &Node, left: Option<&Vector>) -> Result<Tests<P>, Refusal<P>> {
-        let at = self.system.orbit(&node.point, 0).map_err(Refusal::Flow)?;
+    pub(super) fn tests(
+        &self,
+        node: &Node,
+        left: Option<&Vector>,
+    ) -> Result<Tests<P>, CurveRefusal<P>> {
+        let at = self
+            .system
+            .orbit(&node.point, 0)
+            .map_err(CurveRefusal::Flow)?;
         let (orbit, unknowns) = &at;
-        let examination = orbit.examination(unknowns).map_err(Refusal::Flow)?;
+        let examination = orbit.examination(unknowns).map_err(CurveRefusal::Flow)?;
         for own in &self.own {
             let zone = P::zone(orbit.signature(), own.1);
             let itself = match &self.system.condition {
-                Condition::Margin(margin) => P::key(margin) == *own,
+                EventCondition::Margin(margin) => P::key(margin) == *own,
                 _ => false,
             };
             let mut margins = examination.margins().iter();
             let margin = margins.find(|margin| P::key(margin) == *own);
-            return Err(Refusal::Gone(match margin.map(P::Orbit::value) {
+            return Err(CurveRefusal::Gone(match margin.map(P::Orbit::value) {
                 Some(value) if value >= -OWN => continue,
                 Some(_) if itself => Gone::Lower(zone),
                 None if itself => Gone::Left(zone),
                 _ => Gone::Along(zone),
             }));
         }
-        if let Condition::Spectral(spectral) = &self.system.condition {
+        if let EventCondition::Spectral(spectral) = &self.system.condition {
             let further = self.system.further(&node.point);
             let lost = self.system.plane.lost(spectral, orbit, unknowns, further);
-            lost.map_or(Ok(()), |gone| Err(Refusal::Gone(gone)))?;
+            lost.map_or(Ok(()), |gone| Err(CurveRefusal::Gone(gone)))?;
         }
         let slopes = self.slopes(node, examination.margins());
         let mut tests = Tests {
-            slopes: slopes.map_err(Refusal::Flow)?,
+            slopes: slopes.map_err(CurveRefusal::Flow)?,
             fold: None,
             cusp: None,
             watched: self.system.watched(&node.point, &at),
             examination,
         };
         if self.with_fold {
-            tests.fold = Some(self.determinant(&node.point).map_err(Refusal::Flow)?);
-        } else if self.system.condition == Condition::Fold {
-            tests.cusp = self.cusp(node, left).map_err(Refusal::Flow)?;
+            tests.fold = Some(self.determinant(&node.point).map_err(CurveRefusal::Flow)?);
+        } else if self.system.condition == EventCondition::Fold {
+            tests.cusp = self.cusp(node, left).map_err(CurveRefusal::Flow)?;
         }
         Ok(tests)
     }

@@ -1,10 +1,10 @@
 //! An event in two parameters as a curve for the walker.
 
 use super::entry::successor;
-use super::event::{EventCurve, OWN, Refusal, Solved, Stage, Stop, Tests};
-use super::located::Event;
-use super::plane::{Condition, MarginOf, Plane, SignatureOf};
-use super::point::{Point, PointType, What};
+use super::event::{CurveRefusal, CurveStop, EventCurve, OWN, Solved, Stage, Tests};
+use super::located::StepEvent;
+use super::plane::{EventCondition, MarginOf, ParameterPlane, SignatureOf};
+use super::point::{CurvePoint, PointType, What};
 use super::system::EventSystem;
 use crate::continuation::Node;
 use crate::continuation::locate::{self, LeastWithin, Place};
@@ -16,14 +16,14 @@ use crate::orbit::{EventType, Examined, Orbit};
 /// A least margin within this of zero is zero but for rounding: points of a curve are known to 1e-12.
 const ROUNDED: f64 = 1e-12;
 
-impl<P: Plane> Curve for EventCurve<P> {
+impl<P: ParameterPlane> Curve for EventCurve<P> {
     type System = EventSystem<P>;
     type Name = SignatureOf<P>;
     type Watched = Tests<P>;
-    type Event = Event<P>;
+    type Event = StepEvent<P>;
     type Found = Solved<P>;
-    type Refusal = Refusal<P>;
-    type End = Stop;
+    type Refusal = CurveRefusal<P>;
+    type End = CurveStop;
     type Close = Close<<P::Orbit as Orbit>::Held>;
 
     /// Beside the opening of a separation zone the landing jump of a perturbation is singular, and
@@ -38,7 +38,7 @@ impl<P: Plane> Curve for EventCurve<P> {
         self.system.signature()
     }
 
-    fn watch(&self, node: &Node, near: Option<&Tests<P>>) -> Result<Tests<P>, Refusal<P>> {
+    fn watch(&self, node: &Node, near: Option<&Tests<P>>) -> Result<Tests<P>, CurveRefusal<P>> {
         let cusp = near.and_then(|near| near.cusp.as_ref());
         self.tests(node, cusp.map(|(_, left)| left))
     }
@@ -47,12 +47,12 @@ impl<P: Plane> Curve for EventCurve<P> {
     fn within(
         &self,
         step: &Stage<P>,
-        located: &[(Place, Event<P>)],
+        located: &[(Place, StepEvent<P>)],
     ) -> Within<Close<<P::Orbit as Orbit>::Held>> {
-        let ends = |event: &Event<P>| match event {
-            Event::Fold | Event::Cusp | Event::Passing(_) => false,
-            Event::Other(test) => test.ends,
-            Event::Edge(..) | Event::Margin(_) | Event::Limit(..) => true,
+        let ends = |event: &StepEvent<P>| match event {
+            StepEvent::Fold | StepEvent::Cusp | StepEvent::Passing(_) => false,
+            StepEvent::Other(test) => test.ends,
+            StepEvent::Edge(..) | StepEvent::Margin(_) | StepEvent::Limit(..) => true,
         };
         let end = located.iter().find(|(_, event)| ends(event));
         let end = end.map_or(f64::INFINITY, |(place, _)| place.s - step.at_once());
@@ -114,8 +114,8 @@ impl<P: Plane> Curve for EventCurve<P> {
         found
     }
 
-    fn locate(&self, step: &Stage<P>) -> Result<Vec<(Place, Event<P>)>, Refusal<P>> {
-        let mut located = self.edges(step).ok_or(Refusal::NotLocated)?;
+    fn locate(&self, step: &Stage<P>) -> Result<Vec<(Place, StepEvent<P>)>, CurveRefusal<P>> {
+        let mut located = self.edges(step).ok_or(CurveRefusal::NotLocated)?;
         located.extend(self.margins(step)?);
         located.extend(self.signs(step)?);
         located.extend(self.limit(step)?);
@@ -130,88 +130,62 @@ impl<P: Plane> Curve for EventCurve<P> {
         &self,
         step: &Stage<P>,
         place: &Place,
-        together: &[Event<P>],
-    ) -> Result<Outcome<EventCurve<P>>, Refusal<P>> {
+        together: &[StepEvent<P>],
+    ) -> Result<Outcome<EventCurve<P>>, CurveRefusal<P>> {
         let mut solved = self.point(place.s, &place.node, step.after);
-        let mut say = |kind: PointType, what: &What<P::Orbit>| {
-            solved.point.kind = Some(kind);
-            solved.point.what = P::say(what);
-        };
-        let there = End::Own(Stop::There);
+        let there = End::Own(CurveStop::There);
         // where a pair meets at ±1 there is a fold or a doubling, too: the end goes first
-        let ends = |event: &&Event<P>| matches!(event, Event::Other(test) if test.ends);
+        let ends = |event: &&StepEvent<P>| matches!(event, StepEvent::Other(test) if test.ends);
         let first = together.iter().find(ends).unwrap_or(&together[0]);
         Ok(match first {
-            Event::Edge(index, value) => {
+            StepEvent::Edge(index, value) => {
                 let (index, value) = (*index, *value);
                 let parameter = self.system.parameters()[index].clone();
-                say(PointType::One(EventType::EP), &What::Edge(parameter, value));
+                let what = What::Edge(parameter, value);
+                solved.say(PointType::One(EventType::EP), &what);
                 // exactly the value that was asked for
                 solved.point.parameters[index] = value;
                 Outcome::Ended(vec![solved], End::Edge)
             }
-            Event::Margin(_) => {
-                let margins = together.iter().filter_map(|event| match event {
-                    Event::Margin(margin) => Some(margin.clone()),
-                    _ => None,
-                });
-                let mut margins: Vec<MarginOf<P>> = margins.collect();
-                // a zone without length says most about what comes next
-                margins.sort_by_key(P::Orbit::precedence);
-                let second = self.second(&place.node.point, &margins[0], step.steps.tolerance);
-                let second = second.map_err(Refusal::Flow)?;
-                let mut entries = margins.iter();
-                let entry = entries.find_map(|margin| self.enter(step, &place.node, margin));
-                let kind = P::with_event(self.event, second.kind);
-                let what = What::Meeting {
-                    second: Box::new(second),
-                    may_go_on: matches!(self.system.condition, Condition::Margin(_)),
-                    next: entry.as_ref().map(|entry| entry.curve.name().clone()),
-                };
-                say(kind, &what);
+            StepEvent::Margin(_) => {
+                let (kind, what, entry) = self.second_event(step, place, together)?;
+                solved.say(kind, &what);
                 match entry {
                     Some(entry) => Outcome::Entered(vec![solved], entry),
                     None => Outcome::Ended(vec![solved], there),
                 }
             }
-            Event::Fold => {
-                say(P::with_fold(self.event), &What::Fold);
+            StepEvent::Fold => {
+                solved.say(P::with_fold(self.event), &What::Fold);
                 Outcome::Passed(solved)
             }
-            Event::Cusp => {
-                say(PointType::CP, &What::Cusp);
+            StepEvent::Cusp => {
+                solved.say(PointType::CP, &What::Cusp);
                 Outcome::Passed(solved)
             }
-            Event::Passing(outside) => {
+            StepEvent::Passing(outside) => {
                 solved.point.what = P::say(&What::Passing(*outside));
                 Outcome::Passed(solved)
             }
-            Event::Limit(point, error) => {
-                let (orbit, unknowns) = self
-                    .system
-                    .orbit(&place.node.point, 0)
-                    .map_err(Refusal::Flow)?;
+            StepEvent::Limit(point, error) => {
+                let orbit = self.system.orbit(&place.node.point, 0);
+                let (orbit, unknowns) = orbit.map_err(CurveRefusal::Flow)?;
                 let kind = P::at_limit(self.event, &self.system.condition, &orbit, &unknowns);
-                say(
-                    kind,
-                    &What::Limit {
-                        kind,
-                        error: *error,
-                    },
-                );
+                let error = *error;
+                solved.say(kind, &What::Limit { kind, error });
                 solved.point.parameters = self.system.values(point);
                 if let Ok((orbit, unknowns)) = self.system.orbit(point, 0) {
                     (solved.point.measure, _) = P::measure(&orbit, &unknowns);
                 }
                 Outcome::Ended(vec![solved], there)
             }
-            Event::Other(test) => {
+            StepEvent::Other(test) => {
                 let kind = match test.kind {
                     Some(PointType::One(other)) => Some(P::with_event(self.event, other)),
                     kind => kind,
                 };
                 if let Some(kind) = kind {
-                    say(kind, &What::Other(kind));
+                    solved.say(kind, &What::Other(kind));
                 }
                 match test.ends {
                     true => Outcome::Ended(vec![solved], there),
@@ -229,12 +203,14 @@ impl<P: Plane> Curve for EventCurve<P> {
         self.system.settle(&node.point);
         let further = self.system.further(&node.point);
         let renewed = match &self.system.condition {
-            Condition::Spectral(spectral) => P::renewed(spectral, further),
+            EventCondition::Spectral(spectral) => P::renewed(spectral, further),
             _ => None,
         };
         if let Some((spectral, further)) = renewed {
             let signature = self.system.signature().clone();
-            let system = self.system.of(signature, Condition::Spectral(spectral));
+            let system = self
+                .system
+                .of(signature, EventCondition::Spectral(spectral));
             if let Some(renewed) = system.with_further(node, &further) {
                 self.system = system;
                 *node = renewed;
@@ -260,7 +236,7 @@ impl<P: Plane> Curve for EventCurve<P> {
     }
 
     fn point(&self, _: f64, node: &Node, _: &Tests<P>) -> Solved<P> {
-        let mut point = Point {
+        let mut point = CurvePoint {
             parameters: self.system.values(&node.point),
             measure: f64::NAN,
             excess: None,
@@ -285,7 +261,7 @@ impl<P: Plane> Curve for EventCurve<P> {
                 .plane
                 .numbers(condition, &orbit, &unknowns, further);
             point.after = match &self.system.condition {
-                Condition::Margin(margin) => {
+                EventCondition::Margin(margin) => {
                     let here = orbit.margin_at(margin, &unknowns);
                     let here = here.unwrap_or_else(|_| margin.clone());
                     let tolerance = self.limits.steps.tolerance;
@@ -306,9 +282,9 @@ impl<P: Plane> Curve for EventCurve<P> {
         reached
     }
 
-    fn ends_with(&self, refusal: &Refusal<P>) -> Option<Stop> {
+    fn ends_with(&self, refusal: &CurveRefusal<P>) -> Option<CurveStop> {
         match refusal {
-            Refusal::Gone(gone) => Some(Stop::Gone(gone.clone())),
+            CurveRefusal::Gone(gone) => Some(CurveStop::Gone(gone.clone())),
             _ => None,
         }
     }

@@ -1,7 +1,7 @@
 //! What is located within a step of a curve of an event.
 
-use super::event::{EventCurve, Refusal, Stage};
-use super::plane::{MarginOf, Plane, Test};
+use super::event::{CurveRefusal, EventCurve, Stage};
+use super::plane::{MarginOf, ParameterPlane, Test};
 use crate::continuation::Node;
 use crate::continuation::limit;
 use crate::continuation::locate::{self, Place, Target};
@@ -10,7 +10,7 @@ use crate::orbit::{AtZero, Examined, Orbit, find};
 
 /// What is located within a step.
 #[derive(Clone, Debug)]
-pub enum Event<P: Plane> {
+pub enum StepEvent<P: ParameterPlane> {
     /// An edge of the range of a parameter.
     Edge(usize, f64),
     /// Another margin vanishes.
@@ -28,9 +28,9 @@ pub enum Event<P: Plane> {
     Limit(Vector, f64),
 }
 
-impl<P: Plane> EventCurve<P> {
+impl<P: ParameterPlane> EventCurve<P> {
     /// Edges of the ranges within a step.
-    pub(super) fn edges(&self, step: &Stage<P>) -> Option<Vec<(Place, Event<P>)>> {
+    pub(super) fn edges(&self, step: &Stage<P>) -> Option<Vec<(Place, StepEvent<P>)>> {
         let first = step.to.point.len() - 2;
         let way = [&step.from.point, &step.to.point];
         let mut located = Vec::new();
@@ -43,7 +43,7 @@ impl<P: Plane> EventCurve<P> {
                 };
                 let places =
                     target.meetings(&self.system, step.from, &way, step.steps.tolerance)?;
-                let event = Event::Edge(index, value);
+                let event = StepEvent::Edge(index, value);
                 located.extend(places.into_iter().map(|place| (place, event.clone())));
             }
         }
@@ -56,9 +56,9 @@ impl<P: Plane> EventCurve<P> {
         step: &Stage<P>,
         before: f64,
         after: f64,
-        event: Event<P>,
+        event: StepEvent<P>,
         value: impl FnMut(&Node) -> Option<f64>,
-    ) -> Result<(Place, Event<P>), Refusal<P>> {
+    ) -> Result<(Place, StepEvent<P>), CurveRefusal<P>> {
         /// Relative width of the bracket, or value, at which the place is known to rounding.
         const EXACT: f64 = 1e-14;
         let size = before.abs().max(after.abs());
@@ -66,12 +66,15 @@ impl<P: Plane> EventCurve<P> {
         let ends = ((0.0, before), (step.ds, after));
         let tolerance = step.steps.tolerance;
         let (place, _) = locate::zero_along(&self.system, step.from, ends, small, tolerance, value)
-            .ok_or(Refusal::NotLocated)?;
+            .ok_or(CurveRefusal::NotLocated)?;
         Ok((place, event))
     }
 
     /// Margins that vanish within a step.
-    pub(super) fn margins(&self, step: &Stage<P>) -> Result<Vec<(Place, Event<P>)>, Refusal<P>> {
+    pub(super) fn margins(
+        &self,
+        step: &Stage<P>,
+    ) -> Result<Vec<(Place, StepEvent<P>)>, CurveRefusal<P>> {
         let mut located = Vec::new();
         for margin in step.after.examination.margins() {
             let value = P::Orbit::value(margin);
@@ -80,11 +83,11 @@ impl<P: Plane> EventCurve<P> {
             }
             let before = find::<P::Orbit>(&step.before.examination, margin);
             let before = before.map(P::Orbit::value).filter(|before| *before > 0.0);
-            let before = before.ok_or(Refusal::Posed)?;
+            let before = before.ok_or(CurveRefusal::Posed)?;
             let mut at = AtZero {
                 margin: margin.clone(),
             };
-            let event = Event::Margin(margin.clone());
+            let event = StepEvent::Margin(margin.clone());
             located.push(self.zero(step, before, value, event, |node| {
                 let (orbit, unknowns) = self.system.orbit(&node.point, 0).ok()?;
                 Some(P::Orbit::value(at.margin_at(&orbit, &unknowns).ok()?))
@@ -94,19 +97,22 @@ impl<P: Plane> EventCurve<P> {
     }
 
     /// Smooth test functions that change their sign within a step.
-    pub(super) fn signs(&self, step: &Stage<P>) -> Result<Vec<(Place, Event<P>)>, Refusal<P>> {
+    pub(super) fn signs(
+        &self,
+        step: &Stage<P>,
+    ) -> Result<Vec<(Place, StepEvent<P>)>, CurveRefusal<P>> {
         let mut located = Vec::new();
         if let (Some(before), Some(after)) = (step.before.fold, step.after.fold)
             && before * after < 0.0
         {
-            located.push(self.zero(step, before, after, Event::Fold, |node| {
+            located.push(self.zero(step, before, after, StepEvent::Fold, |node| {
                 self.determinant(&node.point).ok()
             })?);
         }
         if let (Some((before, left)), Some((after, _))) = (&step.before.cusp, &step.after.cusp)
             && before * after < 0.0
         {
-            located.push(self.zero(step, *before, *after, Event::Cusp, |node| {
+            located.push(self.zero(step, *before, *after, StepEvent::Cusp, |node| {
                 Some(self.cusp(node, Some(left)).ok()??.0)
             })?);
         }
@@ -118,15 +124,15 @@ impl<P: Plane> EventCurve<P> {
                     let at = self.system.orbit(&node.point, 0)?;
                     Ok(self.system.watched(&node.point, &at).tests)
                 };
-                let event = Event::Other(*after);
+                let event = StepEvent::Other(*after);
                 let (place, _) = self.zero(step, before.value, after.value, event, |node| {
                     tests(node).ok()?.get(index).map(|test| test.value)
                 })?;
                 // what it is, the place itself tells
-                let there = tests(&place.node).map_err(Refusal::Flow)?;
+                let there = tests(&place.node).map_err(CurveRefusal::Flow)?;
                 let there = there.get(index).unwrap_or(after);
                 if there.kind.is_some() || there.ends {
-                    located.push((place, Event::Other(*there)));
+                    located.push((place, StepEvent::Other(*there)));
                 }
             }
         }
@@ -135,7 +141,10 @@ impl<P: Plane> EventCurve<P> {
 
     /// Where the number of multipliers outside the unit circle changes within a step in which nothing else happens that
     /// would tell: an even number passes the circle, of which no test function changes its sign.
-    pub(super) fn passing(&self, step: &Stage<P>) -> Result<Option<(Place, Event<P>)>, Refusal<P>> {
+    pub(super) fn passing(
+        &self,
+        step: &Stage<P>,
+    ) -> Result<Option<(Place, StepEvent<P>)>, CurveRefusal<P>> {
         /// Part of the step to which it is located: nearer the circle the number is not known.
         const WIDTH: f64 = 1e-9;
         let outside = [&step.before, &step.after].map(|tests| tests.watched.outside);
@@ -154,8 +163,11 @@ impl<P: Plane> EventCurve<P> {
         while high - low > WIDTH * step.ds {
             let s = 0.5 * (low + high);
             let node = locate::node_at(&self.system, step.from, s, step.steps.tolerance);
-            let node = node.ok_or(Refusal::NotLocated)?;
-            let at = self.system.orbit(&node.point, 0).map_err(Refusal::Flow)?;
+            let node = node.ok_or(CurveRefusal::NotLocated)?;
+            let at = self
+                .system
+                .orbit(&node.point, 0)
+                .map_err(CurveRefusal::Flow)?;
             let outside = self.system.watched(&node.point, &at).outside;
             place = Place {
                 s,
@@ -169,12 +181,15 @@ impl<P: Plane> EventCurve<P> {
                 None => break,
             }
         }
-        Ok(Some((place, Event::Passing([before, after]))))
+        Ok(Some((place, StepEvent::Passing([before, after]))))
     }
 
     /// Where orbits shrink to a point, which those next to it tell: there the equations are singular to their extent, but the
     /// curve is smooth in it.
-    pub(super) fn limit(&self, step: &Stage<P>) -> Result<Option<(Place, Event<P>)>, Refusal<P>> {
+    pub(super) fn limit(
+        &self,
+        step: &Stage<P>,
+    ) -> Result<Option<(Place, StepEvent<P>)>, CurveRefusal<P>> {
         /// Extent of the largest orbit that tells, and the number of orbits: what their polynomial leaves out
         /// is of order 1e-13, and rounding of the smallest of folds, which is divided by the cube of its size, 1e-12.
         const SMALL: f64 = 5e-2;
@@ -190,7 +205,7 @@ impl<P: Plane> EventCurve<P> {
             && let (Some(before), Some(_)) = (size(step.from, 1.0), size(step.to, 1.0))
             && (&step.to.point - &step.from.point).norm() >= 0.5 * before
         {
-            return Err(Refusal::NotLocated);
+            return Err(CurveRefusal::NotLocated);
         }
         let Some(after) = size(step.to, SMALL) else {
             return Ok(None);
@@ -222,6 +237,6 @@ impl<P: Plane> EventCurve<P> {
             return Ok(None);
         };
         let error = error.rows(point.len() - 2, 2).amax();
-        Ok((error <= KNOWN).then_some((place, Event::Limit(point, error))))
+        Ok((error <= KNOWN).then_some((place, StepEvent::Limit(point, error))))
     }
 }

@@ -1,8 +1,8 @@
 //! Curves of events in two parameters.
 //!
 //! An event of a branch — a fold, a change of regime, a Hopf point — moves along a curve when a second
-//! parameter is let go. What orbits it belongs to, [`Plane`] says: waves of a [`Tube`], [`Orbits`] of a user's
-//! system, or its [`Equilibria`]. [`system`] poses it, the walker of [`crate::continuation`] follows it,
+//! parameter is let go. What orbits it belongs to, [`ParameterPlane`] says: waves of a [`WavesInPlane`], [`OrbitsInPlane`] of a user's
+//! system, or its [`EquilibriaInPlane`]. [`system`] poses it, the walker of [`crate::continuation`] follows it,
 //! and at every point all other inequalities of the orbit are verified, as on a branch. On the way,
 //! points of codimension two are located:
 //!
@@ -37,18 +37,19 @@ mod point;
 mod regions;
 mod run;
 mod saved;
+pub mod search;
 pub mod start;
 pub mod system;
 mod tube;
 mod whole;
 
-pub use equilibria::{CriticalEquilibrium, Equilibria};
+pub use equilibria::{CriticalEquilibrium, EquilibriaInPlane};
 pub use equilibrium_start::{find_of_equilibria, labelled_of_equilibria};
-pub use event::Refusal;
-pub use orbits::Orbits;
-pub use plane::{Condition, NotEvaluated, ParameterOf, Plane, Test, TestValues};
-pub use point::{Gone, Limits, Name, Point, PointType, Region, What};
-pub use run::{Run, Singular, follow};
-pub use saved::{End, Found, Head, Next, Reason, State, Step};
-pub use tube::{Hopf, Tube};
-pub use whole::Curve;
+pub use event::CurveRefusal;
+pub use orbits::OrbitsInPlane;
+pub use plane::{EventCondition, NotEvaluated, ParameterOf, ParameterPlane, Test, TestValues};
+pub use point::{CurveLimits, CurvePoint, Gone, PointType, Region, RegionName, What};
+pub use run::{CurveRun, Singular, follow};
+pub use saved::{CurveEnd, CurveEndReason, CurveHead, CurveState, CurveStep, Next, SolvedPoint};
+pub use tube::{BlochPair, WavesInPlane};
+pub use whole::WholeCurve;

@@ -5,8 +5,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
 
-use super::plane::{Condition, NotEvaluated, Plane, Test, TestValues};
-use super::point::{Gone, Name, PointType, What};
+use super::plane::{EventCondition, NotEvaluated, ParameterPlane, Test, TestValues};
+use super::point::{Gone, PointType, RegionName, What};
 use crate::affine::closure::Prescribed;
 use crate::affine::monitor::{Monitor, MonitorSource};
 use crate::affine::monitored;
@@ -21,7 +21,7 @@ use crate::orbit::EventType;
 
 /// All that an orbit needs beside its sequence.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Orbits {
+pub struct OrbitsInPlane {
     system: System,
     values: Vec<f64>,
     parameters: [usize; 2],
@@ -40,11 +40,11 @@ pub struct Orbits {
 /// The last orbits posed in either parameter, with their values: the system there is made once, however often a point
 /// is looked at. It is no part of what they are, and a copy has one of its own.
 #[derive(Debug, Default)]
-struct Memo(Mutex<[Option<Known>; 2]>);
+struct Memo(Mutex<[Option<CachedOrbit>; 2]>);
 
 /// An orbit posed at values, by their bits.
 #[derive(Debug)]
-struct Known {
+struct CachedOrbit {
     bits: [u64; 2],
     orbit: AffineOrbit,
 }
@@ -63,7 +63,7 @@ impl PartialEq for Memo {
 
 /// An event of the multipliers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Critical {
+pub enum MultiplierEvent {
     /// One is −1.
     PeriodDoubling,
     /// A pair has the product 1.
@@ -83,14 +83,14 @@ pub enum NoMultipliers {
     Infinite,
 }
 
-impl Orbits {
+impl OrbitsInPlane {
     /// Those of a solved orbit; `widths` are the units of the parameters.
     pub fn new(
         orbit: &AffineOrbit,
         point: &Vector,
         parameters: [usize; 2],
         widths: [f64; 2],
-    ) -> Orbits {
+    ) -> OrbitsInPlane {
         let Setting {
             system,
             periods,
@@ -99,7 +99,7 @@ impl Orbits {
             ..
         } = (*orbit.setting).clone();
         let values = orbit.values_at(point);
-        Orbits {
+        OrbitsInPlane {
             system: system.with_monitors(Vec::new()),
             values,
             parameters,
@@ -113,8 +113,8 @@ impl Orbits {
     }
 
     /// The same with a monitor that keeps its value.
-    pub fn keeping(self, monitor: &Monitor) -> Orbits {
-        Orbits {
+    pub fn keeping(self, monitor: &Monitor) -> OrbitsInPlane {
+        OrbitsInPlane {
             monitor: Ordered(vec![(monitor.name.clone(), monitor.source.clone())]),
             ..self
         }
@@ -150,12 +150,12 @@ fn outside(all: &[Multiplier], on_circle: usize) -> Option<usize> {
     told.then(|| count(Multiplier::is_outside))
 }
 
-impl Plane for Orbits {
+impl ParameterPlane for OrbitsInPlane {
     type Orbit = AffineOrbit;
     type Watch = Watch;
-    type Spectral = Critical;
+    type Spectral = MultiplierEvent;
     type NotLinearised = NoMultipliers;
-    type NoBranch = crate::hybrid::NoStart;
+    type NoBranch = crate::hybrid::NoFirstPoint;
 
     type Beside = ();
 
@@ -245,7 +245,7 @@ impl Plane for Orbits {
         {
             orbit = orbit.with_memory_of(&other.orbit);
         }
-        known[index] = Some(Known {
+        known[index] = Some(CachedOrbit {
             bits,
             orbit: orbit.clone(),
         });
@@ -291,21 +291,21 @@ impl Plane for Orbits {
     /// shrinks to a boundary equilibrium.
     fn at_limit(
         event: EventType,
-        condition: &Condition<Orbits>,
+        condition: &EventCondition<OrbitsInPlane>,
         orbit: &AffineOrbit,
         point: &Vector,
     ) -> PointType {
         let is_smooth = orbit.sequence.switches() == 0 || orbit.is_smooth_near(point);
         match condition {
             _ if !is_smooth => PointType::Two(event, EventType::BE),
-            Condition::Margin(_) => PointType::Two(EventType::HB, EventType::BE),
-            Condition::Fold => PointType::GH,
+            EventCondition::Margin(_) => PointType::Two(EventType::HB, EventType::BE),
+            EventCondition::Fold => PointType::GH,
             _ => PointType::Two(event, EventType::HB),
         }
     }
 
     fn passing(orbit: &AffineOrbit, point: &Vector) -> String {
-        let name = Orbits::name(orbit, point);
+        let name = OrbitsInPlane::name(orbit, point);
         match growing(orbit, point, 0) {
             None => name,
             Some(0) => format!("stable {name}"),
@@ -314,8 +314,8 @@ impl Plane for Orbits {
     }
 
     /// At a BP two branches pass, and equations do not tell which is followed.
-    fn beside(&self, spectral: &Critical, _: Option<f64>) -> Option<()> {
-        (!matches!(spectral, Critical::Branching { .. })).then_some(())
+    fn beside(&self, spectral: &MultiplierEvent, _: Option<f64>) -> Option<()> {
+        (!matches!(spectral, MultiplierEvent::Branching { .. })).then_some(())
     }
 
     fn name_beside(
@@ -323,12 +323,12 @@ impl Plane for Orbits {
         orbit: &AffineOrbit,
         point: &Vector,
         _: Option<EventType>,
-    ) -> Option<Option<Name>> {
-        Some(growing(orbit, point, 0).map(Name::Outside))
+    ) -> Option<Option<RegionName>> {
+        Some(growing(orbit, point, 0).map(RegionName::Outside))
     }
 
-    fn is_doubling(spectral: &Critical) -> bool {
-        *spectral == Critical::PeriodDoubling
+    fn is_doubling(spectral: &MultiplierEvent) -> bool {
+        *spectral == MultiplierEvent::PeriodDoubling
     }
 
     fn closing(orbit: &AffineOrbit, point: &Vector) -> Result<Matrix, OrbitFailure> {
@@ -337,13 +337,13 @@ impl Plane for Orbits {
 
     fn spectral(
         &self,
-        spectral: &Critical,
+        spectral: &MultiplierEvent,
         orbit: &AffineOrbit,
         point: &Vector,
         _: &[f64],
-    ) -> Result<Vec<f64>, NotEvaluated<Orbits>> {
+    ) -> Result<Vec<f64>, NotEvaluated<OrbitsInPlane>> {
         let monodromy = match spectral {
-            Critical::Branching { kept } => orbit.half_monodromy(*kept, point),
+            MultiplierEvent::Branching { kept } => orbit.half_monodromy(*kept, point),
             _ => orbit.monodromy(point),
         };
         let monodromy = monodromy.map_err(NotEvaluated::Flow)?;
@@ -351,8 +351,8 @@ impl Plane for Orbits {
         let monodromy = monodromy.ok_or(infinite)?;
         let [doubling, _, torus] = monodromy.tests(&monodromy.multipliers());
         Ok(vec![match spectral {
-            Critical::PeriodDoubling | Critical::Branching { .. } => doubling,
-            Critical::Torus => torus,
+            MultiplierEvent::PeriodDoubling | MultiplierEvent::Branching { .. } => doubling,
+            MultiplierEvent::Torus => torus,
         }])
     }
 
@@ -360,12 +360,12 @@ impl Plane for Orbits {
     /// multipliers those of the equations beside an orbit, too: elsewhere Newton's method would not converge quadratically.
     fn critical(
         &self,
-        spectral: &Critical,
+        spectral: &MultiplierEvent,
         orbit: &AffineOrbit,
         point: &Vector,
     ) -> Option<Vec<(Complex<f64>, Complex<f64>)>> {
         match spectral {
-            Critical::Torus if orbit.sequence.zone(0).way.is_none() => {
+            MultiplierEvent::Torus if orbit.sequence.zone(0).way.is_none() => {
                 monodromy(orbit, point)?.slopes_of_pair()
             }
             _ => None,
@@ -374,38 +374,38 @@ impl Plane for Orbits {
 
     fn restrict(
         &self,
-        spectral: &Critical,
+        spectral: &MultiplierEvent,
         orbit: &AffineOrbit,
         point: &Vector,
         residual: &mut [f64],
         matrix: &mut Matrix,
     ) {
-        if let Critical::Branching { kept } = *spectral {
+        if let MultiplierEvent::Branching { kept } = *spectral {
             orbit.close_at_image(kept, point, residual, matrix);
         }
     }
 
     fn lost(
         &self,
-        spectral: &Critical,
+        spectral: &MultiplierEvent,
         orbit: &AffineOrbit,
         point: &Vector,
         _: &[f64],
     ) -> Option<Gone> {
-        let is_branching = matches!(spectral, Critical::Branching { .. });
+        let is_branching = matches!(spectral, MultiplierEvent::Branching { .. });
         (is_branching && !orbit.loses_symmetry(point)).then_some(Gone::Asymmetric)
     }
 
     fn angular(
         &self,
-        spectral: &Critical,
+        spectral: &MultiplierEvent,
         orbit: &AffineOrbit,
         point: &Vector,
         _: &[f64],
     ) -> Option<f64> {
         match spectral {
-            Critical::PeriodDoubling | Critical::Branching { .. } => None,
-            Critical::Torus => monodromy(orbit, point)?.angle_on_circle(),
+            MultiplierEvent::PeriodDoubling | MultiplierEvent::Branching { .. } => None,
+            MultiplierEvent::Torus => monodromy(orbit, point)?.angle_on_circle(),
         }
     }
 
@@ -413,7 +413,7 @@ impl Plane for Orbits {
     /// angle: it passes ±1 where the pair meets, and beyond that the multipliers are real.
     fn watched(
         &self,
-        condition: &Condition<Orbits>,
+        condition: &EventCondition<OrbitsInPlane>,
         orbit: &AffineOrbit,
         point: &Vector,
         _: &[f64],
@@ -424,14 +424,9 @@ impl Plane for Orbits {
         let multipliers = monodromy.multipliers();
         let [doubling, _, torus] = monodromy.tests(&multipliers);
         let on_circle = match condition {
-            Condition::Margin(_) | Condition::Constant(_) => 0,
-            Condition::Spectral(Critical::Torus) => 2,
-            Condition::Fold | Condition::Spectral(_) => 1,
-        };
-        let passed = |kind, value| Test {
-            kind,
-            value,
-            ends: false,
+            EventCondition::Margin(_) | EventCondition::Constant(_) => 0,
+            EventCondition::Spectral(MultiplierEvent::Torus) => 2,
+            EventCondition::Fold | EventCondition::Spectral(_) => 1,
         };
         let cosine = monodromy.cosine().unwrap_or(f64::NAN);
         let doubling = passed(Some(PointType::One(EventType::PD)), doubling);
@@ -447,40 +442,18 @@ impl Plane for Orbits {
             passed(kind, torus)
         };
         let double = |multiplier: f64| orbit.is_double(point, multiplier);
-        let without = |test: Test, met: f64| Test {
-            value: test.value / met,
-            ..test
-        };
         let tests = match condition {
-            Condition::Spectral(Critical::Torus) => {
-                let met = |order, value| Test {
-                    kind: Some(PointType::Resonance(order)),
-                    value,
-                    ends: true,
-                };
-                let resonance = |order, value| passed(Some(PointType::Resonance(order)), value);
-                vec![
-                    met(1, 1.0 - cosine),
-                    met(2, 1.0 + cosine),
-                    resonance(3, cosine + 0.5),
-                    resonance(4, cosine),
-                    // without the pair itself
-                    Test {
-                        value: doubling.value / (2.0 + 2.0 * cosine),
-                        ..doubling
-                    },
-                ]
-            }
+            EventCondition::Spectral(MultiplierEvent::Torus) => tests_of_torus(cosine, doubling),
             // the multiplier of the event is a double one where the derivative of its own equations in the multiplier vanishes;
             // another pair with the product 1 is an event of its own
-            Condition::Spectral(Critical::PeriodDoubling) => double(-1.0).map_or_else(
+            EventCondition::Spectral(MultiplierEvent::PeriodDoubling) => double(-1.0).map_or_else(
                 || vec![pair(2, -1.0)],
                 |met| {
                     let kind = Some(PointType::Resonance(2));
                     vec![passed(kind, met), without(pair(2, f64::NAN), met)]
                 },
             ),
-            Condition::Fold => double(1.0).map_or_else(
+            EventCondition::Fold => double(1.0).map_or_else(
                 || vec![doubling, pair(1, 1.0)],
                 |met| {
                     let kind = Some(PointType::Resonance(1));
@@ -489,16 +462,14 @@ impl Plane for Orbits {
                 },
             ),
             // a multiplier −1 of the whole is a pair ±i of the half, which touches and does not cross
-            Condition::Spectral(Critical::Branching { kept }) => {
+            EventCondition::Spectral(MultiplierEvent::Branching { kept }) => {
                 let half = orbit.half_monodromy(*kept, point).ok().flatten();
                 let torus = half.map(|half| half.tests(&half.multipliers())[2]);
-                let value = torus.unwrap_or(f64::NAN);
-                vec![Test {
-                    value,
-                    ..pair(1, 1.0)
-                }]
+                vec![passed(pair(1, 1.0).kind, torus.unwrap_or(f64::NAN))]
             }
-            Condition::Margin(_) | Condition::Constant(_) => vec![doubling, pair(1, f64::NAN)],
+            EventCondition::Margin(_) | EventCondition::Constant(_) => {
+                vec![doubling, pair(1, f64::NAN)]
+            }
         };
         TestValues {
             tests,
@@ -509,4 +480,41 @@ impl Plane for Orbits {
     fn say(what: &What<AffineOrbit>) -> String {
         what.to_string()
     }
+}
+
+/// A test that the curve passes.
+fn passed(kind: Option<PointType>, value: f64) -> Test {
+    Test {
+        kind,
+        value,
+        ends: false,
+    }
+}
+
+/// A test without the zero that it has where a double multiplier meets the event.
+fn without(test: Test, met: f64) -> Test {
+    Test {
+        value: test.value / met,
+        ..test
+    }
+}
+
+/// What is watched along a curve of NS with the cosine of its angle: the strong resonances, of which 1:1 and 1:2 end it, and
+/// a multiplier −1 other than the pair.
+fn tests_of_torus(cosine: f64, doubling: Test) -> Vec<Test> {
+    let met = |order, value| Test {
+        ends: true,
+        ..passed(Some(PointType::Resonance(order)), value)
+    };
+    let resonance = |order, value| passed(Some(PointType::Resonance(order)), value);
+    vec![
+        met(1, 1.0 - cosine),
+        met(2, 1.0 + cosine),
+        resonance(3, cosine + 0.5),
+        resonance(4, cosine),
+        Test {
+            value: doubling.value / (2.0 + 2.0 * cosine),
+            ..doubling
+        },
+    ]
 }

@@ -3,22 +3,22 @@
 use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
 
-use super::point::{Gone, Name, PointType, What};
+use super::point::{Gone, PointType, RegionName, What};
 use crate::continuation::newton::System;
 use crate::linalg::{Matrix, Vector};
 use crate::orbit::monitor::MonitorStop;
 use crate::orbit::{Data, EventType, Orbit};
 
 /// Margins of the orbits of a plane.
-pub type MarginOf<P> = <<P as Plane>::Orbit as Orbit>::Margin;
+pub type MarginOf<P> = <<P as ParameterPlane>::Orbit as Orbit>::Margin;
 /// Their signatures.
-pub type SignatureOf<P> = <<P as Plane>::Orbit as Orbit>::Signature;
+pub type SignatureOf<P> = <<P as ParameterPlane>::Orbit as Orbit>::Signature;
 /// Their parameters.
-pub type ParameterOf<P> = <<P as Plane>::Orbit as Orbit>::Parameter;
+pub type ParameterOf<P> = <<P as ParameterPlane>::Orbit as Orbit>::Parameter;
 /// Why their equations cannot be evaluated.
-pub type FailureOf<P> = <<P as Plane>::Orbit as System>::Failure;
+pub type FailureOf<P> = <<P as ParameterPlane>::Orbit as System>::Failure;
 /// What an examination of them finds.
-pub type ExaminationOf<P> = <<P as Plane>::Orbit as Orbit>::Examination;
+pub type ExaminationOf<P> = <<P as ParameterPlane>::Orbit as Orbit>::Examination;
 
 /// A test function of a curve, and what its zero is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,7 +44,7 @@ pub struct TestValues {
 /// What makes the orbit special.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(bound = "")]
-pub enum Condition<P: Plane> {
+pub enum EventCondition<P: ParameterPlane> {
     /// A margin vanishes.
     Margin(MarginOf<P>),
     /// A monitor keeps a value.
@@ -58,7 +58,7 @@ pub enum Condition<P: Plane> {
 /// Why the equations could not be evaluated.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, thiserror::Error)]
 #[serde(bound = "")]
-pub enum NotEvaluated<P: Plane> {
+pub enum NotEvaluated<P: ParameterPlane> {
     /// The flow overflows, the wave is subsonic, or the system makes no sense there.
     #[error("{0}")]
     Flow(FailureOf<P>),
@@ -68,7 +68,7 @@ pub enum NotEvaluated<P: Plane> {
 }
 
 /// Orbits over a plane of two parameters: all that their equations need beside the signature.
-pub trait Plane: Data {
+pub trait ParameterPlane: Data {
     /// The orbits, posed in one of the two parameters.
     type Orbit: Orbit<Margin: Data>;
     /// What a margin measures.
@@ -171,7 +171,7 @@ pub trait Plane: Data {
     /// Type of the point at which orbits of an event shrink to a point, as seen from one next to it.
     fn at_limit(
         event: EventType,
-        _: &Condition<Self>,
+        _: &EventCondition<Self>,
         _: &Self::Orbit,
         _point: &Vector,
     ) -> PointType {
@@ -189,7 +189,7 @@ pub trait Plane: Data {
     /// What every point tells in these columns.
     fn numbers(
         &self,
-        _: &Condition<Self>,
+        _: &EventCondition<Self>,
         _: &Self::Orbit,
         _point: &Vector,
         _further: &[f64],
@@ -211,7 +211,7 @@ pub trait Plane: Data {
         orbit: &Self::Orbit,
         point: &Vector,
         kind: Option<EventType>,
-    ) -> Option<Option<Name>>;
+    ) -> Option<Option<RegionName>>;
 
     /// Number of further unknowns of an event of the spectrum; it has one equation more.
     fn further(_spectral: &Self::Spectral) -> usize {
@@ -282,7 +282,7 @@ pub trait Plane: Data {
     fn extended(
         &self,
         _: &SignatureOf<Self>,
-        _: &Condition<Self>,
+        _: &EventCondition<Self>,
         _point: &Vector,
         _equations: (&mut [f64], &mut Matrix),
     ) -> Option<Result<(), FailureOf<Self>>> {
@@ -306,7 +306,7 @@ pub trait Plane: Data {
 
     /// Further unknowns, or the null vector, of a known point of the curve as they would be beside another point, with what
     /// normalises them now: a curve that comes back may have turned them. `None` where they are the same.
-    fn alias(_: &Condition<Self>, _further: &[f64], _near: &[f64]) -> Option<Vec<f64>> {
+    fn alias(_: &EventCondition<Self>, _further: &[f64], _near: &[f64]) -> Option<Vec<f64>> {
         None
     }
 
@@ -348,7 +348,7 @@ pub trait Plane: Data {
     /// What is watched beside the margins and the fold.
     fn watched(
         &self,
-        condition: &Condition<Self>,
+        condition: &EventCondition<Self>,
         orbit: &Self::Orbit,
         point: &Vector,
         further: &[f64],

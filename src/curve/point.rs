@@ -11,7 +11,7 @@ use crate::problem;
 
 /// How far to follow, and how.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Limits {
+pub struct CurveLimits {
     /// Range of each parameter.
     pub ranges: [(f64, f64); 2],
     /// Step lengths and tolerance.
@@ -20,10 +20,10 @@ pub struct Limits {
     pub most_points: usize,
 }
 
-impl Limits {
+impl CurveLimits {
     /// Those of a section of a problem.
-    pub fn of<P, E>(section: &problem::CurveSection<P, E>) -> Limits {
-        Limits {
+    pub fn of<P, E>(section: &problem::CurveSection<P, E>) -> CurveLimits {
+        CurveLimits {
             ranges: [section.range.0, section.range.1],
             steps: section.steps(),
             most_points: section.max_points,
@@ -101,7 +101,7 @@ impl TryFrom<String> for PointType {
 
 /// A point of the curve: a row of `curve.csv`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Point {
+pub struct CurvePoint {
     /// Both parameters.
     pub parameters: [f64; 2],
     /// Wave speed c, signed; the period of an orbit of a system.
@@ -138,12 +138,12 @@ pub struct Region {
     /// Both parameters.
     pub place: [f64; 2],
     /// What is there.
-    pub name: Name,
+    pub name: RegionName,
 }
 
 /// What is at a place beside a curve.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Name {
+pub enum RegionName {
     /// The pair of a Hopf point.
     Pair {
         /// Whether it grows.

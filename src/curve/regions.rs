@@ -19,10 +19,11 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::event::{INTO, Solved};
-use super::plane::{Condition, Plane};
-use super::point::{Limits, Name, PointType, Region};
+use super::plane::{EventCondition, ParameterPlane};
+use super::point::{CurveLimits, PointType, Region, RegionName};
 use super::system::EventSystem;
 use crate::continuation::Node;
+use crate::continuation::Steps;
 use crate::continuation::arclength::advance;
 use crate::continuation::locate::retangent;
 use crate::continuation::newton;
@@ -30,9 +31,9 @@ use crate::continuation::walk;
 use crate::linalg::Vector;
 use crate::orbit::EventType::{EP, LP, UZ};
 use crate::orbit::change::nearest_beyond;
-use crate::orbit::follow::{self, Follower, Found};
-use crate::orbit::sign::Verdict;
-use crate::orbit::special::Stop;
+use crate::orbit::follow::{self, Follower, LocatedPoint};
+use crate::orbit::sign::SignVerdict;
+use crate::orbit::special::BranchStop;
 use crate::orbit::{Examined, Orbit};
 
 /// Part of the whole length that a stretch needs for its regions to be named.
@@ -58,7 +59,10 @@ const SHORTEST: f64 = 1e-6;
 
 /// Names beside a curve. Of every stretch and side, the places to prefer come first: those in the region
 /// next to the curve, and the nearest of them. Beside a fold only those are named, if there are any.
-pub(super) fn regions<P: Plane>(points: &[Solved<P>], limits: &Limits) -> Vec<Region> {
+pub(super) fn regions<P: ParameterPlane>(
+    points: &[Solved<P>],
+    limits: &CurveLimits,
+) -> Vec<Region> {
     let stretches = stretches(points);
     let mut found = Vec::new();
     let mut budget = P::ALL_STEPS;
@@ -76,7 +80,7 @@ pub(super) fn regions<P: Plane>(points: &[Solved<P>], limits: &Limits) -> Vec<Re
         }
     }
     found.sort_by_key(|(stretch, rank, order, _)| (*stretch, *rank, *order));
-    let fold = |first: &Solved<P>| first.system.condition == Condition::Fold;
+    let fold = |first: &Solved<P>| first.system.condition == EventCondition::Fold;
     if points.first().is_some_and(fold) {
         let next: BTreeSet<(usize, bool)> = found
             .iter()
@@ -91,14 +95,14 @@ pub(super) fn regions<P: Plane>(points: &[Solved<P>], limits: &Limits) -> Vec<Re
 }
 
 /// A point of the curve in units of the ranges.
-fn scaled<P: Plane>(solved: &Solved<P>) -> [f64; 2] {
+fn scaled<P: ParameterPlane>(solved: &Solved<P>) -> [f64; 2] {
     let widths = solved.system.widths();
     [0, 1].map(|index| solved.point.parameters[index] / widths[index])
 }
 
 /// For every stretch with the same regimes, broken at folds and cusps, the points beside which places
 /// are looked for.
-fn stretches<P: Plane>(points: &[Solved<P>]) -> Vec<Vec<usize>> {
+fn stretches<P: ParameterPlane>(points: &[Solved<P>]) -> Vec<Vec<usize>> {
     // way from the first point to each
     let mut way = vec![0.0];
     for pair in points.windows(2) {
@@ -141,12 +145,12 @@ fn stretches<P: Plane>(points: &[Solved<P>]) -> Vec<Vec<usize>> {
 
 /// Named places on the line through a point of the curve along which one parameter changes. With each
 /// whether it lies beyond the region next to the curve, and the number of its distance.
-fn beside<P: Plane>(
+fn beside<P: ParameterPlane>(
     points: &[Solved<P>],
     index: usize,
     axis: usize,
     stretch: usize,
-    limits: &Limits,
+    limits: &CurveLimits,
     budget: &mut usize,
 ) -> Vec<((bool, usize), Region)> {
     let Solved {
@@ -172,7 +176,8 @@ fn beside<P: Plane>(
         }
     }
     let values: Vec<f64> = targets.iter().map(|(_, _, target)| *target).collect();
-    let Some(section) = Section::through(system, unknowns, axis, &values, limits, budget) else {
+    let Some(section) = RegionSection::through(system, unknowns, axis, &values, limits, budget)
+    else {
         return Vec::new();
     };
     // names next to the curve on its right and its left; the targets come by distance
@@ -202,57 +207,36 @@ fn beside<P: Plane>(
 }
 
 /// For every place the regimes of the orbits that pass, and what the spectrum calls the place.
-type Passages = BTreeMap<usize, Vec<(String, Option<Name>)>>;
+type Passages = BTreeMap<usize, Vec<(String, Option<RegionName>)>>;
 
 /// The branch through an event along a line, as far as places on the line are concerned.
-struct Section<P: Plane> {
-    condition: Condition<P>,
+struct RegionSection<P: ParameterPlane> {
+    condition: EventCondition<P>,
     passages: Passages,
     /// Whether the whole of the branch has been seen.
     complete: bool,
 }
 
-impl<P: Plane> Section<P> {
+impl<P: ParameterPlane> RegionSection<P> {
     /// Follows the arms of the branch. `None` where it does not leave the event.
     fn through(
         system: &EventSystem<P>,
         at: &Vector,
         axis: usize,
         targets: &[f64],
-        limits: &Limits,
+        limits: &CurveLimits,
         budget: &mut usize,
-    ) -> Option<Section<P>> {
+    ) -> Option<RegionSection<P>> {
         let arms = arms(system, at, axis, limits.steps.tolerance);
         if arms.is_empty() {
             return None;
         }
-        let mut section = Section {
+        let mut section = RegionSection {
             condition: system.condition.clone(),
             passages: BTreeMap::new(),
             complete: arms.len() == 2,
         };
-        let mut steps = limits.steps;
-        steps.ds_min = steps.ds_min.max(SHORTEST);
-        let (mut low, mut high) = limits.ranges[axis];
-        match &system.condition {
-            Condition::Spectral(_) => {
-                steps.ds_max = steps.ds_max.min(P::LONGEST_BESIDE);
-                steps.ds = steps.ds.min(P::LONGEST_BESIDE);
-            }
-            // orbits may come back from beyond an edge: they count
-            Condition::Fold => {
-                let width = high - low;
-                let further = |values: [f64; 2], edge: f64| {
-                    let mut values = values.into_iter();
-                    let admitted = values.find(|value| system.plane.admits(axis, *value));
-                    admitted.unwrap_or(edge)
-                };
-                low = further([low - width, TOWARDS_ZERO * low], low);
-                high = further([high + width, high], high);
-            }
-            Condition::Margin(_) | Condition::Constant(_) => {}
-        }
-        let range = (low, high);
+        let (range, steps) = Self::reach(system, axis, limits);
         let zones = MOST_ZONES.max(2 * P::zones(system.signature()));
         for (orbit, point, up) in arms {
             let limits = follow::Limits {
@@ -261,7 +245,7 @@ impl<P: Plane> Section<P> {
                 steps,
             };
             let mut beside = match &system.condition {
-                Condition::Spectral(spectral) => {
+                EventCondition::Spectral(spectral) => {
                     let angular = system.angular(at);
                     Some(system.plane.beside(spectral, angular)?)
                 }
@@ -280,14 +264,14 @@ impl<P: Plane> Section<P> {
                     };
                     walked.walk::<P>(arm, &system.condition)
                 }
-                Err(_) => End::Lost,
+                Err(_) => SectionEnd::Lost,
             };
-            section.complete &= end != End::Lost;
-            if system.condition == Condition::Fold && !section.complete {
+            section.complete &= end != SectionEnd::Lost;
+            if system.condition == EventCondition::Fold && !section.complete {
                 // orbits that cannot be counted have no name
                 break;
             }
-            if end == End::Closed {
+            if end == SectionEnd::Closed {
                 // the other arm is the same loop the other way round
                 section.passages = seen;
                 section.complete = true;
@@ -295,7 +279,7 @@ impl<P: Plane> Section<P> {
             }
             // what passes an event of the spectrum and comes back may be named otherwise: a place has the name of
             // the arm that leads to it
-            if let Condition::Spectral(_) = &system.condition {
+            if let EventCondition::Spectral(_) = &system.condition {
                 let value = system.values(at)[axis];
                 seen.retain(|target, _| (targets[*target] > value) == up);
             }
@@ -306,29 +290,55 @@ impl<P: Plane> Section<P> {
         Some(section)
     }
 
+    /// How far along the line its arms are followed, and in which steps.
+    fn reach(system: &EventSystem<P>, axis: usize, limits: &CurveLimits) -> ((f64, f64), Steps) {
+        let mut steps = limits.steps;
+        steps.ds_min = steps.ds_min.max(SHORTEST);
+        let (mut low, mut high) = limits.ranges[axis];
+        match &system.condition {
+            EventCondition::Spectral(_) => {
+                steps.ds_max = steps.ds_max.min(P::LONGEST_BESIDE);
+                steps.ds = steps.ds.min(P::LONGEST_BESIDE);
+            }
+            // orbits may come back from beyond an edge: they count
+            EventCondition::Fold => {
+                let width = high - low;
+                let further = |values: [f64; 2], edge: f64| {
+                    let mut values = values.into_iter();
+                    let admitted = values.find(|value| system.plane.admits(axis, *value));
+                    admitted.unwrap_or(edge)
+                };
+                low = further([low - width, TOWARDS_ZERO * low], low);
+                high = further([high + width, high], high);
+            }
+            EventCondition::Margin(_) | EventCondition::Constant(_) => {}
+        }
+        ((low, high), steps)
+    }
+
     /// The name of a place.
-    fn name(&self, target: usize) -> Option<Name> {
+    fn name(&self, target: usize) -> Option<RegionName> {
         let orbits = self.passages.get(&target).map_or(&[][..], Vec::as_slice);
-        if let Condition::Spectral(_) = &self.condition {
+        if let EventCondition::Spectral(_) = &self.condition {
             return orbits.first()?.1.clone();
         }
         let mut regimes: Vec<String> = orbits.iter().map(|(regimes, _)| regimes.clone()).collect();
         regimes.sort();
         regimes.dedup();
         let count = match &self.condition {
-            Condition::Fold if !self.complete => return None,
-            Condition::Fold => Some(match orbits.len() {
+            EventCondition::Fold if !self.complete => return None,
+            EventCondition::Fold => Some(match orbits.len() {
                 1 => (1, P::ORBIT),
                 count => (count, P::ORBITS),
             }),
             _ => None,
         };
-        (!orbits.is_empty()).then_some(Name::Orbits { count, regimes })
+        (!orbits.is_empty()).then_some(RegionName::Orbits { count, regimes })
     }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum End {
+enum SectionEnd {
     /// At an edge of the range, or where waves end.
     Edge,
     Closed,
@@ -349,16 +359,16 @@ struct Walked<'a, B> {
 
 impl<B> Walked<'_, B> {
     /// Follows an arm to its end and notes its passages.
-    fn walk<P: Plane<Beside = B>>(
+    fn walk<P: ParameterPlane<Beside = B>>(
         &mut self,
         mut arm: Follower<P::Orbit>,
-        condition: &Condition<P>,
-    ) -> End {
-        if arm.here().examination.verdict() != Verdict::Positive {
-            return End::Lost;
+        condition: &EventCondition<P>,
+    ) -> SectionEnd {
+        if arm.here().examination.verdict() != SignVerdict::Positive {
+            return SectionEnd::Lost;
         }
         let most = MOST_STEPS.min(*self.budget);
-        let (mut steps, mut end) = (0, End::Closed);
+        let (mut steps, mut end) = (0, SectionEnd::Closed);
         while steps < most {
             let before = newton::evaluations();
             let (found, ended) = arm.step();
@@ -369,7 +379,7 @@ impl<B> Walked<'_, B> {
             *self.budget = self.budget.saturating_sub(cost);
             for found in found {
                 let kind = found.kind();
-                let Found {
+                let LocatedPoint {
                     orbit,
                     node,
                     parameter,
@@ -378,22 +388,22 @@ impl<B> Walked<'_, B> {
                 let mut name = None;
                 if let Some(beside) = self.beside {
                     let Some(known) = P::name_beside(beside, &orbit, &node.point, kind) else {
-                        return End::Lost;
+                        return SectionEnd::Lost;
                     };
                     name = known;
                 }
                 // beyond a fold the branch is over the same places once more, and elsewhere on its way
-                if let (Some(LP), Condition::Spectral(_)) = (kind, condition) {
-                    return End::Lost;
+                if let (Some(LP), EventCondition::Spectral(_)) = (kind, condition) {
+                    return SectionEnd::Lost;
                 }
                 if kind == Some(EP) && [self.range.0, self.range.1].contains(&parameter) {
-                    end = End::Edge;
+                    end = SectionEnd::Edge;
                 }
                 let mut targets = self.targets.iter();
                 let target = targets.position(|target| *target == parameter);
                 if let (Some(UZ), Some(target)) = (kind, target) {
                     let regimes = match condition {
-                        Condition::Margin(_) => P::passing(&orbit, &node.point),
+                        EventCondition::Margin(_) => P::passing(&orbit, &node.point),
                         _ => P::name(&orbit, &node.point),
                     };
                     self.seen.entry(target).or_default().push((regimes, name));
@@ -403,19 +413,19 @@ impl<B> Walked<'_, B> {
             match ended {
                 None if zones <= self.zones => {}
                 Some(walk::End::Edge | walk::End::Closed) => return end,
-                Some(walk::End::Own(Stop::Own(stop))) if P::Orbit::completes(&stop) => {
-                    return End::Edge;
+                Some(walk::End::Own(BranchStop::Own(stop))) if P::Orbit::completes(&stop) => {
+                    return SectionEnd::Edge;
                 }
-                _ => return End::Lost,
+                _ => return SectionEnd::Lost,
             }
         }
-        End::Lost
+        SectionEnd::Lost
     }
 }
 
 /// The arms of the branch through an event, a step away from it: orbit, point and whether the
 /// parameter grows.
-fn arms<P: Plane>(
+fn arms<P: ParameterPlane>(
     system: &EventSystem<P>,
     point: &Vector,
     axis: usize,
@@ -434,7 +444,7 @@ fn arms<P: Plane>(
     };
     let mut found = Vec::with_capacity(2);
     match &system.condition {
-        Condition::Margin(margin) => {
+        EventCondition::Margin(margin) => {
             let here = orbit
                 .margin_at(margin, &own)
                 .unwrap_or_else(|_| margin.clone());
@@ -448,7 +458,7 @@ fn arms<P: Plane>(
                 found.extend(step(&beyond.orbit, &beyond.node, beyond.ds));
             }
         }
-        Condition::Fold => {
+        EventCondition::Fold => {
             let null = point.rows(last, last).clone_owned();
             for sign in [1.0, -1.0] {
                 let tangent = &null * sign;
@@ -457,8 +467,8 @@ fn arms<P: Plane>(
             }
         }
         // on both sides there are the same orbits
-        Condition::Constant(_) => {}
-        Condition::Spectral(_) => {
+        EventCondition::Constant(_) => {}
+        EventCondition::Spectral(_) => {
             for up in [true, false] {
                 found.push((orbit.clone(), own.clone(), up));
             }

@@ -1,13 +1,13 @@
 //! A curve of events from its beginning to both ends, step by step, and its state between two steps.
 
-use super::event::{EventCurve, Refusal, Solved, Stop};
-use super::plane::{Condition, FailureOf, NotEvaluated, Plane};
-use super::point::{Limits, Point, PointType, Region, What};
+use super::event::{CurveRefusal, CurveStop, EventCurve, Solved};
+use super::plane::{EventCondition, FailureOf, NotEvaluated, ParameterPlane};
+use super::point::{CurveLimits, CurvePoint, PointType, Region, What};
 use super::regions;
-use super::saved::{End, Found, Head, Next, Reason, State, Step};
+use super::saved::{CurveEnd, CurveEndReason, CurveHead, CurveState, CurveStep, Next, SolvedPoint};
 use super::system::EventSystem;
-use super::tube::Tube;
-use super::whole::Curve;
+use super::tube::WavesInPlane;
+use super::whole::WholeCurve;
 use crate::continuation::Node;
 use crate::continuation::arclength::NODES_BEFORE;
 use crate::continuation::newton;
@@ -17,13 +17,13 @@ use crate::orbit::{EventType, Orbit};
 
 /// Why the curve of an event cannot be followed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum Singular<P: Plane = Tube> {
+pub enum Singular<P: ParameterPlane = WavesInPlane> {
     /// Its equations cannot be evaluated.
     #[error("{0}")]
     NotEvaluated(NotEvaluated<P>),
     /// Its test functions cannot be evaluated, or it is none.
     #[error("{0}")]
-    Refused(Refusal<P>),
+    Refused(CurveRefusal<P>),
     /// F_x has no null vector at a fold.
     #[error("the fold has no null vector")]
     NoNullVector,
@@ -53,7 +53,7 @@ pub enum Singular<P: Plane = Tube> {
     BeyondEnd,
 }
 
-impl<P: Plane> Singular<P> {
+impl<P: ParameterPlane> Singular<P> {
     /// The orbit cannot be evaluated.
     pub(super) fn flow(failure: FailureOf<P>) -> Singular<P> {
         Singular::NotEvaluated(NotEvaluated::Flow(failure))
@@ -61,11 +61,11 @@ impl<P: Plane> Singular<P> {
 }
 
 /// A curve being followed, from its event, first one way and then the other.
-pub struct Run<P: Plane = Tube> {
-    head: Head<P>,
+pub struct CurveRun<P: ParameterPlane = WavesInPlane> {
+    head: CurveHead<P>,
     /// Points on either side, away from the event.
     halves: [Vec<Solved<P>>; 2],
-    ends: Vec<End<P>>,
+    ends: Vec<CurveEnd<P>>,
     walker: Walker<EventCurve<P>>,
 }
 
@@ -77,14 +77,14 @@ pub fn follow(
     system: &EventSystem,
     event: EventType,
     start: &Vector,
-    limits: Limits,
-) -> Result<Curve, Singular> {
-    let mut run = Run::begin(system, event, start, limits)?;
+    limits: CurveLimits,
+) -> Result<WholeCurve, Singular> {
+    let mut run = CurveRun::begin(system, event, start, limits)?;
     while run.step()?.is_some() {}
     Ok(run.curve())
 }
 
-impl<P: Plane> Run<P> {
+impl<P: ParameterPlane> CurveRun<P> {
     /// Begins at a solution of the equations.
     ///
     /// # Errors
@@ -93,8 +93,8 @@ impl<P: Plane> Run<P> {
         system: &EventSystem<P>,
         event: EventType,
         start: &Vector,
-        limits: Limits,
-    ) -> Result<Run<P>, Singular<P>> {
+        limits: CurveLimits,
+    ) -> Result<CurveRun<P>, Singular<P>> {
         let mut system = system.clone();
         let node = first_node(&system, start, limits.steps.tolerance)?;
         system.settle(&node.point);
@@ -108,7 +108,7 @@ impl<P: Plane> Run<P> {
                 *value = given;
             }
         }
-        let head = Head {
+        let head = CurveHead {
             event,
             system,
             limits,
@@ -116,7 +116,7 @@ impl<P: Plane> Run<P> {
             unknowns: node.point.as_slice().to_vec(),
             tangent: node.tangent.as_slice().to_vec(),
         };
-        Ok(Run {
+        Ok(CurveRun {
             head,
             halves: [Vec::new(), Vec::new()],
             ends: Vec::new(),
@@ -128,8 +128,11 @@ impl<P: Plane> Run<P> {
     ///
     /// # Errors
     /// When they do not fit.
-    pub fn resume(head: Head<P>, steps: Vec<Step<P>>) -> Result<Run<P>, Singular<P>> {
-        let mut run = Run {
+    pub fn resume(
+        head: CurveHead<P>,
+        steps: Vec<CurveStep<P>>,
+    ) -> Result<CurveRun<P>, Singular<P>> {
+        let mut run = CurveRun {
             walker: head.walker(0)?,
             head,
             halves: [Vec::new(), Vec::new()],
@@ -164,7 +167,7 @@ impl<P: Plane> Run<P> {
     }
 
     /// What the curve begins with.
-    pub fn head(&self) -> &Head<P> {
+    pub fn head(&self) -> &CurveHead<P> {
         &self.head
     }
 
@@ -211,7 +214,7 @@ impl<P: Plane> Run<P> {
 
     /// The points in the order in which they were found.
     #[cfg_attr(not(feature = "cli"), allow(dead_code))]
-    pub(crate) fn so_far(&self) -> impl Iterator<Item = &Point> {
+    pub(crate) fn so_far(&self) -> impl Iterator<Item = &CurvePoint> {
         let [first, second] = &self.halves;
         let found = first.iter().chain(second).map(|solved| &solved.point);
         std::iter::once(&self.head.point).chain(found)
@@ -220,7 +223,9 @@ impl<P: Plane> Run<P> {
     /// Whether an earlier version has saved why it ended, in words.
     #[cfg_attr(not(feature = "cli"), allow(dead_code))]
     pub(crate) fn is_of_earlier_version(&self) -> bool {
-        self.ends.iter().any(|end| end.reason == Reason::Unknown)
+        self.ends
+            .iter()
+            .any(|end| end.reason == CurveEndReason::Unknown)
     }
 
     /// Whether both ends are reached.
@@ -232,7 +237,7 @@ impl<P: Plane> Run<P> {
     ///
     /// # Errors
     /// When the curve does not begin the other way.
-    pub fn step(&mut self) -> Result<Option<Step<P>>, Singular<P>> {
+    pub fn step(&mut self) -> Result<Option<CurveStep<P>>, Singular<P>> {
         if self.ended() {
             return Ok(None);
         }
@@ -247,7 +252,7 @@ impl<P: Plane> Run<P> {
             .is_none()
             .then(|| standing(half, &self.head.limits))
             .flatten();
-        let found = found.into_iter().map(|solved| Found {
+        let found = found.into_iter().map(|solved| SolvedPoint {
             point: solved.point,
             signature: solved.system.signature().clone(),
             condition: solved.system.condition.clone(),
@@ -257,23 +262,23 @@ impl<P: Plane> Run<P> {
         let reason = end.map(|end| self.reason(end)).or(standing);
         let next = match reason {
             Some(reason) => {
-                let end = End::new(reason);
+                let end = CurveEnd::new(reason);
                 self.end(end.clone())?;
                 Next::Ended(end)
             }
             None => Next::Going(Box::new(state(&self.walker))),
         };
-        Ok(Some(Step { found, next }))
+        Ok(Some(CurveStep { found, next }))
     }
 
-    fn reason(&self, end: walk::EndOf<EventCurve<P>>) -> Reason<P> {
+    fn reason(&self, end: walk::EndOf<EventCurve<P>>) -> CurveEndReason<P> {
         match end {
-            walk::End::Edge | walk::End::Own(Stop::There) => Reason::There,
-            walk::End::Own(Stop::Gone(gone)) => Reason::Gone(gone),
-            walk::End::Closed => Reason::Closed,
-            walk::End::MaxPoints { most } => Reason::MaxPoints { most },
-            walk::End::NoStep { ds_min, reason } => Reason::NoStep { ds_min, reason },
-            walk::End::Creeps { steps, longest } => Reason::Creeps {
+            walk::End::Edge | walk::End::Own(CurveStop::There) => CurveEndReason::There,
+            walk::End::Own(CurveStop::Gone(gone)) => CurveEndReason::Gone(gone),
+            walk::End::Closed => CurveEndReason::Closed,
+            walk::End::MaxPoints { most } => CurveEndReason::MaxPoints { most },
+            walk::End::NoStep { ds_min, reason } => CurveEndReason::NoStep { ds_min, reason },
+            walk::End::Creeps { steps, longest } => CurveEndReason::Creeps {
                 steps,
                 longest,
                 beside: self.shortest(),
@@ -297,11 +302,11 @@ impl<P: Plane> Run<P> {
     }
 
     /// Ends one direction and turns to the other.
-    fn end(&mut self, end: End<P>) -> Result<(), Singular<P>> {
+    fn end(&mut self, end: CurveEnd<P>) -> Result<(), Singular<P>> {
         if let (Some(last), Some(kind)) = (self.halves[self.ends.len()].last_mut(), end.kind) {
             last.point.kind.get_or_insert(PointType::One(kind));
         }
-        let closed = end.reason == Reason::Closed;
+        let closed = end.reason == CurveEndReason::Closed;
         self.ends.push(end.clone());
         if closed && !self.ended() {
             // the second half would be the first one backwards
@@ -313,17 +318,17 @@ impl<P: Plane> Run<P> {
     }
 
     /// The curve without what lies beside it, which takes longer to find than the curve itself.
-    pub fn unnamed(self) -> Curve<P> {
+    pub fn unnamed(self) -> WholeCurve<P> {
         self.with(|_, _| Vec::new())
     }
 
     /// The curve from one end to the other, with what lies beside it.
-    pub fn curve(self) -> Curve<P> {
+    pub fn curve(self) -> WholeCurve<P> {
         self.with(regions::regions)
     }
 
-    fn with(self, beside: impl FnOnce(&[Solved<P>], &Limits) -> Vec<Region>) -> Curve<P> {
-        let Run {
+    fn with(self, beside: impl FnOnce(&[Solved<P>], &CurveLimits) -> Vec<Region>) -> WholeCurve<P> {
+        let CurveRun {
             head, halves, ends, ..
         } = self;
         let sector = head.sector();
@@ -338,7 +343,7 @@ impl<P: Plane> Run<P> {
         points.extend(second);
         let regions = beside(&points, &head.limits);
         let reason = |index: usize| ends.get(index).map(|end| end.reason.clone());
-        Curve {
+        WholeCurve {
             event: head.event,
             sector,
             parameters: head.system.parameters(),
@@ -352,11 +357,11 @@ impl<P: Plane> Run<P> {
     }
 }
 
-impl<P: Plane> Head<P> {
+impl<P: ParameterPlane> CurveHead<P> {
     /// Bloch sector of an HB.
     pub fn sector(&self) -> Option<usize> {
         match &self.system.condition {
-            Condition::Spectral(spectral) => P::sector(spectral),
+            EventCondition::Spectral(spectral) => P::sector(spectral),
             _ => None,
         }
     }
@@ -378,7 +383,10 @@ impl<P: Plane> Head<P> {
 }
 
 /// Whether the last points of a curve have come so little further in both parameters that going on is of no use.
-fn standing<P: Plane>(half: &[Solved<P>], limits: &Limits) -> Option<Reason<P>> {
+fn standing<P: ParameterPlane>(
+    half: &[Solved<P>],
+    limits: &CurveLimits,
+) -> Option<CurveEndReason<P>> {
     /// So many points, and the part of what as many of the longest steps would do, in units of the ranges. A curve that
     /// lets its orbits grow without bound comes to a limit, and one that turns sharply is beyond the turn after so many.
     const POINTS: usize = 300;
@@ -394,18 +402,18 @@ fn standing<P: Plane>(half: &[Solved<P>], limits: &Limits) -> Option<Reason<P>> 
     });
     let moved = moved[0].max(moved[1]);
     let full = POINTS as f64 * limits.steps.ds_max;
-    (moved <= PART * full).then_some(Reason::Stands {
+    (moved <= PART * full).then_some(CurveEndReason::Stands {
         points: POINTS,
         moved,
     })
 }
 
 /// A walker from a node.
-fn walker<P: Plane>(
+fn walker<P: ParameterPlane>(
     system: &EventSystem<P>,
     event: EventType,
     node: Node,
-    limits: Limits,
+    limits: CurveLimits,
 ) -> Result<Walker<EventCurve<P>>, Singular<P>> {
     let curve = EventCurve::new(system.clone(), event, &node.point, limits);
     let curve = curve.map_err(Singular::flow)?;
@@ -413,10 +421,10 @@ fn walker<P: Plane>(
 }
 
 /// A walker at a saved state.
-fn resumed<P: Plane>(
+fn resumed<P: ParameterPlane>(
     walker: &Walker<EventCurve<P>>,
-    head: &Head<P>,
-    state: State<P>,
+    head: &CurveHead<P>,
+    state: CurveState<P>,
 ) -> Result<Walker<EventCurve<P>>, Singular<P>> {
     let system = head.system.of(state.signature, state.condition);
     let zones = P::zones(system.signature());
@@ -459,9 +467,9 @@ fn resumed<P: Plane>(
 }
 
 /// The state of a walker.
-fn state<P: Plane>(walker: &Walker<EventCurve<P>>) -> State<P> {
+fn state<P: ParameterPlane>(walker: &Walker<EventCurve<P>>) -> CurveState<P> {
     let left = walker.watched.cusp.as_ref();
-    State {
+    CurveState {
         signature: walker.curve.system.signature().clone(),
         condition: walker.curve.system.condition.clone(),
         unknowns: walker.node.point.as_slice().to_vec(),
@@ -481,7 +489,7 @@ fn state<P: Plane>(walker: &Walker<EventCurve<P>>) -> State<P> {
 }
 
 /// The start with its unit tangent, the null vector of the Jacobian.
-fn first_node<P: Plane>(
+fn first_node<P: ParameterPlane>(
     system: &EventSystem<P>,
     start: &Vector,
     tolerance: f64,

@@ -2,27 +2,27 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::event::Refusal;
-use super::plane::{Condition, NotEvaluated, Plane, SignatureOf};
-use super::point::{Gone, Limits, Point};
+use super::event::CurveRefusal;
+use super::plane::{EventCondition, NotEvaluated, ParameterPlane, SignatureOf};
+use super::point::{CurveLimits, CurvePoint, Gone};
 use super::system::EventSystem;
-use super::tube::Tube;
+use super::tube::WavesInPlane;
 use crate::continuation::walk::Refused;
 use crate::orbit::EventType;
 
 /// What a curve begins with: the same for all its steps.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(bound = "")]
-pub struct Head<P: Plane = Tube> {
+pub struct CurveHead<P: ParameterPlane = WavesInPlane> {
     /// Type of the event.
     pub event: EventType,
     /// Its equations.
     pub system: EventSystem<P>,
     /// How far to follow.
     #[serde(rename = "settings")]
-    pub limits: Limits,
+    pub limits: CurveLimits,
     /// The event on the branch.
-    pub point: Point,
+    pub point: CurvePoint,
     /// Its unknowns.
     pub unknowns: Vec<f64>,
     /// Unit tangent there.
@@ -32,20 +32,20 @@ pub struct Head<P: Plane = Tube> {
 /// A point with the equations that it solves.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(bound = "")]
-pub struct Found<P: Plane = Tube> {
+pub struct SolvedPoint<P: ParameterPlane = WavesInPlane> {
     /// The point.
-    pub point: Point,
+    pub point: CurvePoint,
     pub(super) signature: SignatureOf<P>,
-    pub(super) condition: Condition<P>,
+    pub(super) condition: EventCondition<P>,
     pub(super) unknowns: Vec<f64>,
 }
 
 /// All that the next step depends on.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(bound = "")]
-pub struct State<P: Plane = Tube> {
+pub struct CurveState<P: ParameterPlane = WavesInPlane> {
     pub(super) signature: SignatureOf<P>,
-    pub(super) condition: Condition<P>,
+    pub(super) condition: EventCondition<P>,
     pub(super) unknowns: Vec<f64>,
     pub(super) tangent: Vec<f64>,
     /// Unknowns and tangents of the points before it, the last first.
@@ -69,7 +69,7 @@ fn is_zero(count: &usize) -> bool {
 /// Why a curve ends in one direction.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(bound = "")]
-pub enum Reason<P: Plane = Tube> {
+pub enum CurveEndReason<P: ParameterPlane = WavesInPlane> {
     /// It has not ended yet, or an earlier version has said why in words.
     #[default]
     Unknown,
@@ -105,31 +105,31 @@ pub enum Reason<P: Plane = Tube> {
         /// The shortest one.
         ds_min: f64,
         /// Why it was refused.
-        reason: Refused<NotEvaluated<P>, Refusal<P>>,
+        reason: Refused<NotEvaluated<P>, CurveRefusal<P>>,
     },
 }
 
 /// The end of the curve in one direction.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(bound = "")]
-pub struct End<P: Plane = Tube> {
+pub struct CurveEnd<P: ParameterPlane = WavesInPlane> {
     /// Why; earlier versions kept words as `reason`.
     #[serde(rename = "why", default)]
-    pub reason: Reason<P>,
+    pub reason: CurveEndReason<P>,
     /// Whether it is one of Newton's method or of `max_points` and not of the curve.
     pub failed: bool,
     /// Type of the last point unless it has one.
     pub(super) kind: Option<EventType>,
 }
 
-impl<P: Plane> End<P> {
-    pub(super) fn new(reason: Reason<P>) -> End<P> {
+impl<P: ParameterPlane> CurveEnd<P> {
+    pub(super) fn new(reason: CurveEndReason<P>) -> CurveEnd<P> {
         let kind = match reason {
-            Reason::Unknown | Reason::There | Reason::Closed => None,
-            Reason::Gone(_) => Some(EventType::EP),
+            CurveEndReason::Unknown | CurveEndReason::There | CurveEndReason::Closed => None,
+            CurveEndReason::Gone(_) => Some(EventType::EP),
             _ => Some(EventType::MX),
         };
-        End {
+        CurveEnd {
             reason,
             failed: kind == Some(EventType::MX),
             kind,
@@ -140,9 +140,9 @@ impl<P: Plane> End<P> {
 /// A step in either direction.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(bound = "")]
-pub struct Step<P: Plane = Tube> {
+pub struct CurveStep<P: ParameterPlane = WavesInPlane> {
     /// Points found, in order.
-    pub found: Vec<Found<P>>,
+    pub found: Vec<SolvedPoint<P>>,
     /// What comes next.
     pub next: Next<P>,
 }
@@ -150,9 +150,9 @@ pub struct Step<P: Plane = Tube> {
 /// What comes after a step.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(bound = "")]
-pub enum Next<P: Plane = Tube> {
+pub enum Next<P: ParameterPlane = WavesInPlane> {
     /// The next step.
-    Going(Box<State<P>>),
+    Going(Box<CurveState<P>>),
     /// The end in this direction.
-    Ended(End<P>),
+    Ended(CurveEnd<P>),
 }

@@ -1,31 +1,25 @@
 //! The event that a curve begins with, found on a branch.
 
-use std::fmt::Display;
-
-use super::equilibria::{CriticalEquilibrium, Equilibria};
-use super::orbits::{Critical, Orbits};
-use super::plane::{Condition, MarginOf, Plane};
+use super::equilibria::{CriticalEquilibrium, EquilibriaInPlane};
+use super::orbits::{MultiplierEvent, OrbitsInPlane};
+use super::plane::{EventCondition, MarginOf, ParameterPlane};
 use super::system::EventSystem;
-use super::tube::{Hopf, Tube};
-use super::{Limits, Singular};
+use super::tube::{BlochPair, WavesInPlane};
+use super::{CurveLimits, Singular};
 use crate::affine::equilibrium::EquilibriumCurve;
 use crate::affine::equilibrium::start::EquilibriumRequest;
 use crate::affine::monitor::Monitor;
 use crate::affine::orbit::AffineOrbit;
 use crate::affine::orbit::start::saved as posed;
 use crate::branch::SavedWave;
-use crate::branch::run::{Item, RunError, Runner};
+use crate::branch::run::WaveItem;
 use crate::continuation::newton;
 use crate::hybrid::{self, LabelledOrbit};
 use crate::linalg::{self, Vector};
-use crate::orbit::legs::{self, Run};
 use crate::orbit::monitor::MonitorStop;
-use crate::orbit::special::Special;
 use crate::orbit::{EventType, Examined, Orbit};
-use crate::problem::{
-    self, Problem, StabilitySection, SystemCurve, SystemCurveEvent, SystemProblem, UserPoint,
-};
-use crate::tube::model::{Parameter, Sectors};
+use crate::problem::{self, Problem, SystemCurve, SystemProblem};
+use crate::tube::model::Parameter;
 use crate::tube::wave::Wave;
 
 /// Settings of Newton's method for the first point of a curve of connections, which the end of a branch has told but for
@@ -39,7 +33,7 @@ const BEGINS: newton::Settings = newton::Settings {
 
 /// Why there is no curve.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum NoCurve<P: Plane = Tube> {
+pub enum NoCurve<P: ParameterPlane = WavesInPlane> {
     /// The branch does not begin.
     #[error("{0}")]
     Run(P::NoBranch),
@@ -106,7 +100,7 @@ pub enum NoCurve<P: Plane = Tube> {
     Singular(Singular<P>),
 }
 
-impl<P: Plane> From<Singular<P>> for NoCurve<P> {
+impl<P: ParameterPlane> From<Singular<P>> for NoCurve<P> {
     fn from(reason: Singular<P>) -> NoCurve<P> {
         NoCurve::Singular(reason)
     }
@@ -124,7 +118,7 @@ fn list(kinds: &[EventType]) -> String {
 
 /// An event ready to be followed.
 #[derive(Clone, Debug)]
-pub struct Start<P: Plane = Tube> {
+pub struct CurveStart<P: ParameterPlane = WavesInPlane> {
     /// Its type.
     pub event: EventType,
     /// Its equations.
@@ -132,183 +126,16 @@ pub struct Start<P: Plane = Tube> {
     /// Their solution on the branch.
     pub point: Vector,
     /// How far to follow.
-    pub limits: Limits,
+    pub limits: CurveLimits,
 }
 
 /// A scaled margin below this vanishes at a located event.
 const VANISHED: f64 = 1e-9;
 
-/// Follows a branch to the event of this type and number, which `wanted` names. `watch` sees the branch after every
-/// step.
-pub(super) fn event<P: Plane, R: Run<Orbit = P::Orbit>>(
-    mut branch: R,
-    (kind, index): (Option<EventType>, usize),
-    wanted: String,
-    of: impl Fn(&R::Item) -> Option<EventType>,
-    watch: &mut dyn FnMut(&R),
-) -> Result<R::Item, NoCurve<P>>
-where
-    crate::orbit::special::Failure<P::Orbit>: Display,
-{
-    let mut found = 0;
-    while branch.progress().end.is_none() {
-        watch(&branch);
-        for item in branch.step() {
-            if kind.is_some() && of(&item) == kind {
-                found += 1;
-                if found == index {
-                    return Ok(item);
-                }
-            }
-        }
-    }
-    Err(NoCurve::NotFound {
-        wanted,
-        index,
-        found,
-        end: match &branch.progress().end {
-            Some(legs::End::Failed(reason)) => format!("; it ended before its range: {reason}"),
-            _ => String::new(),
-        },
-    })
-}
-
-/// Follows the branch of a problem, which `begin` begins, to the event that its curve begins with. `watch`
-/// sees the branch after every step.
-///
-/// # Errors
-/// When the branch does not begin or does not have the event, when that lies outside the ranges,
-/// or when its equations are singular.
-pub fn find(
-    problem: &Problem,
-    curve: &problem::CurveSection,
-    begin: impl FnOnce(&Problem) -> Result<Runner, RunError>,
-    watch: &mut dyn FnMut(&Runner),
-) -> Result<Start, NoCurve> {
-    let mut plain = problem.clone();
-    plain.output.profiles = 0;
-    plain.output.conditioning = false;
-    // spectra are wanted for the sake of Hopf points only, in their sector only
-    let section = problem.stability.clone();
-    let section = section.unwrap_or_else(|| StabilitySection::of(&problem.model));
-    let of_sector = StabilitySection {
-        sectors: Sectors::Only(vec![curve.sector]),
-        ..section
-    };
-    let kind = curve.event.kind();
-    plain.stability = (kind == Some(EventType::HB)).then_some(of_sector);
-    let branch = begin(&plain).map_err(NoCurve::Run)?;
-    let mut wanted = kind.map_or_else(String::new, |kind| kind.to_string());
-    if kind == Some(EventType::HB) {
-        wanted.push_str(&format!(" of sector {}", curve.sector));
-    }
-    let of = |item: &Item| item.point.kind;
-    let item = event::<Tube, Runner>(branch, (kind, curve.index), wanted, of, watch)?;
-    of_branch(&item, curve)
-}
-
-/// Follows the branch of a problem with a system, which `begin` begins, to the event that its curve begins with.
-///
-/// # Errors
-/// As [`find`].
-pub fn find_of_system(
-    problem: &SystemProblem,
-    curve: &SystemCurve,
-    begin: impl FnOnce(&SystemProblem) -> Result<hybrid::Runner, hybrid::NoStart>,
-    watch: &mut dyn FnMut(&hybrid::Runner),
-) -> Result<Start<Orbits>, NoCurve<Orbits>> {
-    let item = found(problem, curve, begin, watch)?;
-    let (orbit, point) = item.orbit();
-    let kept = match &curve.event {
-        SystemCurveEvent::Constant(name) => Some(kept_at(&item, name)?),
-        _ => None,
-    };
-    let kind = match kept {
-        Some(_) => EventType::UZ,
-        None => item.point.kind.unwrap_or(EventType::EP),
-    };
-    pose_orbit(orbit, point, (kind, kept), curve)
-}
-
-/// The same for the saddle of a homoclinic orbit.
-///
-/// # Errors
-/// As [`find`].
-pub fn find_connection(
-    problem: &SystemProblem,
-    curve: &SystemCurve,
-    begin: impl FnOnce(&SystemProblem) -> Result<hybrid::Runner, hybrid::NoStart>,
-    watch: &mut dyn FnMut(&hybrid::Runner),
-) -> Result<Start<Equilibria>, NoCurve<Orbits>> {
-    let item = found(problem, curve, begin, watch)?;
-    let (orbit, point) = item.orbit();
-    pose_connection(orbit, point, curve)
-}
-
-/// The event of the branch of a problem with a system.
-fn found(
-    problem: &SystemProblem,
-    curve: &SystemCurve,
-    begin: impl FnOnce(&SystemProblem) -> Result<hybrid::Runner, hybrid::NoStart>,
-    watch: &mut dyn FnMut(&hybrid::Runner),
-) -> Result<hybrid::Item, NoCurve<Orbits>> {
-    let mut plain = problem.clone();
-    plain.output.profiles = 0;
-    let kind = curve.event.kind();
-    let of_spectrum = kind.is_some_and(EventType::of_spectrum);
-    plain.stability = of_spectrum.then(problem::Multipliers::default);
-    let branch = begin(&plain).map_err(NoCurve::Run)?;
-    let mut wanted = kind.map_or_else(String::new, |kind| kind.to_string());
-    let kept = match &curve.event {
-        SystemCurveEvent::Constant(name) => Some(name),
-        _ => None,
-    };
-    if let Some(name) = kept {
-        wanted.push_str(&format!(" of {name}"));
-    }
-    let of = |item: &hybrid::Item| match (kept, &item.special) {
-        (None, _) => item.point.kind,
-        (Some(name), Some(Special::Monitor(known, _))) if known == name => Some(EventType::UZ),
-        // a value that nothing asks for is that of the first point
-        (Some(name), Some(Special::Start)) if !asks_for(problem, name) => Some(EventType::UZ),
-        _ => None,
-    };
-    event::<Orbits, hybrid::Runner>(branch, (kind, curve.index), wanted, of, watch)
-}
-
-/// Whether the branch of a problem asks for a value of a monitor.
-fn asks_for(problem: &SystemProblem, name: &str) -> bool {
-    let stops = problem.continuation.iter().flat_map(|one| &one.stop_at);
-    let mut stops = stops.filter_map(|stop| match stop {
-        UserPoint::Monitor(known, _) => Some(known),
-        UserPoint::Parameter(_) => None,
-    });
-    stops.any(|known| known == name)
-}
-
 /// A monitor with the value that it keeps.
-struct Kept {
-    monitor: Monitor,
-    value: f64,
-}
-
-/// The monitor of this name with its value at a point of a branch: the one that was asked for, if any was.
-fn kept_at(item: &hybrid::Item, name: &str) -> Result<Kept, NoCurve<Orbits>> {
-    let (orbit, _) = item.orbit();
-    let mut monitors = orbit.setting.system.monitors().iter();
-    let monitor = monitors.find(|one| one.name == name).cloned();
-    let value = match &item.special {
-        Some(Special::Monitor(_, value)) => Some(*value),
-        _ => {
-            let mut values = item.point.monitors.iter();
-            values
-                .find(|(known, _)| known == name)
-                .and_then(|(_, value)| *value)
-        }
-    };
-    let kept = monitor.zip(value);
-    let kept = kept.map(|(monitor, value)| Kept { monitor, value });
-    kept.ok_or(NoCurve::Singular(Singular::NoValue))
+pub(super) struct FixedMonitor {
+    pub(super) monitor: Monitor,
+    pub(super) value: f64,
 }
 
 /// The event of a system that an earlier run labelled, with its saved orbit.
@@ -320,9 +147,9 @@ pub fn labelled_of_system(
     saved: &LabelledOrbit,
     kind: EventType,
     curve: &SystemCurve,
-) -> Result<Start<Orbits>, NoCurve<Orbits>> {
+) -> Result<CurveStart<OrbitsInPlane>, NoCurve<OrbitsInPlane>> {
     let label = saved.label;
-    if !Orbits::FOLLOWED.contains(&kind) {
+    if !OrbitsInPlane::FOLLOWED.contains(&kind) {
         return Err(NoCurve::Kind { label, kind });
     }
     let (orbit, point) = posed_in_first(problem, saved, curve)?;
@@ -337,7 +164,7 @@ pub fn labelled_connection(
     problem: &SystemProblem,
     saved: &LabelledOrbit,
     curve: &SystemCurve,
-) -> Result<Start<Equilibria>, NoCurve<Orbits>> {
+) -> Result<CurveStart<EquilibriaInPlane>, NoCurve<OrbitsInPlane>> {
     let (orbit, point) = posed_in_first(problem, saved, curve)?;
     pose_connection(&orbit, &point, curve)
 }
@@ -347,12 +174,12 @@ fn posed_in_first(
     problem: &SystemProblem,
     saved: &LabelledOrbit,
     curve: &SystemCurve,
-) -> Result<(AffineOrbit, Vector), NoCurve<Orbits>> {
+) -> Result<(AffineOrbit, Vector), NoCurve<OrbitsInPlane>> {
     let first = &curve.parameters.0;
     let (low, high) = curve.range.0;
-    let none = |reason| NoCurve::Run(hybrid::NoStart::NoOrbit(reason));
+    let none = |reason| NoCurve::Run(hybrid::NoFirstPoint::NoOrbit(reason));
     let parameter = problem.system.source.parameters.index(first);
-    let parameter = parameter.ok_or(NoCurve::Run(hybrid::NoStart::Unknown))?;
+    let parameter = parameter.ok_or(NoCurve::Run(hybrid::NoFirstPoint::Unknown))?;
     let prescribed = problem.prescribed();
     let posed = posed(
         &problem.system,
@@ -365,18 +192,18 @@ fn posed_in_first(
 }
 
 /// The equations of the saddle that an orbit comes to.
-fn pose_connection(
+pub(super) fn pose_connection(
     orbit: &AffineOrbit,
     point: &Vector,
     section: &SystemCurve,
-) -> Result<Start<Equilibria>, NoCurve<Orbits>> {
-    let limits = Limits::of(section);
+) -> Result<CurveStart<EquilibriaInPlane>, NoCurve<OrbitsInPlane>> {
+    let limits = CurveLimits::of(section);
     let (connection, connected) = orbit.homoclinic(point).ok_or(NoCurve::NoConnection)?;
     let setting = &orbit.setting;
     let parameters = &setting.system.source.parameters;
     let (first, second) = &section.parameters;
     let pair = parameters.index(first).zip(parameters.index(second));
-    let (one, other) = pair.ok_or(NoCurve::Run(hybrid::NoStart::Unknown))?;
+    let (one, other) = pair.ok_or(NoCurve::Run(hybrid::NoFirstPoint::Unknown))?;
     let saddle = &connection.ends()[0];
     let values = setting.values_at(connected.value * setting.scales.parameter);
     let request = EquilibriumRequest {
@@ -388,14 +215,14 @@ fn pose_connection(
     };
     let none = |_| NoCurve::NoConnection;
     let (curve, at) = EquilibriumCurve::at(&request, &saddle.state).map_err(none)?;
-    let plane = Equilibria::new(&curve, &at, [one, other], limits.widths(), None);
+    let plane = EquilibriaInPlane::new(&curve, &at, [one, other], limits.widths(), None);
     let plane = plane.map_err(none)?;
     within(&plane, &limits)?;
     let posed = plane.orbit(curve.signature(), plane.values(), 0);
     let posed = posed.map_err(none)?;
     let point = posed.pack(&saddle.state, plane.values()[0]);
     let spectral = CriticalEquilibrium::Connection(Box::new(connection));
-    let condition = Condition::Spectral(spectral);
+    let condition = EventCondition::Spectral(spectral);
     let system = EventSystem::new(plane, curve.signature().clone(), condition);
     // what is asked of a branch at one value of the other parameter stays there
     let guess = system.pack(&point, &connected.turns);
@@ -405,7 +232,7 @@ fn pose_connection(
         value: guess[index],
     };
     let solved = newton::solve(&system, &mut kept, &guess, &BEGINS);
-    Ok(Start {
+    Ok(CurveStart {
         event: EventType::HC,
         point: solved.map_or(guess, |solution| solution.point),
         system,
@@ -414,23 +241,23 @@ fn pose_connection(
 }
 
 /// The equations of an event of a system.
-fn pose_orbit(
+pub(super) fn pose_orbit(
     orbit: &AffineOrbit,
     point: &Vector,
-    (kind, kept): (EventType, Option<Kept>),
+    (kind, kept): (EventType, Option<FixedMonitor>),
     curve: &SystemCurve,
-) -> Result<Start<Orbits>, NoCurve<Orbits>> {
-    let limits = Limits::of(curve);
+) -> Result<CurveStart<OrbitsInPlane>, NoCurve<OrbitsInPlane>> {
+    let limits = CurveLimits::of(curve);
     let parameters = &orbit.setting.system.source.parameters;
     let index = |name: &String| parameters.index(name).unwrap_or(0);
     let pair = [index(&curve.parameters.0), index(&curve.parameters.1)];
-    let plane = Orbits::new(orbit, point, pair, limits.widths());
-    if let Some(Kept { monitor, value }) = kept {
+    let plane = OrbitsInPlane::new(orbit, point, pair, limits.widths());
+    if let Some(FixedMonitor { monitor, value }) = kept {
         within(&plane, &limits)?;
-        let constant = Condition::Constant(MonitorStop { monitor: 0, value });
+        let constant = EventCondition::Constant(MonitorStop { monitor: 0, value });
         let plane = plane.keeping(&monitor);
         let system = EventSystem::new(plane, orbit.signature().clone(), constant);
-        return Ok(Start {
+        return Ok(CurveStart {
             event: kind,
             point: system.pack(point, &[]),
             system,
@@ -444,9 +271,9 @@ fn pose_orbit(
             let square = twice.columns(0, twice.nrows()).clone_owned();
             let least = linalg::least(&square).ok_or(Singular::NoNullVector)?;
             let null = least.right.as_slice().to_vec();
-            Some((Critical::PeriodDoubling, null))
+            Some((MultiplierEvent::PeriodDoubling, null))
         }
-        EventType::NS => Some((Critical::Torus, Vec::new())),
+        EventType::NS => Some((MultiplierEvent::Torus, Vec::new())),
         EventType::BP => {
             let kept = orbit.symmetry(point).ok_or(NoCurve::NotSymmetric)?;
             for index in [0, 1] {
@@ -459,7 +286,7 @@ fn pose_orbit(
                     return Err(NoCurve::Unfolds { parameter });
                 }
             }
-            Some((Critical::Branching { kept }, Vec::new()))
+            Some((MultiplierEvent::Branching { kept }, Vec::new()))
         }
         _ => None,
     };
@@ -478,7 +305,10 @@ pub struct Labelled {
 }
 
 /// The event of a branch.
-fn of_branch(item: &Item, curve: &problem::CurveSection) -> Result<Start, NoCurve> {
+pub(super) fn of_branch(
+    item: &WaveItem,
+    curve: &problem::CurveSection,
+) -> Result<CurveStart, NoCurve> {
     let (wave, point) = item.wave();
     let event = item.event.as_ref();
     let labelled = Labelled {
@@ -499,8 +329,8 @@ pub fn labelled(
     saved: &SavedWave,
     event: Labelled,
     curve: &problem::CurveSection,
-) -> Result<Start, NoCurve> {
-    if !Tube::FOLLOWED.contains(&event.kind) {
+) -> Result<CurveStart, NoCurve> {
+    if !WavesInPlane::FOLLOWED.contains(&event.kind) {
         return Err(NoCurve::Kind {
             label: saved.label,
             kind: event.kind,
@@ -523,8 +353,8 @@ fn pose_wave(
     point: &Vector,
     event: Labelled,
     curve: &problem::CurveSection,
-) -> Result<Start, NoCurve> {
-    let limits = Limits::of(curve);
+) -> Result<CurveStart, NoCurve> {
+    let limits = CurveLimits::of(curve);
     let parameters = [curve.parameters.0, curve.parameters.1];
     let material = wave.material || parameters.contains(&Parameter::StiffnessDamping);
     let layered;
@@ -534,20 +364,23 @@ fn pose_wave(
     } else {
         (wave, point)
     };
-    let plane = Tube::new(wave, point, parameters, limits.widths());
+    let plane = WavesInPlane::new(wave, point, parameters, limits.widths());
     let spectral = (event.kind == EventType::HB).then(|| {
         let scaled = event.omega.unwrap_or(f64::NAN) / plane.frequency();
         let sector = event.sector;
-        (Hopf { sector }, vec![scaled])
+        (BlochPair { sector }, vec![scaled])
     });
     pose(plane, wave, point, (event.kind, spectral), limits)
 }
 
 /// What of the spectrum makes an event, and its further unknowns.
-pub(super) type OfSpectrum<P> = Option<(<P as Plane>::Spectral, Vec<f64>)>;
+pub(super) type OfSpectrum<P> = Option<(<P as ParameterPlane>::Spectral, Vec<f64>)>;
 
 /// Refuses an event outside the ranges.
-fn within<P: Plane, Q: Plane>(plane: &P, limits: &Limits) -> Result<(), NoCurve<Q>> {
+fn within<P: ParameterPlane, Q: ParameterPlane>(
+    plane: &P,
+    limits: &CurveLimits,
+) -> Result<(), NoCurve<Q>> {
     let named = plane.parameters().into_iter().zip(plane.values());
     for ((parameter, value), (low, high)) in named.zip(limits.ranges) {
         if !(value >= low && value <= high) {
@@ -563,22 +396,22 @@ fn within<P: Plane, Q: Plane>(plane: &P, limits: &Limits) -> Result<(), NoCurve<
 }
 
 /// The equations of an event.
-pub(super) fn pose<P: Plane>(
+pub(super) fn pose<P: ParameterPlane>(
     plane: P,
     orbit: &P::Orbit,
     point: &Vector,
     (event, spectral): (EventType, OfSpectrum<P>),
-    limits: Limits,
-) -> Result<Start<P>, NoCurve<P>> {
+    limits: CurveLimits,
+) -> Result<CurveStart<P>, NoCurve<P>> {
     within(&plane, &limits)?;
     let (condition, further) = match (event, spectral) {
-        (_, Some((spectral, further))) => (Condition::Spectral(spectral), further),
+        (_, Some((spectral, further))) => (EventCondition::Spectral(spectral), further),
         (EventType::LP, None) => {
             let (matrix, _) = newton::jacobian(orbit, point).map_err(Singular::flow)?;
             let count = matrix.nrows();
             let least = linalg::least(&matrix.columns(0, count).clone_owned())
                 .ok_or(Singular::NoNullVector)?;
-            (Condition::Fold, least.right.as_slice().to_vec())
+            (EventCondition::Fold, least.right.as_slice().to_vec())
         }
         _ => {
             let examination = orbit.examination(point).map_err(Singular::flow)?;
@@ -591,11 +424,11 @@ pub(super) fn pose<P: Plane>(
             // a zone without length says most, as on the branch
             margins.sort_by_key(P::Orbit::precedence);
             let margin = margins.first().cloned().ok_or(Singular::NoMargin)?;
-            (Condition::Margin(margin), Vec::new())
+            (EventCondition::Margin(margin), Vec::new())
         }
     };
     let system = EventSystem::new(plane, orbit.signature().clone(), condition);
-    Ok(Start {
+    Ok(CurveStart {
         event,
         point: system.pack(point, &further),
         system,

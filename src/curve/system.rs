@@ -19,7 +19,7 @@
 //! over a period with the multipliers μ, H that over half of it with the image at its end.) An orbit is posed in one parameter: posed in p₁ it gives all columns but
 //! the last, posed in p₂ the last.
 //!
-//! Equilibria have extended systems of their own ([`Plane::extended`]), with exact derivatives in all unknowns.
+//! Equilibria have extended systems of their own ([`ParameterPlane::extended`]), with exact derivatives in all unknowns.
 //!
 //! Derivatives of F, m and n are exact. Those of F_x v are one-sided differences, those of F_j, of H and of what arrives at a saddle in x, p₁, p₂ central
 //! ones, and so are those of a pair μ of M, without switches along its null vectors only: they bend the way of Newton's
@@ -29,16 +29,18 @@ use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
 
 use super::plane::{
-    Condition, FailureOf, NotEvaluated, ParameterOf, Plane, SignatureOf, TestValues,
+    EventCondition, FailureOf, MarginOf, NotEvaluated, ParameterOf, ParameterPlane, SignatureOf,
+    TestValues,
 };
-use super::tube::Tube;
+use super::tube::WavesInPlane;
 use crate::continuation::Node;
 use crate::continuation::locate::retangent;
 use crate::continuation::newton::{Constraint, System};
 use crate::linalg::{self, Matrix, Vector};
+use crate::orbit::monitor::MonitorStop;
 use crate::orbit::{AtZero, Orbit};
 
-/// Step of central differences along a null vector in scaled unknowns of order one: as [`Plane::difference`].
+/// Step of central differences along a null vector in scaled unknowns of order one: as [`ParameterPlane::difference`].
 const DIFFERENCE: f64 = 1e-5;
 
 /// Step of the one-sided difference along a null vector, at half the price: truncation leaves 1e-7 of the derivative, rounding
@@ -49,17 +51,21 @@ const ALONG: f64 = 1e-7;
 /// the condition, both parameters.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(bound = "")]
-pub struct EventSystem<P: Plane = Tube> {
+pub struct EventSystem<P: ParameterPlane = WavesInPlane> {
     /// The orbits.
     pub plane: P,
     signature: SignatureOf<P>,
     /// The condition; the place of an interior margin follows the curve.
-    pub condition: Condition<P>,
+    pub condition: EventCondition<P>,
 }
 
-impl<P: Plane> EventSystem<P> {
+impl<P: ParameterPlane> EventSystem<P> {
     /// The event of an orbit of this signature.
-    pub fn new(plane: P, signature: SignatureOf<P>, condition: Condition<P>) -> EventSystem<P> {
+    pub fn new(
+        plane: P,
+        signature: SignatureOf<P>,
+        condition: EventCondition<P>,
+    ) -> EventSystem<P> {
         EventSystem {
             plane,
             signature,
@@ -68,7 +74,7 @@ impl<P: Plane> EventSystem<P> {
     }
 
     /// The same plane with another signature and condition.
-    pub fn of(&self, signature: SignatureOf<P>, condition: Condition<P>) -> EventSystem<P> {
+    pub fn of(&self, signature: SignatureOf<P>, condition: EventCondition<P>) -> EventSystem<P> {
         EventSystem {
             signature,
             condition,
@@ -89,7 +95,7 @@ impl<P: Plane> EventSystem<P> {
     /// Whether these can be unknowns of the event.
     pub fn fits(&self, point: &Vector) -> bool {
         let zone = match &self.condition {
-            Condition::Margin(margin) => P::key(margin).1,
+            EventCondition::Margin(margin) => P::key(margin).1,
             _ => 0,
         };
         zone < P::zones(&self.signature)
@@ -117,7 +123,7 @@ impl<P: Plane> EventSystem<P> {
     pub(super) fn further<'a>(&self, point: &'a Vector) -> &'a [f64] {
         let count = self.orbit_unknowns();
         match &self.condition {
-            Condition::Spectral(spectral) if !P::is_doubling(spectral) => {
+            EventCondition::Spectral(spectral) if !P::is_doubling(spectral) => {
                 &point.as_slice()[count..count + P::further(spectral)]
             }
             _ => &[],
@@ -126,7 +132,7 @@ impl<P: Plane> EventSystem<P> {
 
     /// Frequency or angle of an event of the spectrum.
     pub fn angular(&self, point: &Vector) -> Option<f64> {
-        let Condition::Spectral(spectral) = &self.condition else {
+        let EventCondition::Spectral(spectral) = &self.condition else {
             return None;
         };
         let (orbit, own) = self.orbit(point, 0).ok()?;
@@ -167,7 +173,7 @@ impl<P: Plane> EventSystem<P> {
             let (orbit, own) = self.orbit(point, index)?;
             let mut matrix = Matrix::zeros(count, count + 1);
             orbit.evaluate(&own, residual.as_mut_slice(), &mut matrix)?;
-            if let Condition::Spectral(spectral) = &self.condition {
+            if let EventCondition::Spectral(spectral) = &self.condition {
                 let residual = residual.as_mut_slice();
                 self.plane
                     .restrict(spectral, &orbit, &own, residual, &mut matrix);
@@ -185,16 +191,16 @@ impl<P: Plane> EventSystem<P> {
     /// Whether the condition is a null vector of the equations over a period.
     fn has_null_vector(&self) -> bool {
         match &self.condition {
-            Condition::Fold => true,
-            Condition::Spectral(spectral) => P::is_doubling(spectral),
-            Condition::Margin(_) | Condition::Constant(_) => false,
+            EventCondition::Fold => true,
+            EventCondition::Spectral(spectral) => P::is_doubling(spectral),
+            EventCondition::Margin(_) | EventCondition::Constant(_) => false,
         }
     }
 
     /// (F_x, F_p₁, F_p₂) as the null vector of the condition sees them, from those of the orbit.
     fn linearised(&self, point: &Vector, by: &Matrix) -> Result<Matrix, FailureOf<P>> {
         match &self.condition {
-            Condition::Fold => Ok(by.clone()),
+            EventCondition::Fold => Ok(by.clone()),
             _ => Ok(by - self.closing(point)? * 2.0),
         }
     }
@@ -322,20 +328,20 @@ impl<P: Plane> EventSystem<P> {
     /// Follows the place of an interior margin, or what normalises further unknowns, to a new point of the curve.
     pub fn settle(&mut self, point: &Vector) {
         let further = self.further(point);
-        if let Condition::Spectral(mut spectral) = self.condition.clone()
+        if let EventCondition::Spectral(mut spectral) = self.condition.clone()
             && let Ok((orbit, own)) = self.orbit(point, 0)
         {
             self.plane.settle(&mut spectral, &orbit, &own, further);
-            self.condition = Condition::Spectral(spectral);
+            self.condition = EventCondition::Spectral(spectral);
         }
-        if let Condition::Margin(margin) = &self.condition
+        if let EventCondition::Margin(margin) = &self.condition
             && let Ok((orbit, own)) = self.orbit(point, 0)
         {
             let mut at = AtZero {
                 margin: margin.clone(),
             };
             if let Ok(here) = at.margin_at(&orbit, &own) {
-                self.condition = Condition::Margin(here.clone());
+                self.condition = EventCondition::Margin(here.clone());
             }
         }
     }
@@ -420,14 +426,111 @@ impl NullPair {
     }
 }
 
-impl<P: Plane> System for EventSystem<P> {
+/// The equations that single out the event, behind those of the orbit.
+impl<P: ParameterPlane> EventSystem<P> {
+    /// A margin is zero.
+    fn margin_equation(
+        &self,
+        margin: &MarginOf<P>,
+        point: &Vector,
+        residual: &mut [f64],
+        jacobian: &mut Matrix,
+    ) -> Result<(), NotEvaluated<P>> {
+        let count = self.orbit_unknowns();
+        let last = self.unknowns() - 2;
+        for index in 0..2 {
+            let (orbit, own) = self.orbit(point, index).map_err(NotEvaluated::Flow)?;
+            let mut gradient = vec![0.0; count + 1];
+            let mut at = AtZero {
+                margin: margin.clone(),
+            };
+            let value = at.evaluate(&orbit, &own, &mut gradient);
+            residual[count] = value.map_err(NotEvaluated::Flow)?;
+            for (column, entry) in gradient.iter().take(count).enumerate() {
+                jacobian[(count, column)] = *entry;
+            }
+            jacobian[(count, last + index)] = gradient[count];
+        }
+        Ok(())
+    }
+
+    /// A monitor has its value, in the unit of its largest derivative.
+    fn constant_equation(
+        &self,
+        stop: &MonitorStop,
+        point: &Vector,
+        residual: &mut [f64],
+        jacobian: &mut Matrix,
+    ) -> Result<(), NotEvaluated<P>> {
+        let count = self.orbit_unknowns();
+        let last = self.unknowns() - 2;
+        let mut unit = None;
+        for index in 0..2 {
+            let (orbit, own) = self.orbit(point, index).map_err(NotEvaluated::Flow)?;
+            let measured = orbit.measured(stop.monitor, &own);
+            let Some(measured) = measured.map_err(NotEvaluated::Flow)? else {
+                residual[count] = f64::NAN;
+                break;
+            };
+            let unit = *unit.get_or_insert_with(|| measured.slope());
+            residual[count] = (measured.value - stop.value) / unit;
+            let columns = measured.gradient.iter().enumerate();
+            for (column, entry) in columns.take(count) {
+                jacobian[(count, column)] = entry / unit;
+            }
+            jacobian[(count, last + index)] = measured.gradient[count] / unit;
+        }
+        Ok(())
+    }
+
+    /// F_x v = 0 and |v|² = 1 for the null vector v; of a doubling F_x is linearised about the orbit traversed twice.
+    fn null_vector_equations(
+        &self,
+        point: &Vector,
+        by: &Matrix,
+        residual: &mut [f64],
+        jacobian: &mut Matrix,
+    ) -> Result<(), NotEvaluated<P>> {
+        let flow = NotEvaluated::Flow;
+        let count = self.orbit_unknowns();
+        let last = self.unknowns() - 2;
+        let null = point.rows(count, count).clone_owned();
+        let seen = self.linearised(point, by).map_err(flow)?;
+        let linear = seen.columns(0, count);
+        residual[count..2 * count].copy_from_slice((linear * &null).as_slice());
+        residual[2 * count] = 0.5 * (null.norm_squared() - 1.0);
+        // ∂(F_x v)/∂(x, p) is the derivative of (F_x, F_p) along v
+        let mut there = point.clone();
+        for index in 0..count {
+            there[index] += ALONG * null[index];
+        }
+        let (_, moved) = self.orbit_equations(&there).map_err(flow)?;
+        let moved = self.linearised(&there, &moved).map_err(flow)?;
+        let second = (moved - &seen) / ALONG;
+        jacobian
+            .view_mut((count, 0), (count, count))
+            .copy_from(&second.columns(0, count));
+        jacobian
+            .view_mut((count, count), (count, count))
+            .copy_from(&linear);
+        jacobian
+            .view_mut((count, last), (count, 2))
+            .copy_from(&second.columns(count, 2));
+        for index in 0..count {
+            jacobian[(2 * count, count + index)] = null[index];
+        }
+        Ok(())
+    }
+}
+
+impl<P: ParameterPlane> System for EventSystem<P> {
     type Failure = NotEvaluated<P>;
 
     fn unknowns(&self) -> usize {
         let count = self.orbit_unknowns();
         match &self.condition {
             _ if self.has_null_vector() => 2 * count + 2,
-            Condition::Spectral(spectral) => count + P::further(spectral) + 2,
+            EventCondition::Spectral(spectral) => count + P::further(spectral) + 2,
             _ => count + 2,
         }
     }
@@ -456,41 +559,13 @@ impl<P: Plane> System for EventSystem<P> {
             .view_mut((0, last), (count, 2))
             .copy_from(&by.columns(count, 2));
         match &self.condition {
-            Condition::Margin(margin) => {
-                for index in 0..2 {
-                    let (orbit, own) = self.orbit(point, index).map_err(NotEvaluated::Flow)?;
-                    let mut gradient = vec![0.0; count + 1];
-                    let mut at = AtZero {
-                        margin: margin.clone(),
-                    };
-                    let value = at.evaluate(&orbit, &own, &mut gradient);
-                    residual[count] = value.map_err(NotEvaluated::Flow)?;
-                    for (column, entry) in gradient.iter().take(count).enumerate() {
-                        jacobian[(count, column)] = *entry;
-                    }
-                    jacobian[(count, last + index)] = gradient[count];
-                }
+            EventCondition::Margin(margin) => {
+                self.margin_equation(margin, point, residual, jacobian)
             }
-            Condition::Constant(stop) => {
-                // in the unit of its largest derivative
-                let mut unit = None;
-                for index in 0..2 {
-                    let (orbit, own) = self.orbit(point, index).map_err(NotEvaluated::Flow)?;
-                    let measured = orbit.measured(stop.monitor, &own);
-                    let Some(measured) = measured.map_err(NotEvaluated::Flow)? else {
-                        residual[count] = f64::NAN;
-                        break;
-                    };
-                    let unit = *unit.get_or_insert_with(|| measured.slope());
-                    residual[count] = (measured.value - stop.value) / unit;
-                    let columns = measured.gradient.iter().enumerate();
-                    for (column, entry) in columns.take(count) {
-                        jacobian[(count, column)] = entry / unit;
-                    }
-                    jacobian[(count, last + index)] = measured.gradient[count] / unit;
-                }
+            EventCondition::Constant(stop) => {
+                self.constant_equation(stop, point, residual, jacobian)
             }
-            Condition::Spectral(spectral) if !P::is_doubling(spectral) => {
+            EventCondition::Spectral(spectral) if !P::is_doubling(spectral) => {
                 let value = self.spectral(spectral, point)?;
                 residual[count..].copy_from_slice(&value);
                 let gradients = match self.gradient_of_multipliers(spectral, point, &by) {
@@ -502,36 +577,9 @@ impl<P: Plane> System for EventSystem<P> {
                         jacobian[(count + row, column)] = *entry;
                     }
                 }
+                Ok(())
             }
-            _ => {
-                let flow = NotEvaluated::Flow;
-                let null = point.rows(count, count).clone_owned();
-                let seen = self.linearised(point, &by).map_err(flow)?;
-                let linear = seen.columns(0, count);
-                residual[count..2 * count].copy_from_slice((linear * &null).as_slice());
-                residual[2 * count] = 0.5 * (null.norm_squared() - 1.0);
-                // ∂(F_x v)/∂(x, p) is the derivative of (F_x, F_p) along v
-                let mut there = point.clone();
-                for index in 0..count {
-                    there[index] += ALONG * null[index];
-                }
-                let (_, moved) = self.orbit_equations(&there).map_err(flow)?;
-                let moved = self.linearised(&there, &moved).map_err(flow)?;
-                let second = (moved - &seen) / ALONG;
-                jacobian
-                    .view_mut((count, 0), (count, count))
-                    .copy_from(&second.columns(0, count));
-                jacobian
-                    .view_mut((count, count), (count, count))
-                    .copy_from(&linear);
-                jacobian
-                    .view_mut((count, last), (count, 2))
-                    .copy_from(&second.columns(count, 2));
-                for index in 0..count {
-                    jacobian[(2 * count, count + index)] = null[index];
-                }
-            }
+            _ => self.null_vector_equations(point, &by, residual, jacobian),
         }
-        Ok(())
     }
 }

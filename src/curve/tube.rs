@@ -3,8 +3,8 @@
 use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
 
-use super::plane::{Condition, NotEvaluated, Plane, Test, TestValues};
-use super::point::{Name, PointType, What};
+use super::plane::{EventCondition, NotEvaluated, ParameterPlane, Test, TestValues};
+use super::point::{PointType, RegionName, What};
 use crate::branch::run::RunError;
 use crate::linalg::Vector;
 use crate::orbit::EventType;
@@ -15,8 +15,8 @@ use crate::tube::model::{Model, Parameter};
 use crate::tube::stability::characteristic::{Characteristic, NotLinearised};
 use crate::tube::stability::spectrum::symmetric;
 use crate::tube::stability::track;
-use crate::tube::wave::admissibility::{Margin, Watch};
-use crate::tube::wave::{Scales, Wave, width};
+use crate::tube::wave::admissibility::{RegimeMargin, WaveWatch};
+use crate::tube::wave::{Wave, WaveScales, width};
 
 /// ω in units of the frequency of the wave below which it counts as zero. Parameters are even in ω:
 /// the point found lies 1e-8 from the limit.
@@ -24,20 +24,20 @@ const LEAST_OMEGA: f64 = 1e-4;
 
 /// All that a wave needs beside its signature.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Tube {
+pub struct WavesInPlane {
     #[serde(with = "crate::tube::model::saved")]
     model: Model,
     parameters: [Parameter; 2],
     widths: [f64; 2],
     mode: u32,
-    scales: Scales,
+    scales: WaveScales,
     method: Method,
     material: bool,
 }
 
 /// A pair ±iω in a Bloch sector.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Hopf {
+pub struct BlochPair {
     /// Sector.
     pub sector: usize,
 }
@@ -50,16 +50,21 @@ const LARGEST_MOVE: f64 = 0.05;
 
 /// The pair of a Hopf point on its way along a branch.
 #[derive(Clone, Debug)]
-pub struct Pair {
+pub struct TrackedPair {
     sector: usize,
     lambda: Complex<f64>,
     most: f64,
 }
 
-impl Tube {
+impl WavesInPlane {
     /// That of a solved wave. `widths` are the units of the parameters.
-    pub fn new(wave: &Wave, point: &Vector, parameters: [Parameter; 2], widths: [f64; 2]) -> Tube {
-        Tube {
+    pub fn new(
+        wave: &Wave,
+        point: &Vector,
+        parameters: [Parameter; 2],
+        widths: [f64; 2],
+    ) -> WavesInPlane {
+        WavesInPlane {
             model: wave.model_at(point),
             parameters,
             widths,
@@ -76,13 +81,13 @@ impl Tube {
     }
 }
 
-impl Plane for Tube {
+impl ParameterPlane for WavesInPlane {
     type Orbit = Wave;
-    type Watch = Watch;
-    type Spectral = Hopf;
+    type Watch = WaveWatch;
+    type Spectral = BlochPair;
     type NotLinearised = NotLinearised;
     type NoBranch = RunError;
-    type Beside = Pair;
+    type Beside = TrackedPair;
 
     const ORBIT: &'static str = "wave";
     const ORBITS: &'static str = "waves";
@@ -141,7 +146,7 @@ impl Plane for Tube {
             .model
             .with(self.parameters[0], first)
             .with(self.parameters[1], second);
-        let scales = Scales {
+        let scales = WaveScales {
             parameter: self.widths[index],
             ..self.scales
         };
@@ -150,7 +155,7 @@ impl Plane for Tube {
         Ok(wave.with_method(self.method).with_material(self.material))
     }
 
-    fn key(margin: &Margin) -> (Watch, usize) {
+    fn key(margin: &RegimeMargin) -> (WaveWatch, usize) {
         (margin.watch, margin.zone)
     }
 
@@ -170,8 +175,8 @@ impl Plane for Tube {
         (wave.speed_at(point), Some(wave.excess_at(point)))
     }
 
-    fn beside(&self, spectral: &Hopf, angular: Option<f64>) -> Option<Pair> {
-        Some(Pair {
+    fn beside(&self, spectral: &BlochPair, angular: Option<f64>) -> Option<TrackedPair> {
+        Some(TrackedPair {
             sector: spectral.sector,
             lambda: Complex::new(0.0, angular?),
             most: LARGEST_MOVE * self.frequency(),
@@ -181,11 +186,11 @@ impl Plane for Tube {
     /// Whether it grows. `None` where it may have been mistaken for another one, and beyond a change of regime: the
     /// spectrum passes the opening of reverse slip, but not every other.
     fn name_beside(
-        pair: &mut Pair,
+        pair: &mut TrackedPair,
         wave: &Wave,
         point: &Vector,
         kind: Option<EventType>,
-    ) -> Option<Option<Name>> {
+    ) -> Option<Option<RegionName>> {
         use EventType::{EP, LP, RV, UZ};
         if !matches!(kind, None | Some(UZ | LP | EP | RV)) {
             return None;
@@ -195,23 +200,23 @@ impl Plane for Tube {
         let lambda = track::follow(&characteristic, z, pair.lambda)?;
         let near = (lambda - pair.lambda).norm() <= pair.most;
         pair.lambda = lambda;
-        near.then_some(Some(Name::Pair {
+        near.then_some(Some(RegionName::Pair {
             grows: lambda.re > 0.0,
         }))
     }
 
-    fn further(_: &Hopf) -> usize {
+    fn further(_: &BlochPair) -> usize {
         1
     }
 
     /// F_j(iω), in sector 0 divided by iω: there λ = 0 is an eigenvalue of every wave, translation.
     fn spectral(
         &self,
-        spectral: &Hopf,
+        spectral: &BlochPair,
         wave: &Wave,
         point: &Vector,
         further: &[f64],
-    ) -> Result<Vec<f64>, NotEvaluated<Tube>> {
+    ) -> Result<Vec<f64>, NotEvaluated<WavesInPlane>> {
         let linear = NotEvaluated::Linear;
         let characteristic = Characteristic::new(wave, point).map_err(linear)?;
         let lambda = Complex::new(0.0, further[0] * self.frequency());
@@ -225,28 +230,30 @@ impl Plane for Tube {
         Ok(vec![value.re, value.im])
     }
 
-    fn angular(&self, _: &Hopf, _: &Wave, _: &Vector, further: &[f64]) -> Option<f64> {
+    fn angular(&self, _: &BlochPair, _: &Wave, _: &Vector, further: &[f64]) -> Option<f64> {
         further.first().map(|scaled| scaled * self.frequency())
     }
 
-    fn sector(spectral: &Hopf) -> Option<usize> {
+    fn sector(spectral: &BlochPair) -> Option<usize> {
         Some(spectral.sector)
     }
 
     /// ω where the pair may meet on the real axis. It is positive there.
     fn watched(
         &self,
-        condition: &Condition<Tube>,
+        condition: &EventCondition<WavesInPlane>,
         _: &Wave,
         _: &Vector,
         further: &[f64],
     ) -> TestValues {
         let tests = match condition {
-            Condition::Spectral(Hopf { sector }) if symmetric(*sector, self.mode) => vec![Test {
-                kind: Some(PointType::BT),
-                value: further[0] - LEAST_OMEGA,
-                ends: true,
-            }],
+            EventCondition::Spectral(BlochPair { sector }) if symmetric(*sector, self.mode) => {
+                vec![Test {
+                    kind: Some(PointType::BT),
+                    value: further[0] - LEAST_OMEGA,
+                    ends: true,
+                }]
+            }
             _ => Vec::new(),
         };
         TestValues {

@@ -1,14 +1,14 @@
 //! The curve of an event from one end to the other.
 
-use super::plane::{ParameterOf, Plane};
-use super::point::{Point, Region};
-use super::saved::Reason;
-use super::tube::Tube;
+use super::plane::{ParameterOf, ParameterPlane};
+use super::point::{CurvePoint, Region};
+use super::saved::CurveEndReason;
+use super::tube::WavesInPlane;
 use crate::orbit::EventType;
 
 /// The curve of an event.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Curve<P: Plane = Tube> {
+pub struct WholeCurve<P: ParameterPlane = WavesInPlane> {
     /// Type of the event.
     pub event: EventType,
     /// Bloch sector of an HB.
@@ -18,20 +18,20 @@ pub struct Curve<P: Plane = Tube> {
     /// Names of their further numbers.
     pub columns: Vec<String>,
     /// Points from one end to the other.
-    pub points: Vec<Point>,
+    pub points: Vec<CurvePoint>,
     /// Index of the event on the branch.
     pub start: usize,
     /// Why the curve ends at its first and at its last point.
-    pub ends: [Reason<P>; 2],
+    pub ends: [CurveEndReason<P>; 2],
     /// Whether an end is one of Newton's method and not of the curve.
     pub failed: bool,
     /// Names of places beside it.
     pub regions: Vec<Region>,
 }
 
-impl<P: Plane> Curve<P>
+impl<P: ParameterPlane> WholeCurve<P>
 where
-    Reason<P>: std::fmt::Display,
+    CurveEndReason<P>: std::fmt::Display,
 {
     /// Why the curve ends, in words, at its first point (0) or at its last one (1).
     pub fn end(&self, side: usize) -> String {
@@ -40,7 +40,7 @@ where
             _ => self.points.last(),
         };
         match (&self.ends[side.min(1)], point) {
-            (Reason::There, Some(point)) => point.what.clone(),
+            (CurveEndReason::There, Some(point)) => point.what.clone(),
             (reason, _) => reason.to_string(),
         }
     }

@@ -84,7 +84,7 @@ mod wave;
 pub use ring::RingFailure;
 pub use wave::{FIRST_EPSILON, SemiDiscreteWave, solve, solve_from};
 
-use crate::branch::wanted::NoStart;
+use crate::branch::wanted::NoFirstWave;
 use crate::tube::flow::FlowError;
 use crate::tube::wave::start::Which;
 
@@ -155,7 +155,7 @@ pub enum Error {
     },
     /// There is no exact wave to start from.
     #[error("{0}")]
-    Start(#[from] NoStart),
+    Start(#[from] NoFirstWave),
     /// The exact wave cannot be evaluated.
     #[error("{0}")]
     Flow(#[from] FlowError),

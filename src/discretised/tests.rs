@@ -6,7 +6,7 @@ use super::band::{Band, Fan};
 use super::ring::Values;
 use super::*;
 use crate::tube::model::coefficients::Geometry;
-use crate::tube::model::{Damping, Model, Source};
+use crate::tube::model::{CoefficientSource, Damping, Model};
 
 fn model(mismatch: f64) -> Model {
     Model::tube(
@@ -207,7 +207,7 @@ fn union_of_sectors(wave: &SemiDiscreteWave) {
 #[test]
 fn nothing_is_felt_beyond_the_reach() {
     let nearly_incompressible = Model {
-        source: Source::from(Geometry {
+        source: CoefficientSource::from(Geometry {
             nu: 0.45,
             xi: 1.25,
             gamma: 1.0,
@@ -255,7 +255,7 @@ fn mirror_image_has_the_same_sectors() {
     let mut coefficients = original.constants().coefficients;
     coefficients.coupling = -coefficients.coupling;
     let mirrored = Model {
-        source: Source::from(coefficients),
+        source: CoefficientSource::from(coefficients),
         ..original
     };
     let settings = RingSettings {

@@ -17,7 +17,7 @@ use crate::linalg::Vector;
 use crate::tube::flow::FlowError;
 use crate::tube::model::signature::Regime;
 use crate::tube::model::{Model, Parameter};
-use crate::tube::stability::spectrum::{Request, symmetric};
+use crate::tube::stability::spectrum::{SpectrumRequest, symmetric};
 use crate::tube::wave::Wave;
 use crate::tube::wave::profile::{self, switches};
 
@@ -324,7 +324,7 @@ impl SemiDiscreteWave {
     ///
     /// # Errors
     /// As [`SemiDiscreteWave::eigenvalues`].
-    pub fn leading(&self, request: &Request) -> Result<Vec<(usize, c64)>, Error> {
+    pub fn leading(&self, request: &SpectrumRequest) -> Result<Vec<(usize, c64)>, Error> {
         let mut leading = Vec::new();
         for &sector in &request.sectors {
             let symmetric = symmetric(sector, self.mode);

@@ -13,7 +13,7 @@ use crate::problem::{self, Continuation, DEFAULT_MAX_POINTS, OrbitStart, SystemP
 
 /// Why a run cannot begin.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum NoStart {
+pub enum NoFirstPoint {
     /// There is no orbit.
     #[error("no start: {0}")]
     NoOrbit(#[from] start::NoStart),
@@ -75,20 +75,20 @@ pub enum NoStart {
     NoCycle(NoCycle),
 }
 
-impl NoStart {
+impl NoFirstPoint {
     /// The path of the field of the problem that this is about, and what would be right there.
     pub fn about(&self) -> (&'static str, &'static str) {
         match self {
-            NoStart::NoOrbit(start::NoStart::NotPeriodic { .. }) => (
+            NoFirstPoint::NoOrbit(start::NoStart::NotPeriodic { .. }) => (
                 "orbit",
                 "let it settle longer, admit more `periods`, or begin at other values of the parameters",
             ),
-            NoStart::NoOrbit(start::NoStart::Halted(Halt::Chattering { .. })) => (
+            NoFirstPoint::NoOrbit(start::NoStart::Halted(Halt::Chattering { .. })) => (
                 "orbit.start",
                 "name in `rest` of the switch the mode that begins where infinitely many of them end, or begin \
                  elsewhere",
             ),
-            NoStart::NoOrbit(start::NoStart::Stuck { halt, .. }) => match halt {
+            NoFirstPoint::NoOrbit(start::NoStart::Stuck { halt, .. }) => match halt {
                 Halt::Outside { .. } => (
                     "orbit.start",
                     "begin where every `zero` of the mode is positive; or reverse its sign, if the mode lies on the \
@@ -104,23 +104,23 @@ impl NoStart {
                     "begin at another state, or at other values of the parameters",
                 ),
             },
-            NoStart::LabelOutside { .. } => (
+            NoFirstPoint::LabelOutside { .. } => (
                 "continuation.range",
                 "widen the range to contain the point to restart from",
             ),
-            NoStart::NoSize { .. } => (
+            NoFirstPoint::NoSize { .. } => (
                 "orbit.start",
                 "name another label of that branch, or find orbits on the other side with `Simulate` or `Given`",
             ),
-            NoStart::NoSection => (
+            NoFirstPoint::NoSection => (
                 "equilibrium",
                 "`run`, `check`, `curve` and `steady` take equilibria; write `orbit` for anything else",
             ),
-            NoStart::NotHopf { .. } | NoStart::NoCycle(_) => (
+            NoFirstPoint::NotHopf { .. } | NoFirstPoint::NoCycle(_) => (
                 "orbit.start",
                 "name the label of another HB or BE, or find a cycle with `Simulate` or `Given`",
             ),
-            NoStart::NotBranching { .. } => (
+            NoFirstPoint::NotBranching { .. } => (
                 "orbit.start",
                 "name a label of that type, or write `Restart` for the branch itself",
             ),
@@ -140,7 +140,7 @@ pub(super) fn wanted(
     problem: &SystemProblem,
     continuation: &Continuation<String>,
     values: Vec<f64>,
-) -> Result<Wanted, NoStart> {
+) -> Result<Wanted, NoFirstPoint> {
     let names = &problem.system.source.parameters;
     let (low, high) = continuation.range;
     Ok(Wanted {
@@ -148,7 +148,7 @@ pub(super) fn wanted(
         values,
         parameter: names
             .index(&continuation.parameter)
-            .ok_or(NoStart::Unknown)?,
+            .ok_or(NoFirstPoint::Unknown)?,
         width: high - low,
         periods: match problem.system.source.forcing {
             Some(_) => u32::try_from(problem.orbit.periods).unwrap_or(u32::MAX),
@@ -161,7 +161,7 @@ pub(super) fn wanted(
 
 /// The saved orbit that a problem names.
 #[derive(Clone, Debug)]
-pub struct Named {
+pub struct NamedOrbit {
     /// The orbit.
     pub saved: LabelledOrbit,
     /// What it is in `events.csv`; none where it is no event.
@@ -178,7 +178,7 @@ pub(super) fn plan(problem: &SystemProblem, continuation: &Continuation<String>)
 }
 
 /// The first orbit of a branch.
-pub(super) struct First {
+pub(super) struct FirstOrbit {
     pub orbit: AffineOrbit,
     pub point: Vector,
     /// Ways that the branch goes from there.
@@ -189,11 +189,11 @@ pub(super) struct First {
 pub(super) fn begin(
     problem: &SystemProblem,
     continuation: &Continuation<String>,
-    named: Option<&Named>,
-) -> Result<First, NoStart> {
+    named: Option<&NamedOrbit>,
+) -> Result<FirstOrbit, NoFirstPoint> {
     let start = &problem.orbit.start;
     let directions = continuation.toward.directions().to_vec();
-    let along = |(orbit, point): (AffineOrbit, Vector)| First {
+    let along = |(orbit, point): (AffineOrbit, Vector)| FirstOrbit {
         orbit,
         point,
         directions: directions.clone(),
@@ -207,63 +207,78 @@ pub(super) fn begin(
             };
             Search::Guess(period.or_else(prescribed).unwrap_or_default())
         }
-        OrbitStart::Nowhere => return Err(NoStart::NoSection),
+        OrbitStart::Nowhere => return Err(NoFirstPoint::NoSection),
         OrbitStart::Restart { label, .. } | OrbitStart::Switch { label, .. } => {
-            let label = *label;
-            let Named {
-                saved,
-                kind,
-                has_shrunk,
-            } = named.ok_or(NoStart::NoRestart { label })?;
-            if *has_shrunk {
-                return Err(NoStart::NoSize { label });
-            }
-            let wanted = wanted(problem, continuation, saved.orbit.values.clone())?;
-            let (low, high) = continuation.range;
-            let within = |values: &[f64]| {
-                let value = values.get(wanted.parameter).copied().unwrap_or(f64::NAN);
-                let outside = NoStart::LabelOutside {
-                    label,
-                    column: continuation.parameter.clone(),
-                    value,
-                    low,
-                    high,
-                };
-                (value >= low && value <= high).then_some(()).ok_or(outside)
-            };
-            within(&wanted.values)?;
-            if matches!(start, OrbitStart::Restart { .. }) {
-                return Ok(along(restart(&wanted, &saved.orbit)?));
-            }
-            let doubled = match kind {
-                Some(EventType::PD) => true,
-                Some(EventType::BP) => false,
-                other => {
-                    let kind = other.map_or_else(|| "none".to_owned(), |kind| kind.to_string());
-                    return Err(NoStart::NotBranching { label, kind });
-                }
-            };
-            let (orbit, point, directions) = switch(&wanted, &saved.orbit, doubled, &directions)?;
-            within(&orbit.setting.values)?;
-            return Ok(First {
-                orbit,
-                point,
-                directions,
-            });
+            return from_label(problem, continuation, named, *label);
         }
     };
-    let beginning = start.beginning().ok_or(NoStart::Unknown)?;
+    let beginning = start.beginning().ok_or(NoFirstPoint::Unknown)?;
     let found = come_to(problem, continuation, problem.values(), &beginning, search);
-    let explained = |reason: NoStart| {
+    let explained = |reason: NoFirstPoint| {
         let wanted = wanted(problem, continuation, problem.values());
         match (reason, wanted, beginning.place(&problem.system)) {
-            (NoStart::NoOrbit(reason), Ok(wanted), Some(place)) => {
-                NoStart::NoOrbit(start::explained(&wanted, &place.into(), search, reason))
+            (NoFirstPoint::NoOrbit(reason), Ok(wanted), Some(place)) => {
+                NoFirstPoint::NoOrbit(start::explained(&wanted, &place.into(), search, reason))
             }
             (reason, ..) => reason,
         }
     };
     Ok(along(found.map_err(explained)?))
+}
+
+/// The first orbit of a branch that goes on from a saved one, or from another branch that passes there.
+fn from_label(
+    problem: &SystemProblem,
+    continuation: &Continuation<String>,
+    named: Option<&NamedOrbit>,
+    label: usize,
+) -> Result<FirstOrbit, NoFirstPoint> {
+    let directions = continuation.toward.directions().to_vec();
+    let NamedOrbit {
+        saved,
+        kind,
+        has_shrunk,
+    } = named.ok_or(NoFirstPoint::NoRestart { label })?;
+    if *has_shrunk {
+        return Err(NoFirstPoint::NoSize { label });
+    }
+    let wanted = wanted(problem, continuation, saved.orbit.values.clone())?;
+    let (low, high) = continuation.range;
+    let within = |values: &[f64]| {
+        let value = values.get(wanted.parameter).copied().unwrap_or(f64::NAN);
+        let outside = NoFirstPoint::LabelOutside {
+            label,
+            column: continuation.parameter.clone(),
+            value,
+            low,
+            high,
+        };
+        (value >= low && value <= high).then_some(()).ok_or(outside)
+    };
+    within(&wanted.values)?;
+    if matches!(problem.orbit.start, OrbitStart::Restart { .. }) {
+        let (orbit, point) = restart(&wanted, &saved.orbit)?;
+        return Ok(FirstOrbit {
+            orbit,
+            point,
+            directions,
+        });
+    }
+    let doubled = match kind {
+        Some(EventType::PD) => true,
+        Some(EventType::BP) => false,
+        other => {
+            let kind = other.map_or_else(|| "none".to_owned(), |kind| kind.to_string());
+            return Err(NoFirstPoint::NotBranching { label, kind });
+        }
+    };
+    let (orbit, point, directions) = switch(&wanted, &saved.orbit, doubled, &directions)?;
+    within(&orbit.setting.values)?;
+    Ok(FirstOrbit {
+        orbit,
+        point,
+        directions,
+    })
 }
 
 /// The orbit that a motion comes to at these values of the parameters, to be followed as a branch is, and its unknowns.
@@ -276,9 +291,9 @@ pub fn come_to(
     values: Vec<f64>,
     beginning: &problem::BeginningSection,
     search: Search,
-) -> Result<(AffineOrbit, Vector), NoStart> {
+) -> Result<(AffineOrbit, Vector), NoFirstPoint> {
     let place = beginning.place(&problem.system);
-    let beginning = place.ok_or(NoStart::Unknown)?.into();
+    let beginning = place.ok_or(NoFirstPoint::Unknown)?.into();
     let wanted = wanted(problem, continuation, values)?;
     Ok(first(&wanted, &beginning, search)?)
 }

@@ -10,7 +10,7 @@ pub mod run;
 mod saved;
 pub mod scan;
 
-pub use begin::{Named, NoStart, come_to};
+pub use begin::{NamedOrbit, NoFirstPoint, come_to};
 pub use point::{Note, OrbitEvent, OrbitPoint};
-pub use run::{EarlierPoint, Item, Runner};
+pub use run::{EarlierPoint, OrbitItem, OrbitRunner};
 pub use saved::LabelledOrbit;

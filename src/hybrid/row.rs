@@ -12,41 +12,41 @@ use crate::orbit::{EventType, Stability};
 
 /// Named numbers, each in its column.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Named(Vec<(String, Option<f64>)>);
+pub(super) struct NamedNumbers(Vec<(String, Option<f64>)>);
 
-impl Serialize for Named {
+impl Serialize for NamedNumbers {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let columns = self.0.iter();
         serializer.collect_map(columns.map(|(name, value)| (name, value)))
     }
 }
 
-impl Named {
-    pub fn without_values<'a>(names: impl Iterator<Item = &'a str>) -> Named {
-        Named(names.map(|name| (name.to_owned(), None)).collect())
+impl NamedNumbers {
+    pub fn without_values<'a>(names: impl Iterator<Item = &'a str>) -> NamedNumbers {
+        NamedNumbers(names.map(|name| (name.to_owned(), None)).collect())
     }
 
-    pub fn of(named: &[(String, Option<f64>)]) -> Named {
-        Named(named.to_vec())
+    pub fn of(named: &[(String, Option<f64>)]) -> NamedNumbers {
+        NamedNumbers(named.to_vec())
     }
 
-    pub fn parameters(source: &Source, values: Option<&[f64]>) -> Named {
+    pub fn parameters(source: &Source, values: Option<&[f64]>) -> NamedNumbers {
         let names = source.parameters.names().enumerate();
         let value = |index: usize| values.and_then(|values| values.get(index).copied());
-        Named(
+        NamedNumbers(
             names
                 .map(|(index, name)| (name.to_owned(), value(index)))
                 .collect(),
         )
     }
 
-    pub fn states(source: &Source, values: Option<&[f64]>) -> Named {
+    pub fn states(source: &Source, values: Option<&[f64]>) -> NamedNumbers {
         let names = source.states.iter().cloned().enumerate();
         let value = |index: usize| values.and_then(|values| values.get(index).copied());
-        Named(names.map(|(index, name)| (name, value(index))).collect())
+        NamedNumbers(names.map(|(index, name)| (name, value(index))).collect())
     }
 
-    fn extremes(source: &Source, values: Option<&[(f64, f64)]>) -> Named {
+    fn extremes(source: &Source, values: Option<&[(f64, f64)]>) -> NamedNumbers {
         let states = source.states.iter().enumerate();
         let columns = states.flat_map(|(index, state)| {
             let value = values.and_then(|values| values.get(index).copied());
@@ -55,7 +55,7 @@ impl Named {
                 (format!("max_{state}"), value.map(|(_, largest)| largest)),
             ]
         });
-        Named(columns.collect())
+        NamedNumbers(columns.collect())
     }
 }
 
@@ -63,11 +63,11 @@ impl Named {
 #[derive(Clone, Debug, Serialize)]
 pub struct OrbitColumns<'a> {
     regimes: Cow<'a, str>,
-    parameters: Named,
+    parameters: NamedNumbers,
     period: f64,
     switches: &'a [f64],
-    extremes: Named,
-    monitors: Named,
+    extremes: NamedNumbers,
+    monitors: NamedNumbers,
     stable: Option<&'static str>,
     unstable: Option<usize>,
     multiplier_re: Option<f64>,
@@ -80,11 +80,11 @@ impl<'a> OrbitColumns<'a> {
         let leading = point.leading();
         OrbitColumns {
             regimes: (&point.regimes).into(),
-            parameters: Named::parameters(source, Some(&point.parameters)),
+            parameters: NamedNumbers::parameters(source, Some(&point.parameters)),
             period: point.period,
             switches: &point.switches,
-            extremes: Named::extremes(source, Some(&point.extremes)),
-            monitors: Named(point.monitors.clone()),
+            extremes: NamedNumbers::extremes(source, Some(&point.extremes)),
+            monitors: NamedNumbers(point.monitors.clone()),
             stable: point.stable.map(Stability::word),
             unstable: point.unstable,
             multiplier_re: leading.map(|value| value.re),
@@ -103,11 +103,11 @@ impl<'a> OrbitColumns<'a> {
             .map(|(_, state)| state.iter().map(|x| (*x, *x)).collect::<Vec<_>>());
         OrbitColumns {
             regimes: rest.map_or("".into(), |(mode, _)| mode),
-            parameters: Named::parameters(source, values),
+            parameters: NamedNumbers::parameters(source, values),
             period: f64::NAN,
             switches: &[],
-            extremes: Named::extremes(source, state.as_deref()),
-            monitors: Named::default(),
+            extremes: NamedNumbers::extremes(source, state.as_deref()),
+            monitors: NamedNumbers::default(),
             stable: None,
             unstable: None,
             multiplier_re: None,
@@ -137,7 +137,7 @@ impl<'a> OrbitRow<'a> {
             label: None,
             kind: None,
             orbit: OrbitColumns {
-                monitors: Named::without_values(monitors),
+                monitors: NamedNumbers::without_values(monitors),
                 ..OrbitColumns::without(source, None, None)
             },
             newton: 0,
@@ -166,9 +166,9 @@ pub struct OrbitEventRow<'a> {
     label: usize,
     #[serde(rename = "type")]
     kind: Option<EventType>,
-    parameters: Named,
+    parameters: NamedNumbers,
     period: f64,
-    monitors: Named,
+    monitors: NamedNumbers,
     multiplier_re: Option<f64>,
     multiplier_im: Option<f64>,
     regimes_before: &'a str,
@@ -187,9 +187,9 @@ impl<'a> OrbitEventRow<'a> {
         OrbitEventRow {
             label: 0,
             kind: None,
-            parameters: Named::parameters(source, None),
+            parameters: NamedNumbers::parameters(source, None),
             period: 0.0,
-            monitors: Named::without_values(monitors),
+            monitors: NamedNumbers::without_values(monitors),
             multiplier_re: None,
             multiplier_im: None,
             regimes_before: "",
@@ -206,13 +206,13 @@ impl<'a> OrbitEventRow<'a> {
         OrbitEventRow {
             label: event.label,
             kind: Some(event.kind),
-            parameters: Named(
+            parameters: NamedNumbers(
                 parameters
                     .map(|(name, value)| (name.clone(), Some(*value)))
                     .collect(),
             ),
             period: event.period,
-            monitors: Named(event.monitors.clone()),
+            monitors: NamedNumbers(event.monitors.clone()),
             multiplier_re: event.leading.map(|value| value.re),
             multiplier_im: event.leading.map(|value| value.im),
             regimes_before: &event.regimes_before,
@@ -258,7 +258,7 @@ impl MultiplierRow {
 pub struct SampleRow<'a> {
     time: f64,
     phase: f64,
-    states: Named,
+    states: NamedNumbers,
     mode: Cow<'a, str>,
 }
 
@@ -270,7 +270,7 @@ impl<'a> SampleRow<'a> {
         SampleRow {
             time: sample.time,
             phase: sample.phase,
-            states: Named(names.zip(values).collect()),
+            states: NamedNumbers(names.zip(values).collect()),
             mode: system.mode_name(sample.mode),
         }
     }

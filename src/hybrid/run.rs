@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::begin::{First, Named, NoStart, begin, plan};
+use super::begin::{FirstOrbit, NamedOrbit, NoFirstPoint, begin, plan};
 use super::equilibrium::begin::NamedEquilibrium;
 use super::equilibrium::birth::born;
 use super::point::{Note, OrbitEvent, OrbitPoint};
@@ -11,7 +11,7 @@ use super::saved::LabelledOrbit;
 use crate::affine::orbit::{AffineOrbit, Examination, Multiplier, Scales, SlidingBifurcation};
 use crate::continuation::Node;
 use crate::linalg::Vector;
-use crate::orbit::follow::Found;
+use crate::orbit::follow::LocatedPoint;
 use crate::orbit::legs::{self, Itemised, Legs, Run};
 use crate::orbit::special::{ResumeMismatch, Special};
 use crate::orbit::{EventType, Orbit, Stability};
@@ -19,7 +19,7 @@ use crate::problem::Continuation;
 use crate::problem::SystemProblem;
 
 /// How a run of orbits ended.
-pub type End = legs::End<AffineOrbit>;
+pub type End = legs::RunEnd<AffineOrbit>;
 
 /// Arclength after which the zones beside an event are where they are from there on.
 const A_LITTLE: f64 = 1e-6;
@@ -28,7 +28,7 @@ const A_LITTLE: f64 = 1e-6;
 #[derive(Clone, Debug)]
 pub enum EarlierPoint {
     /// Of a branch of orbits.
-    Orbit(Named),
+    Orbit(NamedOrbit),
     /// Of a branch of equilibria: at a Hopf point cycles are born.
     Equilibrium(NamedEquilibrium),
 }
@@ -45,7 +45,7 @@ impl EarlierPoint {
 
 /// A row of the branch, with the orbit behind it.
 #[derive(Clone, Debug)]
-pub struct Item {
+pub struct OrbitItem {
     /// The row.
     pub point: OrbitPoint,
     /// The event, at special points.
@@ -56,10 +56,10 @@ pub struct Item {
     pub multipliers: Vec<MultiplierRow>,
     /// The orbit in physical numbers, at labelled points.
     pub saved: Option<LabelledOrbit>,
-    found: Found<AffineOrbit>,
+    found: LocatedPoint<AffineOrbit>,
 }
 
-impl Item {
+impl OrbitItem {
     /// The orbit as a boundary-value problem, and its scaled unknowns.
     pub fn orbit(&self) -> (&AffineOrbit, &Vector) {
         (&self.found.orbit, &self.found.node.point)
@@ -68,7 +68,7 @@ impl Item {
 
 /// The state of a run of orbits between two steps.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Progress {
+pub struct OrbitProgress {
     /// The legs.
     pub legs: legs::Progress<AffineOrbit>,
     /// Units of the unknowns.
@@ -81,7 +81,7 @@ pub struct Progress {
 }
 
 /// A branch of orbits being computed from a problem.
-pub struct Runner {
+pub struct OrbitRunner {
     problem: SystemProblem,
     continuation: Continuation<String>,
     /// Values of the parameters at the first orbit.
@@ -92,7 +92,7 @@ pub struct Runner {
     notes: Vec<Note>,
 }
 
-impl Runner {
+impl OrbitRunner {
     /// Finds the first orbit. `named` is the orbit that `start: Restart(…)` or `Switch(…)` names.
     ///
     /// # Errors
@@ -101,8 +101,8 @@ impl Runner {
         problem: &SystemProblem,
         continuation: &Continuation<String>,
         named: Option<&EarlierPoint>,
-    ) -> Result<Runner, NoStart> {
-        let First {
+    ) -> Result<OrbitRunner, NoFirstPoint> {
+        let FirstOrbit {
             orbit,
             point,
             directions,
@@ -115,8 +115,8 @@ impl Runner {
         let scales = orbit.setting.scales.clone();
         let values = orbit.setting.values.clone();
         let plan = plan(problem, continuation).going(&directions);
-        let legs = Legs::begin(orbit, &point, plan).map_err(NoStart::NoLeg)?;
-        Ok(Runner {
+        let legs = Legs::begin(orbit, &point, plan).map_err(NoFirstPoint::NoLeg)?;
+        Ok(OrbitRunner {
             problem: problem.clone(),
             continuation: continuation.clone(),
             values,
@@ -135,8 +135,8 @@ impl Runner {
         problem: &SystemProblem,
         continuation: &Continuation<String>,
         first: &LabelledOrbit,
-        progress: Progress,
-    ) -> Result<Runner, ResumeMismatch<AffineOrbit>> {
+        progress: OrbitProgress,
+    ) -> Result<OrbitRunner, ResumeMismatch<AffineOrbit>> {
         let names = &problem.system.source.parameters;
         let parameter = names.index(&continuation.parameter);
         let scales = progress.scales.clone();
@@ -144,7 +144,7 @@ impl Runner {
         let orbit = posed.ok_or(ResumeMismatch::Progress)?;
         let orbit = orbit.with_monitors(problem.monitors());
         let plan = plan(problem, continuation).going(&progress.directions);
-        Ok(Runner {
+        Ok(OrbitRunner {
             problem: problem.clone(),
             continuation: continuation.clone(),
             values: orbit.setting.values.clone(),
@@ -156,8 +156,8 @@ impl Runner {
     }
 
     /// All that is needed to go on from here.
-    pub fn state(&self) -> Progress {
-        Progress {
+    pub fn state(&self) -> OrbitProgress {
+        OrbitProgress {
             legs: self.legs.progress().clone(),
             scales: self.scales.clone(),
             multipliers: self.multipliers,
@@ -179,7 +179,7 @@ impl Runner {
         &self,
         point: &OrbitPoint,
         special: &Special<AffineOrbit>,
-        found: &Found<AffineOrbit>,
+        found: &LocatedPoint<AffineOrbit>,
     ) -> OrbitEvent {
         let names = self.problem.system.source.parameters.names();
         let parameters = names
@@ -223,15 +223,15 @@ impl Runner {
     }
 }
 
-impl Run for Runner {
+impl Run for OrbitRunner {
     type Orbit = AffineOrbit;
-    type Item = Item;
+    type Item = OrbitItem;
 
     fn progress(&self) -> &legs::Progress<AffineOrbit> {
         self.legs.progress()
     }
 
-    fn step(&mut self) -> Vec<Item> {
+    fn step(&mut self) -> Vec<OrbitItem> {
         legs::step(self)
     }
 
@@ -240,7 +240,7 @@ impl Run for Runner {
     }
 }
 
-impl Itemised for Runner {
+impl Itemised for OrbitRunner {
     fn legs(&mut self) -> &mut Legs<AffineOrbit> {
         &mut self.legs
     }
@@ -251,7 +251,7 @@ impl Itemised for Runner {
         self.values.get(index).copied()
     }
 
-    fn item(&mut self, found: Found<AffineOrbit>) -> Item {
+    fn item(&mut self, found: LocatedPoint<AffineOrbit>) -> OrbitItem {
         let parameter = &self.continuation.parameter;
         if let Some(what) = found.close.clone() {
             self.notes.push(Note::Close {
@@ -266,7 +266,7 @@ impl Itemised for Runner {
         }
         let numbers = self.legs.number(&found);
         let asked = self.problem.stability.is_some();
-        let Found {
+        let LocatedPoint {
             orbit,
             node,
             examination,
@@ -305,7 +305,7 @@ impl Itemised for Runner {
         let multipliers: Vec<MultiplierRow> = multipliers.unwrap_or_default();
         self.multipliers += multipliers.len();
         let special = found.special.clone();
-        Item {
+        OrbitItem {
             event: special
                 .as_ref()
                 .map(|special| self.event(&point, special, &found)),

@@ -20,7 +20,7 @@ const TRIES: usize = 1000;
 
 /// What was seen of the motion at one value.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Settled {
+pub struct ScannedMotion {
     /// The value.
     pub value: f64,
     /// `up`, `down` or `fresh`.
@@ -110,11 +110,11 @@ impl<'a> Scanner<'a> {
 
     /// The values of a piece in their order. `before` is where the last sample of the piece before was taken, if
     /// there is one in its sweep.
-    pub fn piece(&self, number: usize, before: Option<Place>) -> Vec<Settled> {
+    pub fn piece(&self, number: usize, before: Option<Place>) -> Vec<ScannedMotion> {
         let (sweep, values) = self.scan.piece(number);
         let mut last = before;
         let settled = values.into_iter().map(|(number, value)| {
-            let mut settled = Settled {
+            let mut settled = ScannedMotion {
                 value,
                 sweep,
                 samples: Vec::with_capacity(self.scan.keep),

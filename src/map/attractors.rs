@@ -6,7 +6,7 @@
 use std::cmp::Ordering;
 use std::f64::consts::TAU;
 
-use super::motion::{Mark, Motions, Settled, SettledOrbit};
+use super::motion::{Motions, OrbitMark, Settled, SettledOrbit};
 use crate::affine::mode::AffineSystem;
 use crate::affine::system::System;
 use crate::hybrid::{LabelledOrbit, OrbitPoint};
@@ -35,7 +35,7 @@ pub struct SettledCell<'a> {
     /// Least and largest values of the states.
     pub extremes: Vec<(f64, f64)>,
     /// A point of it.
-    pub mark: Mark,
+    pub mark: OrbitMark,
 }
 
 /// What attracts motions.
@@ -52,7 +52,7 @@ pub struct Attractor {
     /// How many cells come to it.
     pub cells: usize,
     /// Points that a mark may be.
-    marks: Vec<Mark>,
+    marks: Vec<OrbitMark>,
     /// Largest sizes of the states.
     sizes: Vec<f64>,
 }
@@ -145,15 +145,17 @@ impl<'a> Attractors<'a> {
                     return None;
                 };
                 let saved = orbit.saved(&unknowns).ok()?;
-                let strobes: Vec<Mark> = match &self.affine {
+                let strobes: Vec<OrbitMark> = match &self.affine {
                     Some(affine) if affine.omega.value > 0.0 => {
                         let states = saved.strobes(affine).into_iter();
-                        states.map(|state| Mark { phase: 0.0, state }).collect()
+                        states
+                            .map(|state| OrbitMark { phase: 0.0, state })
+                            .collect()
                     }
                     _ => Vec::new(),
                 };
                 let extremes = point.extremes.iter();
-                let entries = saved.zones.iter().map(|zone| Mark {
+                let entries = saved.zones.iter().map(|zone| OrbitMark {
                     phase: zone.phase.rem_euclid(TAU),
                     state: zone.state.clone(),
                 });
@@ -203,7 +205,7 @@ impl<'a> Attractors<'a> {
 
     /// Whether two points of rest of a mode belong to one family: all between them rests, as it always does where rates are
     /// affine.
-    fn rest_together(&self, known: &Mark, cell: &SettledCell) -> bool {
+    fn rest_together(&self, known: &OrbitMark, cell: &SettledCell) -> bool {
         let (Some(affine), Some(number)) = (&self.affine, self.system.mode(cell.regimes)) else {
             return false;
         };
@@ -223,8 +225,8 @@ impl<'a> Attractors<'a> {
 }
 
 /// The state that comes first in the order of its numbers.
-fn first_of(marks: &[Mark]) -> Option<Vec<f64>> {
-    let order = |one: &&Mark, other: &&Mark| {
+fn first_of(marks: &[OrbitMark]) -> Option<Vec<f64>> {
+    let order = |one: &&OrbitMark, other: &&OrbitMark| {
         let pairs = one.state.iter().zip(&other.state);
         let orders = pairs.map(|(one, other)| one.total_cmp(other));
         orders.fold(Ordering::Equal, Ordering::then)
@@ -250,7 +252,7 @@ impl Attractor {
     }
 
     /// Whether two points on it are the same.
-    fn has(&self, known: &Mark, mark: &Mark) -> bool {
+    fn has(&self, known: &OrbitMark, mark: &OrbitMark) -> bool {
         let turn = (known.phase - mark.phase).rem_euclid(TAU) / TAU;
         let mut pairs = known.state.iter().zip(&mark.state).zip(&self.sizes);
         turn.min(1.0 - turn) <= SAME

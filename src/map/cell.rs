@@ -5,7 +5,7 @@ use serde::Serialize;
 use crate::branch::BranchPoint;
 use crate::branch::row::{WaveRow, why};
 use crate::branch::special::Failure;
-use crate::branch::wanted::NoStart;
+use crate::branch::wanted::NoFirstWave;
 use crate::tube::model::Model;
 
 /// A wave that exists at a point of the plane, or the statement that none was found there.
@@ -41,9 +41,9 @@ pub enum CellPoint {
 #[derive(Clone, Debug, PartialEq)]
 pub enum Missing {
     /// There is none to begin with at this point.
-    NoStart(NoStart),
+    NoStart(NoFirstWave),
     /// There is none to begin with on this row, and none that begins on other lines comes here.
-    NoBranch(NoStart),
+    NoBranch(NoFirstWave),
     /// A branch on its way here fails.
     Cut(Failure),
     /// The branch comes back to waves that it has passed.

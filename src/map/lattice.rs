@@ -11,8 +11,8 @@
 use rayon::prelude::*;
 
 use super::cell::Missing;
-use super::line::{Gap, Hit, Line, Met};
-use super::plane::Plane;
+use super::line::{Gap, Hit, MapLine, Met};
+use super::plane::MapPlane;
 use crate::branch::run::RunError;
 use crate::problem::{Map, Problem};
 
@@ -27,7 +27,7 @@ type Wave = (Hit, usize);
 
 /// A line of the lattice and what is known of it.
 struct Strand<'a> {
-    line: Line<'a>,
+    line: MapLine<'a>,
     /// Number of the row or column.
     place: usize,
     waves: Vec<Wave>,
@@ -78,7 +78,7 @@ impl<'a> Lattice<'a> {
     pub fn new(
         problem: &'a Problem,
         map: &Map,
-        plane: &Plane,
+        plane: &MapPlane,
         watch: &mut dyn FnMut(usize),
     ) -> Result<Lattice<'a>, RunError> {
         let Some([firsts, seconds]) = plane.axes() else {
@@ -88,7 +88,7 @@ impl<'a> Lattice<'a> {
             });
         };
         let strand = |along, across, values, place| Strand {
-            line: Line {
+            line: MapLine {
                 problem,
                 along,
                 across,

@@ -4,13 +4,13 @@ use crate::orbit::legs::Run as _;
 use std::path::PathBuf;
 
 use super::cell::Missing;
-use crate::branch::run::{Item, RunError, Runner, answer};
+use crate::branch::run::{RunError, WaveItem, WaveRunner, answer};
 use crate::branch::special::{Failure, Special};
 use crate::branch::{BranchPoint, EventType, SavedWave};
 use crate::problem::{Continuation, MapAxis, Output, Problem, Start, Toward, UserPoint};
 use crate::tube::model::Parameter;
 use crate::tube::stability::characteristic::Characteristic;
-use crate::tube::stability::spectrum::{Request, Spectrum, spectrum};
+use crate::tube::stability::spectrum::{Spectrum, SpectrumRequest, spectrum};
 
 /// Points after which either way of a branch within a row is given up: round folds it passes the range a few
 /// times, at the default step lengths a hundred points each.
@@ -77,7 +77,7 @@ pub(super) struct Met {
 }
 
 /// A line and how it is followed.
-pub(super) struct Line<'a> {
+pub(super) struct MapLine<'a> {
     pub problem: &'a Problem,
     /// The parameter that is followed, and its range.
     pub along: MapAxis,
@@ -85,10 +85,10 @@ pub(super) struct Line<'a> {
     pub across: (Parameter, f64),
     pub values: Vec<f64>,
     /// The spectra that are wanted.
-    pub request: Option<Request>,
+    pub request: Option<SpectrumRequest>,
 }
 
-impl Line<'_> {
+impl MapLine<'_> {
     /// The branch that begins with a slip-stick wave.
     ///
     /// # Errors
@@ -128,7 +128,7 @@ impl Line<'_> {
     /// The branch through a wave at one of the values, as far as it meets waves that are not known.
     ///
     /// # Errors
-    /// As [`Line::follow_start`].
+    /// As [`MapLine::follow_start`].
     pub fn follow_wave(&self, from: &Hit, known: &dyn Fn(&Hit) -> bool) -> Result<Met, RunError> {
         let mut met = Met::default();
         let (low, high) = self.along.range;
@@ -155,19 +155,19 @@ impl Line<'_> {
     /// A branch that begins at a value, with a slip-stick wave or a saved one.
     ///
     /// # Errors
-    /// As [`Line::follow_start`], and when there is no such wave.
+    /// As [`MapLine::follow_start`], and when there is no such wave.
     pub fn begin(
         &self,
         start: Start,
         value: f64,
         toward: Toward,
         wave: Option<&SavedWave>,
-    ) -> Result<Runner, RunError> {
+    ) -> Result<WaveRunner, RunError> {
         let (low, high) = self.along.range;
         let inner = self.values.iter().copied();
         let inner = inner.filter(|value| *value > low && *value < high);
         let continuation = self.continuation(toward, inner.map(UserPoint::from).collect());
-        Runner::begin(&self.at(start, value), &continuation, wave)
+        WaveRunner::begin(&self.at(start, value), &continuation, wave)
     }
 
     /// The problem at a value. Stability is left out: it is wanted at the values only.
@@ -224,7 +224,7 @@ impl Line<'_> {
     /// waves that are known; `again` says that its first one is.
     fn walk(
         &self,
-        mut branch: Runner,
+        mut branch: WaveRunner,
         again: bool,
         known: &dyn Fn(&Hit) -> bool,
         met: &mut Met,
@@ -280,7 +280,7 @@ impl Line<'_> {
 
     /// The number of the value that a point of a branch lies on: those asked for and edges are met
     /// exactly.
-    fn index(&self, item: &Item) -> Option<usize> {
+    fn index(&self, item: &WaveItem) -> Option<usize> {
         if !matches!(item.point.kind?, EventType::UZ | EventType::EP) {
             return None;
         }
@@ -295,7 +295,7 @@ impl Line<'_> {
     /// of the wave before on the branch.
     pub fn add_stability(
         &self,
-        item: &Item,
+        item: &WaveItem,
         seeds: &mut Option<Spectrum>,
         point: &mut BranchPoint,
     ) {

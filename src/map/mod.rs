@@ -27,9 +27,9 @@ pub use attractors::{Attractor, Attractors, SettledCell};
 pub(crate) use cell::NOT_REACHED;
 pub use cell::{Cell, CellPoint, CellRow, Missing};
 pub use line::MOST_POINTS;
-pub use motion::{BasinColumns, Mark, Motions, Outcome, Settled, SettledColumns};
+pub use motion::{BasinColumns, MotionOutcome, Motions, OrbitMark, Settled, SettledColumns};
 #[cfg(feature = "cli")]
 pub(crate) use motion::{NONE, UNDECIDED};
-pub use plane::Plane;
+pub use plane::MapPlane;
 pub use row::Rows;
 pub use shares::Draws;

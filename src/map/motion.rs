@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use serde::Serialize;
 
 use super::cell::CellRow;
-use super::plane::Plane;
+use super::plane::MapPlane;
 use crate::affine::mode::AffineSystem;
 use crate::affine::motion::{Halt, Motion, Place};
 use crate::affine::orbit::AffineOrbit;
@@ -14,14 +14,14 @@ use crate::affine::system::{Ordered, Source, System};
 use crate::continuation::newton;
 use crate::hybrid::row::OrbitColumns;
 use crate::hybrid::run::point;
-use crate::hybrid::{NoStart, OrbitPoint, come_to};
+use crate::hybrid::{NoFirstPoint, OrbitPoint, come_to};
 use crate::linalg::Vector;
 use crate::orbit::Orbit as _;
 use crate::problem::{BeginningSection, Continuation, Multipliers, OrbitStart, SystemProblem};
 
 /// What the motion from a start settles on at a point of the plane.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Outcome {
+pub struct MotionOutcome {
     /// Row, from 0: along it the first parameter of a grid is constant.
     pub row: usize,
     /// Column, from 0.
@@ -33,12 +33,12 @@ pub struct Outcome {
     /// What that is.
     pub found: Settled,
     /// In a basin of attraction, a point of it that tells what attracts the motion.
-    pub mark: Option<Mark>,
+    pub mark: Option<OrbitMark>,
 }
 
 /// A point of an orbit: an entry of a zone or, where it never switches, where its equations begin; or a point of rest.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Mark {
+pub struct OrbitMark {
     /// Phase of the forcing in \[0, 2π).
     pub phase: f64,
     /// State.
@@ -56,7 +56,7 @@ pub enum Settled {
         periods: Option<u32>,
     },
     /// No orbit, for this reason: the motion comes to rest, does not return or go on, or what it does is not known.
-    Nothing(NoStart),
+    Nothing(NoFirstPoint),
 }
 
 /// The word of the column `found` where it is not known what a motion does.
@@ -70,7 +70,7 @@ impl Settled {
     pub fn word(&self) -> &'static str {
         let reason = match self {
             Settled::Orbit { .. } => return "orbit",
-            Settled::Nothing(NoStart::NoOrbit(reason)) => reason,
+            Settled::Nothing(NoFirstPoint::NoOrbit(reason)) => reason,
             Settled::Nothing(_) => return UNDECIDED,
         };
         match reason {
@@ -111,7 +111,7 @@ pub struct Motions<'a> {
     problem: &'a SystemProblem,
     /// The same, with stability.
     decided: SystemProblem,
-    plane: Plane,
+    plane: MapPlane,
     varied: Varied,
     /// The system at the values of its parameters, where states vary.
     affine: Option<AffineSystem>,
@@ -151,7 +151,7 @@ impl<'a> Motions<'a> {
                 ..problem.clone()
             },
             problem,
-            plane: Plane::new(map),
+            plane: MapPlane::new(map),
             affine: match varied {
                 Varied::States(_) => problem.system.at(&problem.values(), &[]).ok(),
                 Varied::Parameters(_) => None,
@@ -164,7 +164,7 @@ impl<'a> Motions<'a> {
     }
 
     /// All cells of a row: by start, by column.
-    pub fn row(&self, row: usize) -> Vec<Outcome> {
+    pub fn row(&self, row: usize) -> Vec<MotionOutcome> {
         let points = self.plane.row(row);
         let of_start = |(start, beginning): (usize, &BeginningSection)| {
             let cells = points.iter().enumerate().map(|(column, point)| {
@@ -176,11 +176,13 @@ impl<'a> Motions<'a> {
                     Ok((found, orbit)) => (found, Some(orbit)),
                     Err(reason) => (Settled::Nothing(reason), None),
                 };
-                Outcome {
+                MotionOutcome {
                     row,
                     column,
                     start: start + 1,
-                    mark: marked.then(|| Mark::of(&found, orbit.as_ref())).flatten(),
+                    mark: marked
+                        .then(|| OrbitMark::of(&found, orbit.as_ref()))
+                        .flatten(),
                     found,
                     parameters,
                 }
@@ -252,13 +254,13 @@ impl<'a> Motions<'a> {
         beginning: &BeginningSection,
         parameters: &[f64],
         asked: bool,
-    ) -> Result<(Settled, SettledOrbit), NoStart> {
+    ) -> Result<(Settled, SettledOrbit), NoFirstPoint> {
         let search = Search::Settles(self.settle);
         let values = parameters.to_vec();
         let problem = if asked { &self.decided } else { self.problem };
         let (orbit, unknowns) = come_to(problem, &self.along, values.clone(), beginning, search)?;
         let examination = orbit.examination(&unknowns).map_err(|failure| {
-            NoStart::NoOrbit(NoOrbit::Newton(newton::Failure::System(failure)))
+            NoFirstPoint::NoOrbit(NoOrbit::Newton(newton::Failure::System(failure)))
         })?;
         let point = point((&orbit, &unknowns), &examination, None, values, asked);
         let settled = Settled::Orbit {
@@ -306,10 +308,10 @@ fn resting(problem: &SystemProblem) -> Option<Continuation<String>> {
     ))
 }
 
-impl Mark {
-    pub(super) fn of(found: &Settled, orbit: Option<&SettledOrbit>) -> Option<Mark> {
-        if let Settled::Nothing(NoStart::NoOrbit(NoOrbit::Rests { place, .. })) = found {
-            return Some(Mark {
+impl OrbitMark {
+    pub(super) fn of(found: &Settled, orbit: Option<&SettledOrbit>) -> Option<OrbitMark> {
+        if let Settled::Nothing(NoFirstPoint::NoOrbit(NoOrbit::Rests { place, .. })) = found {
+            return Some(OrbitMark {
                 phase: 0.0,
                 state: place.state.clone(),
             });
@@ -317,7 +319,7 @@ impl Mark {
         let (orbit, unknowns) = orbit?;
         let first = orbit.cycle(unknowns).ok()?.first;
         let zone = orbit.saved(unknowns).ok()?.zones.swap_remove(first);
-        Some(Mark {
+        Some(OrbitMark {
             phase: zone.phase.rem_euclid(TAU),
             state: zone.state,
         })
@@ -334,7 +336,7 @@ pub struct BasinColumns<'a> {
 
 impl<'a> CellRow<BasinColumns<'a>> {
     /// The row of a map with the mark of a basin, and room for the number of the attractor.
-    pub fn of_basin(row: CellRow<SettledColumns<'a>>, mark: Option<&Mark>) -> Self {
+    pub fn of_basin(row: CellRow<SettledColumns<'a>>, mark: Option<&OrbitMark>) -> Self {
         let mark = mark.map(|mark| [&[mark.phase], &mark.state[..]].concat());
         CellRow {
             row: row.row,
@@ -377,7 +379,7 @@ impl<'a> CellRow<SettledColumns<'a>> {
     }
 
     /// What was found at a point.
-    pub fn settled(system: &'a System, cell: &'a Outcome) -> CellRow<SettledColumns<'a>> {
+    pub fn settled(system: &'a System, cell: &'a MotionOutcome) -> CellRow<SettledColumns<'a>> {
         let source = &system.source;
         let (orbit, periods, why) = match &cell.found {
             Settled::Orbit { point, periods } => {
@@ -385,8 +387,10 @@ impl<'a> CellRow<SettledColumns<'a>> {
             }
             Settled::Nothing(reason) => {
                 let (rest, why) = match reason {
-                    NoStart::NoOrbit(NoOrbit::Rests { place, .. }) => (Some(place), String::new()),
-                    NoStart::NoOrbit(reason) => (None, reason.to_string()),
+                    NoFirstPoint::NoOrbit(NoOrbit::Rests { place, .. }) => {
+                        (Some(place), String::new())
+                    }
+                    NoFirstPoint::NoOrbit(reason) => (None, reason.to_string()),
                     other => (None, other.to_string()),
                 };
                 let rest = rest.map(|place| (system.mode_name(place.mode), &place.state[..]));

@@ -10,15 +10,15 @@ const PLASTIC: f64 = 1.324_717_957_244_746;
 
 /// The points of a map.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Plane {
+pub struct MapPlane {
     ranges: [(f64, f64); 2],
     points: MapPoints,
 }
 
-impl Plane {
+impl MapPlane {
     /// The plane of a `map` section.
-    pub fn new<X: PlaneAxis, S>(map: &Map<X, S>) -> Plane {
-        Plane {
+    pub fn new<X: PlaneAxis, S>(map: &Map<X, S>) -> MapPlane {
+        MapPlane {
             ranges: [map.first.range(), map.second.range()],
             points: map.points,
         }
@@ -123,9 +123,9 @@ mod tests {
     use crate::problem::{MapAxis, Start};
     use crate::tube::model::Parameter;
 
-    fn plane(points: MapPoints) -> Plane {
+    fn plane(points: MapPoints) -> MapPlane {
         let axis = |parameter, range| MapAxis { parameter, range };
-        Plane::new(&Map {
+        MapPlane::new(&Map {
             first: axis(Parameter::Friction, (0.1, 0.7)),
             second: axis(Parameter::Mismatch, (0.004, 0.2)),
             points,

@@ -5,17 +5,17 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::cell::{Cell, CellPoint, Missing};
 use super::lattice::Lattice;
-use super::line::{Hit, Line, Met};
-use super::plane::Plane;
+use super::line::{Hit, MapLine, Met};
+use super::plane::MapPlane;
 use crate::branch::run::RunError;
 use crate::problem::{Map, Problem, Start, Toward};
-use crate::tube::stability::spectrum::Request;
+use crate::tube::stability::spectrum::SpectrumRequest;
 
 /// The rows of a map, any of which can be computed by itself.
 pub struct Rows<'a> {
     problem: &'a Problem,
     map: &'a Map,
-    plane: Plane,
+    plane: MapPlane,
     lattice: Lattice<'a>,
 }
 
@@ -37,7 +37,7 @@ impl<'a> Rows<'a> {
         map: &'a Map,
         watch: &mut dyn FnMut(usize),
     ) -> Result<Rows<'a>, RunError> {
-        let plane = Plane::new(map);
+        let plane = MapPlane::new(map);
         Ok(Rows {
             problem,
             map,
@@ -59,14 +59,14 @@ impl<'a> Rows<'a> {
     }
 
     /// The line through points of the same first parameter.
-    fn line(&self, first: f64, values: Vec<f64>) -> Line<'a> {
-        Line {
+    fn line(&self, first: f64, values: Vec<f64>) -> MapLine<'a> {
+        MapLine {
             problem: self.problem,
             along: self.map.second,
             across: (self.map.first.parameter, first),
             values,
             // of the spectrum a map keeps the leading eigenvalue and the count
-            request: self.problem.request().map(|request| Request {
+            request: self.problem.request().map(|request| SpectrumRequest {
                 eigenvalues: 1,
                 ..request
             }),

@@ -1,10 +1,10 @@
 //! Motions that begin at random at each of the values of a parameter: how large a share of them comes to which attractor.
 
 use super::attractors::Attractors;
-use super::motion::{Mark, Motions, Outcome, Settled, SettledOrbit, fitting};
+use super::motion::{MotionOutcome, Motions, OrbitMark, Settled, SettledOrbit, fitting};
 use crate::affine::motion::{Motion, Place};
 use crate::affine::system::Ordered;
-use crate::hybrid::NoStart;
+use crate::hybrid::NoFirstPoint;
 use crate::hybrid::scan::{Stream, random};
 use crate::problem::{BeginningSection, Shares, SystemProblem};
 
@@ -40,7 +40,7 @@ impl<'a> Draws<'a> {
     }
 
     /// The motions at a value, in the order of their numbers, as the row of a map.
-    pub fn row(&self, value: usize) -> Vec<Outcome> {
+    pub fn row(&self, value: usize) -> Vec<MotionOutcome> {
         let asked = self.problem.stability.is_some();
         let draws = 0..self.shares.draws;
         let outcomes = draws.map(|draw| {
@@ -49,11 +49,11 @@ impl<'a> Draws<'a> {
                 Ok((found, orbit)) => (found, Some(orbit)),
                 Err(reason) => (Settled::Nothing(reason), None),
             };
-            Outcome {
+            MotionOutcome {
                 row: value,
                 column: draw,
                 start: 1,
-                mark: Mark::of(&found, orbit.as_ref()),
+                mark: OrbitMark::of(&found, orbit.as_ref()),
                 found,
                 parameters: self.values(value),
             }
@@ -102,11 +102,11 @@ impl<'a> Draws<'a> {
         value: usize,
         draw: usize,
         asked: bool,
-    ) -> Result<(Settled, SettledOrbit), NoStart> {
+    ) -> Result<(Settled, SettledOrbit), NoFirstPoint> {
         let values = self.values(value);
         // where the system has no meaning the motion says so
         let begun = match self.problem.system.at(&values, &[]) {
-            Ok(_) => self.begun(&values, draw).ok_or(NoStart::Unknown)?,
+            Ok(_) => self.begun(&values, draw).ok_or(NoFirstPoint::Unknown)?,
             Err(_) => self.start.clone(),
         };
         self.motions.settled(&begun, &values, asked)

@@ -64,20 +64,20 @@ impl<O: Told> Display for orbit::special::Change<O> {
     }
 }
 
-impl<O: Orbit> Display for orbit::special::Refusal<O> {
+impl<O: Orbit> Display for orbit::special::OrbitRefusal<O> {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        use orbit::special::Refusal;
+        use orbit::special::OrbitRefusal;
         match self {
-            Refusal::Flow(error) => error.fmt(f),
-            Refusal::Inadmissible(reason) => reason.fmt(f),
-            Refusal::NotFound => {
+            OrbitRefusal::Flow(error) => error.fmt(f),
+            OrbitRefusal::Inadmissible(reason) => reason.fmt(f),
+            OrbitRefusal::NotFound => {
                 f.write_str("a fold or a user point inside the step was not found")
             }
-            Refusal::NotLocated(count) => write!(
+            OrbitRefusal::NotLocated(count) => write!(
                 f,
                 "{count} inequalities fail within the step and none is located"
             ),
-            Refusal::Uncertain {
+            OrbitRefusal::Uncertain {
                 parameter,
                 value,
                 error,
@@ -86,22 +86,22 @@ impl<O: Orbit> Display for orbit::special::Refusal<O> {
                 "what happens near {} = {value:.6} is known to {error:.0e} only",
                 O::column(parameter)
             ),
-            Refusal::Order => f.write_str("the order of two events is not resolved"),
-            Refusal::NoSolution => {
+            OrbitRefusal::Order => f.write_str("the order of two events is not resolved"),
+            OrbitRefusal::NoSolution => {
                 f.write_str("the orbit of the event does not solve its equations")
             }
         }
     }
 }
 
-impl<O: Orbit> Display for orbit::special::Stop<O> {
+impl<O: Orbit> Display for orbit::special::BranchStop<O> {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        use orbit::special::Stop;
+        use orbit::special::BranchStop;
         match self {
-            Stop::NoSignature => {
+            BranchStop::NoSignature => {
                 f.write_str("no sequence of regimes solves the equations beyond this event")
             }
-            Stop::NoneAdmissible(tried) => {
+            BranchStop::NoneAdmissible(tried) => {
                 f.write_str("no admissible signature continues beyond this event; tried ")?;
                 let (no_solutions, refused): (Vec<_>, Vec<_>) =
                     tried.iter().partition(|tried| tried.is_no_solution());
@@ -120,7 +120,7 @@ impl<O: Orbit> Display for orbit::special::Stop<O> {
                     list(&signatures, ", ")
                 )
             }
-            Stop::Converges {
+            BranchStop::Converges {
                 kind,
                 changes,
                 ratio,
@@ -133,8 +133,8 @@ impl<O: Orbit> Display for orbit::special::Stop<O> {
                  their values fall by {ratio:.3} from one to the next; they converge at {} = {limit:.9} ± {error:.0e}",
                 O::column(parameter)
             ),
-            Stop::Flow(error) => error.fmt(f),
-            Stop::Own(stop) => stop.fmt(f),
+            BranchStop::Flow(error) => error.fmt(f),
+            BranchStop::Own(stop) => stop.fmt(f),
         }
     }
 }
@@ -174,12 +174,12 @@ impl<R: Display, E: Display> Display for End<R, E> {
     }
 }
 
-impl<O: Orbit> Display for orbit::special::Failure<O> {
+impl<O: Orbit> Display for orbit::special::BranchFailure<O> {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        use orbit::special::Failure;
+        use orbit::special::BranchFailure;
         match self {
-            Failure::Ended(end) => end.fmt(f),
-            Failure::NoLeg(reason) => reason.fmt(f),
+            BranchFailure::Ended(end) => end.fmt(f),
+            BranchFailure::NoLeg(reason) => reason.fmt(f),
         }
     }
 }

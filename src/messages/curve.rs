@@ -110,17 +110,17 @@ impl Display for Gone {
     }
 }
 
-impl Display for curve::Name {
+impl Display for curve::RegionName {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         match self {
-            curve::Name::Pair { grows: true } => f.write_str("the pair grows"),
-            curve::Name::Pair { grows: false } => f.write_str("the pair decays"),
-            curve::Name::Outside(0) | curve::Name::Growing(0) => f.write_str("stable"),
-            curve::Name::Growing(1) => f.write_str("1 eigenvalue grows"),
-            curve::Name::Growing(count) => write!(f, "{count} eigenvalues grow"),
-            curve::Name::Outside(1) => f.write_str("1 multiplier outside"),
-            curve::Name::Outside(count) => write!(f, "{count} multipliers outside"),
-            curve::Name::Orbits { count, regimes } => {
+            curve::RegionName::Pair { grows: true } => f.write_str("the pair grows"),
+            curve::RegionName::Pair { grows: false } => f.write_str("the pair decays"),
+            curve::RegionName::Outside(0) | curve::RegionName::Growing(0) => f.write_str("stable"),
+            curve::RegionName::Growing(1) => f.write_str("1 eigenvalue grows"),
+            curve::RegionName::Growing(count) => write!(f, "{count} eigenvalues grow"),
+            curve::RegionName::Outside(1) => f.write_str("1 multiplier outside"),
+            curve::RegionName::Outside(count) => write!(f, "{count} multipliers outside"),
+            curve::RegionName::Orbits { count, regimes } => {
                 match count {
                     None => {}
                     Some((count, orbits)) => write!(f, "{count} {orbits} ")?,
@@ -131,27 +131,29 @@ impl Display for curve::Name {
     }
 }
 
-impl<P: curve::Plane> Display for curve::Refusal<P> {
+impl<P: curve::ParameterPlane> Display for curve::CurveRefusal<P> {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         match self {
-            curve::Refusal::Flow(error) => error.fmt(f),
-            curve::Refusal::Posed => f.write_str("an inequality fails as soon as it is posed"),
-            curve::Refusal::NotLocated => f.write_str("a point of codimension two was not located"),
-            curve::Refusal::Gone(gone) => gone.fmt(f),
+            curve::CurveRefusal::Flow(error) => error.fmt(f),
+            curve::CurveRefusal::Posed => f.write_str("an inequality fails as soon as it is posed"),
+            curve::CurveRefusal::NotLocated => {
+                f.write_str("a point of codimension two was not located")
+            }
+            curve::CurveRefusal::Gone(gone) => gone.fmt(f),
         }
     }
 }
 
-impl<P: curve::Plane> Display for curve::Reason<P> {
+impl<P: curve::ParameterPlane> Display for curve::CurveEndReason<P> {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         match self {
-            curve::Reason::There | curve::Reason::Unknown => Ok(()),
-            curve::Reason::Gone(gone) => gone.fmt(f),
-            curve::Reason::Closed => f.write_str("the curve closes on its start"),
-            curve::Reason::MaxPoints { most } => {
+            curve::CurveEndReason::There | curve::CurveEndReason::Unknown => Ok(()),
+            curve::CurveEndReason::Gone(gone) => gone.fmt(f),
+            curve::CurveEndReason::Closed => f.write_str("the curve closes on its start"),
+            curve::CurveEndReason::MaxPoints { most } => {
                 write!(f, "`max_points`, {most} in either direction, are reached")
             }
-            curve::Reason::Creeps {
+            curve::CurveEndReason::Creeps {
                 steps,
                 longest,
                 beside: (zone, length),
@@ -160,12 +162,12 @@ impl<P: curve::Plane> Display for curve::Reason<P> {
                 "the last {steps} steps are all shorter than {longest:.0e}: Newton's method hardly \
                  converges beside a {zone} zone of length {length:.1e}"
             ),
-            curve::Reason::Stands { points, moved } => write!(
+            curve::CurveEndReason::Stands { points, moved } => write!(
                 f,
                 "over the last {points} points the parameters move by no more than {moved:.0e} of their ranges: its steps \
                  do not lead on"
             ),
-            curve::Reason::NoStep { ds_min, reason } => {
+            curve::CurveEndReason::NoStep { ds_min, reason } => {
                 write!(
                     f,
                     "no step of at least ds_min = {ds_min:e} succeeds: {reason}"

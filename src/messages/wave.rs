@@ -4,14 +4,14 @@ use std::fmt::{self, Display, Formatter};
 
 use super::branch::Told;
 use super::{list, near_zero};
-use crate::branch::Reason;
-use crate::branch::special::{Change, Inadmissible, Note, OfWaves, WaveMargin, WaveStop};
+use crate::branch::VerdictReason;
+use crate::branch::special::{Change, InadmissibleWave, OfWaves, WaveMargin, WaveNote, WaveStop};
 use crate::orbit::EventType;
 use crate::tube::model::signature::Regime;
 use crate::tube::model::{Impact, Landing};
 use crate::tube::stability::track::Remark;
 use crate::tube::wave::Wave;
-use crate::tube::wave::admissibility::Watch;
+use crate::tube::wave::admissibility::WaveWatch;
 
 /// What is left of a wave where D = 0.
 const D_ZERO: &str = "D = 0: nothing drives a wave here; what is left is steady sliding with a linear wave \
@@ -75,7 +75,7 @@ impl Told for Wave {
     fn event(change: &Change) -> String {
         let regime = change.before.zone(change.margin.zone).regime;
         let name = regime.name();
-        let closes = change.margin.watch == Watch::Duration;
+        let closes = change.margin.watch == WaveWatch::Duration;
         match change.kind {
             EventType::GR if closes => "the separation zone closes".into(),
             EventType::GR => {
@@ -94,12 +94,14 @@ impl Told for Wave {
                 }
             }
             _ => match change.margin.watch {
-                Watch::Gap => "the separated surface touches the shaft".into(),
-                Watch::Rate => format!("V̇ = 1 is touched inside a {name} zone"),
-                Watch::LandingRate => "landing passes through V̇ = 1".into(),
-                Watch::LandingPressure => "the pressure after landing reaches zero".into(),
-                Watch::Tension => "the tension after a touch reaches zero: contact begins".into(),
-                Watch::Impulse => "the impulse of landing no longer arrests the surface".into(),
+                WaveWatch::Gap => "the separated surface touches the shaft".into(),
+                WaveWatch::Rate => format!("V̇ = 1 is touched inside a {name} zone"),
+                WaveWatch::LandingRate => "landing passes through V̇ = 1".into(),
+                WaveWatch::LandingPressure => "the pressure after landing reaches zero".into(),
+                WaveWatch::Tension => {
+                    "the tension after a touch reaches zero: contact begins".into()
+                }
+                WaveWatch::Impulse => "the impulse of landing no longer arrests the surface".into(),
                 _ => "two switching points coalesce".into(),
             },
         }
@@ -134,30 +136,32 @@ impl Display for Remark {
     }
 }
 
-impl Display for Inadmissible {
+impl Display for InadmissibleWave {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        let Inadmissible::Margin {
+        let InadmissibleWave::Margin {
             regime,
             watch,
             value,
         } = self
         else {
             return f.write_str(match self {
-                Inadmissible::Undecided => "an inequality is closer to zero than rounding can tell",
+                InadmissibleWave::Undecided => {
+                    "an inequality is closer to zero than rounding can tell"
+                }
                 _ => "a switching condition is crossed the wrong way",
             });
         };
         let what = match watch {
-            Watch::Duration => "would have a negative length",
-            Watch::Pressure | Watch::LandingPressure => "would have a negative pressure",
-            Watch::Rate | Watch::LandingRate => "would pass through V̇ = 1",
-            Watch::Gap => "would penetrate the shaft",
-            Watch::LandingSpeed => "would land from below",
-            Watch::Tension => "would stay in contact",
-            Watch::LowerForce | Watch::UpperForce => "would violate the friction law",
-            Watch::Impulse => "would land with too small an impulse",
-            Watch::Release => "would be released into reverse slip",
-            Watch::Coupling => {
+            WaveWatch::Duration => "would have a negative length",
+            WaveWatch::Pressure | WaveWatch::LandingPressure => "would have a negative pressure",
+            WaveWatch::Rate | WaveWatch::LandingRate => "would pass through V̇ = 1",
+            WaveWatch::Gap => "would penetrate the shaft",
+            WaveWatch::LandingSpeed => "would land from below",
+            WaveWatch::Tension => "would stay in contact",
+            WaveWatch::LowerForce | WaveWatch::UpperForce => "would violate the friction law",
+            WaveWatch::Impulse => "would land with too small an impulse",
+            WaveWatch::Release => "would be released into reverse slip",
+            WaveWatch::Coupling => {
                 return f.write_str("D = 0 is passed: waves run in the direction of D");
             }
         };
@@ -202,53 +206,55 @@ impl Display for WaveMargin {
         let WaveMargin { regime, watch } = self;
         let regime = regime.name();
         match watch {
-            Watch::Duration => write!(f, "the length of a {regime} zone"),
-            Watch::Pressure => write!(f, "the least pressure in a {regime} zone"),
-            Watch::LandingPressure | Watch::Tension => f.write_str("the pressure after a landing"),
-            Watch::Rate => write!(f, "|1 − V̇| inside a {regime} zone"),
-            Watch::LandingRate => f.write_str("|1 − V̇| after a landing"),
-            Watch::Gap => f.write_str("the gap inside a separation zone"),
-            Watch::LandingSpeed => f.write_str("the speed of a landing"),
-            Watch::Impulse => f.write_str("what the impulse of a landing can arrest"),
-            Watch::LowerForce | Watch::UpperForce | Watch::Release => {
+            WaveWatch::Duration => write!(f, "the length of a {regime} zone"),
+            WaveWatch::Pressure => write!(f, "the least pressure in a {regime} zone"),
+            WaveWatch::LandingPressure | WaveWatch::Tension => {
+                f.write_str("the pressure after a landing")
+            }
+            WaveWatch::Rate => write!(f, "|1 − V̇| inside a {regime} zone"),
+            WaveWatch::LandingRate => f.write_str("|1 − V̇| after a landing"),
+            WaveWatch::Gap => f.write_str("the gap inside a separation zone"),
+            WaveWatch::LandingSpeed => f.write_str("the speed of a landing"),
+            WaveWatch::Impulse => f.write_str("what the impulse of a landing can arrest"),
+            WaveWatch::LowerForce | WaveWatch::UpperForce | WaveWatch::Release => {
                 f.write_str("the distance of the friction force from its limit")
             }
-            Watch::Coupling => f.write_str("D"),
+            WaveWatch::Coupling => f.write_str("D"),
         }
     }
 }
 
-impl Display for Note {
+impl Display for WaveNote {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         match self {
-            Note::CrossingLeftOut { parameter, value } => write!(
+            WaveNote::CrossingLeftOut { parameter, value } => write!(
                 f,
                 "{} = {value:.12}: the wave at a crossing of the imaginary axis before this point could \
                  not be examined, and the crossing is left out",
                 parameter.column()
             ),
-            Note::Spectrum {
+            WaveNote::Spectrum {
                 parameter,
                 value,
                 remark,
             } => write!(f, "{} = {value:.12}: {remark}", parameter.column()),
-            Note::Spent { points, allowance } => write!(
+            WaveNote::Spent { points, allowance } => write!(
                 f,
                 "after point {points}: {} at {:.0e} a run; take a smaller `max_frequency`, fewer \
                  sectors or fewer points",
-                Reason::Spent,
+                VerdictReason::Spent,
                 *allowance as f64
             ),
-            Note::Incomplete { point, reason } => write!(
+            WaveNote::Incomplete { point, reason } => write!(
                 f,
                 "point {point}: the spectrum is {reason}; see the column `why` for others"
             ),
-            Note::Close {
+            WaveNote::Close {
                 parameter,
                 value,
                 what,
             } => near_zero(f, parameter.column(), *value, what),
-            Note::NotConverged {
+            WaveNote::NotConverged {
                 point,
                 parameter,
                 value,

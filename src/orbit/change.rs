@@ -1,7 +1,7 @@
 //! The branch beyond a change of regime.
 
-use super::special::{Refusal, StepRefused, Stop, Tried};
-use super::{AtZero, Candidate, Examined, Orbit, Verdict};
+use super::special::{BranchStop, OrbitRefusal, StepRefused, Tried};
+use super::{AtZero, Candidate, Examined, Orbit, SignVerdict};
 use crate::continuation::Node;
 use crate::continuation::branching::Branching;
 use crate::continuation::walk::{self, Refused};
@@ -56,7 +56,7 @@ pub fn beyond<O: Orbit>(
         Err(error) => {
             search.refused.push(Tried {
                 signature: None,
-                reason: Refused::Curve(Refusal::Flow(error)),
+                reason: Refused::Curve(OrbitRefusal::Flow(error)),
             });
             return search;
         }
@@ -76,7 +76,7 @@ pub fn beyond<O: Orbit>(
             Err(reason) => {
                 let reason = match reason {
                     NotEntered::Refused(reason) => reason,
-                    NotEntered::NoSolution => Refused::Curve(Refusal::NoSolution),
+                    NotEntered::NoSolution => Refused::Curve(OrbitRefusal::NoSolution),
                 };
                 search.add_refused([Tried {
                     signature: Some(candidate.orbit.signature().clone()),
@@ -105,7 +105,7 @@ impl<O: Orbit> Search<O> {
 impl<O: Orbit> Tried<O> {
     /// Whether the orbit of the event does not solve its equations.
     pub fn is_no_solution(&self) -> bool {
-        matches!(self.reason, Refused::Curve(Refusal::NoSolution))
+        matches!(self.reason, Refused::Curve(OrbitRefusal::NoSolution))
     }
 }
 
@@ -525,13 +525,15 @@ fn enter_along<O: Orbit>(
     let entered = walk::enter(orbit, (node, signs), ds, tries, tolerance, |from, step| {
         let forwards = from.tangent == node.tangent;
         let refusal = match step.map(|to| orbit.examination(&to.point)) {
-            Ok(Ok(examination)) if examination.verdict() == Verdict::Positive => return Some(()),
+            Ok(Ok(examination)) if examination.verdict() == SignVerdict::Positive => {
+                return Some(());
+            }
             // what fails on the way back says nothing
             Ok(Ok(_)) if !forwards => return None,
             Ok(Ok(examination)) => {
-                Refused::Curve(Refusal::Inadmissible(orbit.inadmissible(&examination)))
+                Refused::Curve(OrbitRefusal::Inadmissible(orbit.inadmissible(&examination)))
             }
-            Ok(Err(error)) => Refused::Curve(Refusal::Flow(error)),
+            Ok(Err(error)) => Refused::Curve(OrbitRefusal::Flow(error)),
             Err(refusal) => Refused::Step(refusal),
         };
         refused = Err(NotEntered::Refused(refusal));
@@ -607,10 +609,10 @@ pub(super) fn ending<O: Orbit>(
     point: &Vector,
     margin: &O::Margin,
     refused: Vec<Tried<O>>,
-) -> Stop<O> {
+) -> BranchStop<O> {
     match orbit.ends_at(point, margin) {
-        Some(stop) => Stop::Own(stop),
-        None if refused.is_empty() => Stop::NoSignature,
-        None => Stop::NoneAdmissible(refused),
+        Some(stop) => BranchStop::Own(stop),
+        None if refused.is_empty() => BranchStop::NoSignature,
+        None => BranchStop::NoneAdmissible(refused),
     }
 }

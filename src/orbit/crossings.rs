@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 
-use super::located::{AT_ZERO, Event, Located, Step};
+use super::located::{AT_ZERO, BranchEvent, LocatedEvent, Step};
 use super::{Examined, Growth, Orbit, uncertainty};
 use crate::continuation::Node;
 use crate::continuation::locate::{self, Place};
@@ -21,22 +21,26 @@ pub(super) fn outside(examination: &impl Examined) -> Option<usize> {
 /// A point where the number of multipliers outside the unit circle is told. Between two such points there may be others
 /// where rounding decides, and among them one where it changes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Told {
+pub struct OutsideCount {
     /// The number.
     outside: usize,
     /// The parameter there.
     value: f64,
 }
 
-impl Told {
-    pub(super) fn at(value: f64, examination: &impl Examined) -> Option<Told> {
+impl OutsideCount {
+    pub(super) fn at(value: f64, examination: &impl Examined) -> Option<OutsideCount> {
         let outside = outside(examination)?;
-        Some(Told { outside, value })
+        Some(OutsideCount { outside, value })
     }
 
     /// A change since then that is told at the end of a step, and not at its beginning.
-    pub(super) fn unseen<O: Orbit>(self, orbit: &O, step: &Step<O>) -> Option<(Place, Located<O>)> {
-        let there = Told::at(orbit.value_at(&step.to.point), step.after)?;
+    pub(super) fn unseen<O: Orbit>(
+        self,
+        orbit: &O,
+        step: &Step<O>,
+    ) -> Option<(Place, LocatedEvent<O>)> {
+        let there = OutsideCount::at(orbit.value_at(&step.to.point), step.after)?;
         let hidden = outside(step.before).is_none() && there.outside != self.outside;
         hidden.then(|| {
             let ends = [(self.outside, self.value), (there.outside, there.value)];
@@ -50,17 +54,22 @@ impl Told {
 const AT_EVENT: f64 = 1e-3;
 
 /// What is seen of the stability at a place within a step.
-struct Seen {
+struct SeenStability {
     s: f64,
     tests: Vec<f64>,
     growths: Option<Vec<Growth>>,
 }
 
-impl Seen {
-    fn new<O: Orbit>(orbit: &O, s: f64, node: &Node, examination: &O::Examination) -> Seen {
+impl SeenStability {
+    fn new<O: Orbit>(
+        orbit: &O,
+        s: f64,
+        node: &Node,
+        examination: &O::Examination,
+    ) -> SeenStability {
         let tests = examination.tests().iter().enumerate();
         let across = tests.map(|(index, value)| orbit.across_folds(index, *value, node));
-        Seen {
+        SeenStability {
             s,
             tests: across.collect(),
             growths: examination.growths(),
@@ -68,10 +77,10 @@ impl Seen {
     }
 
     /// At an arclength; `None` where there is no orbit.
-    fn at<O: Orbit>(orbit: &O, step: &Step<O>, s: f64) -> Option<Seen> {
+    fn at<O: Orbit>(orbit: &O, step: &Step<O>, s: f64) -> Option<SeenStability> {
         let node = locate::node_at(orbit, step.from, s, step.steps.tolerance)?;
         let examination = orbit.examination(&node.point).ok()?;
-        Some(Seen::new(orbit, s, &node, &examination))
+        Some(SeenStability::new(orbit, s, &node, &examination))
     }
 
     /// How many multipliers are outside the unit circle, by their values.
@@ -81,8 +90,8 @@ impl Seen {
     }
 
     /// How many more are outside at another place; `None` where rounding decides.
-    fn change(&self, other: &Seen) -> Option<i64> {
-        let numbers = |one: &Seen| {
+    fn change(&self, other: &SeenStability) -> Option<i64> {
+        let numbers = |one: &SeenStability| {
             let growths = one.growths.as_ref()?;
             let sure = growths.iter().filter(|one| one.told && one.log > 0.0);
             let least = sure.count();
@@ -109,23 +118,23 @@ impl Seen {
 pub(super) fn crossings<O: Orbit>(
     orbit: &O,
     step: &Step<O>,
-    changes: &[(Place, Located<O>)],
+    changes: &[(Place, LocatedEvent<O>)],
     fold: Option<f64>,
-) -> Option<Vec<(Place, Located<O>)>> {
+) -> Option<Vec<(Place, LocatedEvent<O>)>> {
     if step.before.tests().is_empty() {
         return Some(Vec::new());
     }
-    let mut low = Seen::new(orbit, 0.0, step.from, step.before);
-    let mut high = Seen::new(orbit, step.ds, step.to, step.after);
+    let mut low = SeenStability::new(orbit, 0.0, step.from, step.before);
+    let mut high = SeenStability::new(orbit, step.ds, step.to, step.after);
     let change = changes.iter().map(|(place, _)| place.s);
     let change = change.fold(f64::INFINITY, f64::min);
     let trimmed = AT_EVENT * change.min(step.ds);
     let mut margins = step.before.margins().iter();
     if margins.any(|margin| O::value(margin) <= AT_ZERO) {
-        low = Seen::at(orbit, step, trimmed)?;
+        low = SeenStability::at(orbit, step, trimmed)?;
     }
     if change.is_finite() {
-        high = Seen::at(orbit, step, change - trimmed)?;
+        high = SeenStability::at(orbit, step, change - trimmed)?;
     }
     if low.s >= high.s {
         return Some(Vec::new());
@@ -139,8 +148,8 @@ pub(super) fn crossings<O: Orbit>(
 fn signs<O: Orbit>(
     orbit: &O,
     step: &Step<O>,
-    [low, high]: [&Seen; 2],
-) -> Option<Vec<(Place, Located<O>)>> {
+    [low, high]: [&SeenStability; 2],
+) -> Option<Vec<(Place, LocatedEvent<O>)>> {
     let tolerance = step.steps.tolerance;
     let mut located = Vec::new();
     for (index, (&before, &after)) in low.tests.iter().zip(&high.tests).enumerate() {
@@ -181,8 +190,8 @@ fn signs<O: Orbit>(
         if rounding > (moved[0] + moved[1]) * orbit.unit().abs() {
             continue;
         }
-        let located_there = Located {
-            event: Event::Crossing(index),
+        let located_there = LocatedEvent {
+            event: BranchEvent::Crossing(index),
             // the place itself is known to the last bracket
             uncertainty: rounding + small.1 * orbit.unit().abs(),
         };
@@ -192,19 +201,19 @@ fn signs<O: Orbit>(
 }
 
 /// An arclength, and what happens there.
-type Gathered<O> = (f64, Vec<(Place, Located<O>)>);
+type Gathered<O> = (f64, Vec<(Place, LocatedEvent<O>)>);
 
 /// What the number of multipliers outside the unit circle says: crossings at which it does not change are none, and where
 /// it changes without one there is one more.
 fn counted<O: Orbit>(
     orbit: &O,
     step: &Step<O>,
-    [low, high]: [Seen; 2],
+    [low, high]: [SeenStability; 2],
     fold: Option<f64>,
-    signs: Vec<(Place, Located<O>)>,
-) -> Option<Vec<(Place, Located<O>)>> {
-    let number = |located: &Located<O>| match located.event {
-        Event::Crossing(test) => O::passed_by(test),
+    signs: Vec<(Place, LocatedEvent<O>)>,
+) -> Option<Vec<(Place, LocatedEvent<O>)>> {
+    let number = |located: &LocatedEvent<O>| match located.event {
+        BranchEvent::Crossing(test) => O::passed_by(test),
         _ => 0,
     };
     // what is known needs no second look
@@ -236,8 +245,8 @@ fn counted<O: Orbit>(
     let mut found = Vec::new();
     let mut from = Some(low);
     for ((s, events), beside) in places.into_iter().zip(ends.windows(3)) {
-        let before = Seen::at(orbit, step, s - AT_EVENT * (s - beside[0]));
-        let after = Seen::at(orbit, step, s + AT_EVENT * (beside[2] - s));
+        let before = SeenStability::at(orbit, step, s - AT_EVENT * (s - beside[0]));
+        let after = SeenStability::at(orbit, step, s + AT_EVENT * (beside[2] - s));
         found.extend(uncounted(orbit, step, from.as_ref(), before.as_ref())?);
         let both = before.as_ref().zip(after.as_ref());
         let change = both.and_then(|(before, after)| before.change(after));
@@ -245,12 +254,14 @@ fn counted<O: Orbit>(
         let folds = fold.is_some_and(|fold| (fold - s).abs() <= step.at_once());
         match (change.map(i64::unsigned_abs), both) {
             (Some(passing), Some((before, after))) if !folds && passing != seen => {
-                let event = Event::Passing {
+                let event = BranchEvent::Passing {
                     outside: [before.outside(), after.outside()],
                     between: None,
                 };
                 let first = events.into_iter().next().filter(|_| passing > 0);
-                found.extend(first.map(|(place, located)| (place, Located { event, ..located })));
+                found.extend(
+                    first.map(|(place, located)| (place, LocatedEvent { event, ..located })),
+                );
             }
             _ => found.extend(events),
         }
@@ -265,9 +276,9 @@ fn counted<O: Orbit>(
 fn uncounted<O: Orbit>(
     orbit: &O,
     step: &Step<O>,
-    low: Option<&Seen>,
-    high: Option<&Seen>,
-) -> Option<Vec<(Place, Located<O>)>> {
+    low: Option<&SeenStability>,
+    high: Option<&SeenStability>,
+) -> Option<Vec<(Place, LocatedEvent<O>)>> {
     let both = low.zip(high);
     let Some((low, high)) = both.filter(|(low, high)| low.change(high).is_some_and(|by| by != 0))
     else {
@@ -286,9 +297,9 @@ fn uncounted<O: Orbit>(
 fn within_step<O: Orbit>(
     orbit: &O,
     step: &Step<O>,
-    ends: [&Seen; 2],
+    ends: [&SeenStability; 2],
     node: &Node,
-) -> (Place, Located<O>) {
+) -> (Place, LocatedEvent<O>) {
     let [from, to] = [step.from, step.to].map(|node| orbit.value_at(&node.point));
     let value = |s: f64| from + s / step.ds * (to - from);
     let s = ends[1].s;
@@ -296,15 +307,15 @@ fn within_step<O: Orbit>(
 }
 
 /// A change of the number between two values of the parameter, told at a node this far along a step.
-fn unlocated<O: Orbit>(ends: [(usize, f64); 2], s: f64, node: &Node) -> (Place, Located<O>) {
+fn unlocated<O: Orbit>(ends: [(usize, f64); 2], s: f64, node: &Node) -> (Place, LocatedEvent<O>) {
     let between = ends.map(|(_, value)| value);
     let place = Place {
         s,
         node: node.clone(),
         blur: 0.0,
     };
-    let located = Located {
-        event: Event::Passing {
+    let located = LocatedEvent {
+        event: BranchEvent::Passing {
             outside: ends.map(|(outside, _)| outside),
             between: Some(between),
         },
@@ -325,9 +336,9 @@ const WIDTHS: [f64; 3] = [4.0 * f64::EPSILON, 1e-10, 1e-7];
 fn passings<O: Orbit>(
     orbit: &O,
     step: &Step<O>,
-    low: &Seen,
-    high: &Seen,
-    found: &mut Vec<(Place, Located<O>)>,
+    low: &SeenStability,
+    high: &SeenStability,
+    found: &mut Vec<(Place, LocatedEvent<O>)>,
 ) -> Option<()> {
     let outside = [low.outside(), high.outside()];
     let [before, after] = outside;
@@ -340,7 +351,7 @@ fn passings<O: Orbit>(
     let mut value = |node: &Node| {
         let s = step.from.tangent.dot(&(&node.point - &step.from.point));
         let examination = orbit.examination(&node.point).ok()?;
-        let there = Seen::new(orbit, s, node, &examination);
+        let there = SeenStability::new(orbit, s, node, &examination);
         let mean = there.mean(&ranks);
         seen = Some(there);
         mean
@@ -357,17 +368,14 @@ fn passings<O: Orbit>(
     // each of them passes where its own growth is zero
     let off = passing.iter().map(|one| one.error + one.log.abs());
     let error = off.fold(0.0, f64::max);
-    let together = passing
-        .iter()
-        .all(|one| one.log.abs() <= PASS_TOGETHER + one.error);
+    let passes = |one: &Growth| one.log.abs() <= PASS_TOGETHER + one.error;
     let between = there.outside();
-    if !together {
+    if !passing.iter().all(passes) {
         if between == before || between == after {
             // they jump from one side to the other
-            let ends = if between == before {
-                [&there, high]
-            } else {
-                [low, &there]
+            let ends = match between == before {
+                true => [&there, high],
+                false => [low, &there],
             };
             found.push(within_step(orbit, step, ends, &place.node));
             return Some(());
@@ -383,11 +391,10 @@ fn passings<O: Orbit>(
     let slope = (ends.1.1 - ends.0.1).abs() / (high.s - low.s);
     let blur = place.node.tangent[last].abs() * (error / slope + width) * orbit.unit().abs();
     let rounding = uncertainty(orbit, &mut plane, &place);
-    // where branches cross the equations are singular
-    let moved = (step.to.point[last] - step.from.point[last]).abs() * orbit.unit().abs();
-    let rounding = if rounding <= moved { rounding } else { moved };
-    let located = Located {
-        event: Event::Passing {
+    // where branches cross the equations are singular: no more than the step
+    let rounding = rounding.min(moved(orbit, step));
+    let located = LocatedEvent {
+        event: BranchEvent::Passing {
             outside,
             between: None,
         },
@@ -395,4 +402,10 @@ fn passings<O: Orbit>(
     };
     found.push((place, located));
     Some(())
+}
+
+/// How far the parameter moves within a step.
+fn moved<O: Orbit>(orbit: &O, step: &Step<O>) -> f64 {
+    let last = step.to.point.len() - 1;
+    (step.to.point[last] - step.from.point[last]).abs() * orbit.unit().abs()
 }

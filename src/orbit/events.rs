@@ -1,15 +1,15 @@
 //! What happens within a step of a branch: where it is, and how well that is known.
 
-use super::crossings::{Told, crossings};
-use super::located::{AT_ZERO, Event, Located, Step};
+use super::crossings::{OutsideCount, crossings};
+use super::located::{AT_ZERO, BranchEvent, LocatedEvent, Step};
 use super::monitor::{self, MonitorStop};
-use super::special::{Close, Refusal};
-use super::{AtZero, Examined, Orbit, Shrinking, Verdict, find, paired, retrace, uncertainty};
+use super::special::{Close, OrbitRefusal};
+use super::{AtZero, Examined, Orbit, Shrinking, SignVerdict, find, paired, retrace, uncertainty};
 use crate::continuation::arclength::{self, Node};
 use crate::continuation::locate::{self, LeastWithin, Place, Target};
-use crate::continuation::newton::{self, Constraint, Plane};
+use crate::continuation::newton::{self, Plane};
 use crate::continuation::walk::Within;
-use crate::linalg::{Matrix, Vector, pseudo_inverse};
+use crate::linalg::Vector;
 
 /// A tangent whose parameter component is below this does not tell a direction.
 const VERTICAL: f64 = 1e-7;
@@ -80,13 +80,16 @@ const BELOW_ROUNDING: f64 = 100.0;
 pub(super) fn within<O: Orbit>(
     orbit: &O,
     step: &Step<O>,
-    located: &[(Place, Located<O>)],
+    located: &[(Place, LocatedEvent<O>)],
 ) -> Within<Close<O::Held>> {
     let tolerance = step.steps.tolerance;
-    let ends = |event: &Event<O>| {
+    let ends = |event: &BranchEvent<O>| {
         matches!(
             event,
-            Event::Change(_) | Event::Edge(_) | Event::Image(..) | Event::Shrinks(..)
+            BranchEvent::Change(_)
+                | BranchEvent::Edge(_)
+                | BranchEvent::Image(..)
+                | BranchEvent::Shrinks(..)
         )
     };
     let mut ends = located.iter().filter(|(_, located)| ends(&located.event));
@@ -190,25 +193,26 @@ pub(super) fn located<O: Orbit>(
     orbit: &O,
     range: (f64, f64),
     (stop_at, monitors): (&[f64], &[MonitorStop]),
-    told: Option<Told>,
+    told: Option<OutsideCount>,
     step: &Step<O>,
-) -> Result<Vec<(Place, Located<O>)>, Refusal<O>> {
+) -> Result<Vec<(Place, LocatedEvent<O>)>, OrbitRefusal<O>> {
     if let Some(shrinks) = shrinks(orbit, range, stop_at, step) {
         return shrinks;
     }
-    let fold = fold(orbit, step).ok_or(Refusal::NotFound)?;
-    let targets = targets(orbit, range, stop_at, step, fold.as_ref()).ok_or(Refusal::NotFound)?;
+    let fold = fold(orbit, step).ok_or(OrbitRefusal::NotFound)?;
+    let targets =
+        targets(orbit, range, stop_at, step, fold.as_ref()).ok_or(OrbitRefusal::NotFound)?;
     let changes = changes(orbit, step)?;
     // where a zone closes, or a guard is met at no speed that is squared in the equations, the parameter is stationary
     // along the arc: that is the event itself
-    let apart = |fold: &(Place, Located<O>)| {
+    let apart = |fold: &(Place, LocatedEvent<O>)| {
         let value = |place: &Place| orbit.value_at(&place.node.point);
         changes.iter().all(|(place, change)| {
             let rounding = change.uncertainty + fold.1.uncertainty;
             let same = (value(place) - value(&fold.0)).abs() <= rounding;
             let stationary = || {
                 let grazes = match (&change.event, &fold.1.event) {
-                    (Event::Change(margin), Event::Fold) => O::grazes(margin),
+                    (BranchEvent::Change(margin), BranchEvent::Fold) => O::grazes(margin),
                     _ => false,
                 };
                 grazes || orbit.closes(&place.node.point)
@@ -218,18 +222,18 @@ pub(super) fn located<O: Orbit>(
     };
     let turns = fold.as_ref().map(|(place, _)| place.s);
     let fold = fold.filter(&apart);
-    let crossings = crossings(orbit, step, &changes, turns).ok_or(Refusal::NotFound)?;
+    let crossings = crossings(orbit, step, &changes, turns).ok_or(OrbitRefusal::NotFound)?;
     // a loss of symmetry is seen as a fold and as a crossing
-    let seen = |(place, located): &(Place, Located<O>)| match (&fold, &located.event) {
+    let seen = |(place, located): &(Place, LocatedEvent<O>)| match (&fold, &located.event) {
         (
             Some((
                 _,
-                Located {
-                    event: Event::Image(special, _),
+                LocatedEvent {
+                    event: BranchEvent::Image(special, _),
                     ..
                 },
             )),
-            Event::Crossing(test),
+            BranchEvent::Crossing(test),
         ) => orbit.crossing(*test, &place.node).as_ref() == Some(special),
         _ => false,
     };
@@ -239,24 +243,8 @@ pub(super) fn located<O: Orbit>(
         .collect();
     // where a branch meets the middle of another one its parameter is stationary, and that is no fold
     let fold = fold.filter(|fold| !crossings.iter().any(|one| is_turn(orbit, step, fold, one)));
-    // where branches cross the equations are singular: changes of stability are told with any error, since shorter
-    // steps only come nearer
-    for (place, Located { event, uncertainty }) in fold.iter().chain(&changes) {
-        if matches!(event, Event::Image(..)) {
-            continue;
-        }
-        let value = orbit.value_at(&place.node.point);
-        let unit = orbit.unit().abs().max(value.abs());
-        let most = UNCERTAIN.max(MOST_UNCERTAIN * step.steps.tolerance) * unit;
-        if uncertainty.is_nan() || *uncertainty > most {
-            return Err(Refusal::Uncertain {
-                parameter: orbit.parameter(),
-                value,
-                error: *uncertainty,
-            });
-        }
-    }
-    let monitors = at_monitors(orbit, monitors, step, &changes).ok_or(Refusal::NotFound)?;
+    check_uncertainty(orbit, step, fold.iter().chain(&changes))?;
+    let monitors = at_monitors(orbit, monitors, step, &changes).ok_or(OrbitRefusal::NotFound)?;
     let nothing = fold.is_none() && changes.is_empty() && crossings.is_empty();
     let unseen = told
         .filter(|_| nothing)
@@ -266,14 +254,39 @@ pub(super) fn located<O: Orbit>(
     Ok(all.chain(unseen).collect())
 }
 
+/// Refuses a step with a fold or a change that is known too badly. Where branches cross the equations are singular: changes of
+/// stability are told with any error, since shorter steps only come nearer.
+fn check_uncertainty<'a, O: Orbit + 'a>(
+    orbit: &O,
+    step: &Step<O>,
+    located: impl Iterator<Item = &'a (Place, LocatedEvent<O>)>,
+) -> Result<(), OrbitRefusal<O>> {
+    for (place, LocatedEvent { event, uncertainty }) in located {
+        if matches!(event, BranchEvent::Image(..)) {
+            continue;
+        }
+        let value = orbit.value_at(&place.node.point);
+        let unit = orbit.unit().abs().max(value.abs());
+        let most = UNCERTAIN.max(MOST_UNCERTAIN * step.steps.tolerance) * unit;
+        if uncertainty.is_nan() || *uncertainty > most {
+            return Err(OrbitRefusal::Uncertain {
+                parameter: orbit.parameter(),
+                value,
+                error: *uncertainty,
+            });
+        }
+    }
+    Ok(())
+}
+
 /// Whether a fold is a crossing of branches at which the parameter is stationary.
 fn is_turn<O: Orbit>(
     orbit: &O,
     step: &Step<O>,
-    fold: &(Place, Located<O>),
-    (place, located): &(Place, Located<O>),
+    fold: &(Place, LocatedEvent<O>),
+    (place, located): &(Place, LocatedEvent<O>),
 ) -> bool {
-    let Event::Crossing(test) = located.event else {
+    let BranchEvent::Crossing(test) = located.event else {
         return false;
     };
     let value = |place: &Place| orbit.value_at(&place.node.point);
@@ -290,10 +303,10 @@ fn shrinks<O: Orbit>(
     range: (f64, f64),
     stop_at: &[f64],
     step: &Step<O>,
-) -> Option<Result<Vec<(Place, Located<O>)>, Refusal<O>>> {
+) -> Option<Result<Vec<(Place, LocatedEvent<O>)>, OrbitRefusal<O>>> {
     match orbit.shrinks(step) {
         Shrinking::Not => None,
-        Shrinking::Far => Some(Err(Refusal::NotFound)),
+        Shrinking::Far => Some(Err(OrbitRefusal::NotFound)),
         Shrinking::At {
             s,
             node,
@@ -301,8 +314,8 @@ fn shrinks<O: Orbit>(
             stop,
             uncertainty,
         } => {
-            let end = Located {
-                event: Event::Shrinks(special, stop),
+            let end = LocatedEvent {
+                event: BranchEvent::Shrinks(special, stop),
                 uncertainty,
             };
             let to = Node {
@@ -321,7 +334,7 @@ fn shrinks<O: Orbit>(
             };
             let targets = targets(orbit, range, stop_at, &before, None);
             let all = targets.map(|targets| targets.into_iter().chain([(place, end)]).collect());
-            Some(all.ok_or(Refusal::NotFound))
+            Some(all.ok_or(OrbitRefusal::NotFound))
         }
     }
 }
@@ -329,7 +342,7 @@ fn shrinks<O: Orbit>(
 /// The fold inside a step at whose ends the parameter moves in opposite directions: a zero of the last
 /// component of the tangent. `None` if it is not found.
 #[allow(clippy::option_option)] // found or not, there or not
-fn fold<O: Orbit>(orbit: &O, step: &Step<O>) -> Option<Option<(Place, Located<O>)>> {
+fn fold<O: Orbit>(orbit: &O, step: &Step<O>) -> Option<Option<(Place, LocatedEvent<O>)>> {
     let tolerance = step.steps.tolerance;
     let last = step.from.tangent.len() - 1;
     let (mut low, high) = (
@@ -361,8 +374,10 @@ fn fold<O: Orbit>(orbit: &O, step: &Step<O>) -> Option<Option<(Place, Located<O>
     // the parameter is off by ½·slope²/curvature, the curvature being the mean one of the step
     let curvature = (high.1 - low.1).abs() / (high.0 - low.0);
     let uncertainty = rounding + 0.5 * slope.abs() * slope.abs() / curvature;
-    let located = Located {
-        event: image.map_or(Event::Fold, |(special, stop)| Event::Image(special, stop)),
+    let located = LocatedEvent {
+        event: image.map_or(BranchEvent::Fold, |(special, stop)| {
+            BranchEvent::Image(special, stop)
+        }),
         uncertainty: uncertainty * orbit.unit(),
     };
     Some(Some((place, located)))
@@ -374,8 +389,8 @@ fn targets<O: Orbit>(
     (lower, upper): (f64, f64),
     stop_at: &[f64],
     step: &Step<O>,
-    fold: Option<&(Place, Located<O>)>,
-) -> Option<Vec<(Place, Located<O>)>> {
+    fold: Option<&(Place, LocatedEvent<O>)>,
+) -> Option<Vec<(Place, LocatedEvent<O>)>> {
     // on the pieces between these the parameter is monotone
     let fold = fold.map(|(place, _)| &place.node);
     let ends = std::iter::once(step.from).chain(fold).chain([step.to]);
@@ -390,10 +405,12 @@ fn targets<O: Orbit>(
     let user = stop_at[first..]
         .iter()
         .take_while(|value| **value <= largest + slack);
-    let wanted = user.map(|&value| (value, 0.0, Event::User(value))).chain([
-        (lower, -1.0, Event::Edge(lower)),
-        (upper, 1.0, Event::Edge(upper)),
-    ]);
+    let wanted = user
+        .map(|&value| (value, 0.0, BranchEvent::User(value)))
+        .chain([
+            (lower, -1.0, BranchEvent::Edge(lower)),
+            (upper, 1.0, BranchEvent::Edge(upper)),
+        ]);
     let mut located = Vec::new();
     for (value, outside, event) in wanted {
         let target = Target {
@@ -402,7 +419,7 @@ fn targets<O: Orbit>(
             outside,
         };
         let places = target.meetings(orbit, step.from, &ends, step.steps.tolerance)?;
-        let located_there = Located {
+        let located_there = LocatedEvent {
             event,
             uncertainty: f64::EPSILON * value.abs(),
         };
@@ -421,23 +438,26 @@ fn at_monitors<O: Orbit>(
     orbit: &O,
     stops: &[MonitorStop],
     step: &Step<O>,
-    changes: &[(Place, Located<O>)],
-) -> Option<Vec<(Place, Located<O>)>> {
+    changes: &[(Place, LocatedEvent<O>)],
+) -> Option<Vec<(Place, LocatedEvent<O>)>> {
     let places = changes.iter().map(|(place, _)| place);
     let first = places.min_by(|one, other| one.s.total_cmp(&other.s));
     let end = first.map_or((step.ds, step.to), |place| (place.s, &place.node));
     let all = monitor::located(orbit, stops, step, end)?.into_iter();
     let events = all.map(|one| {
-        let event = Event::Monitor(one.stop);
+        let event = BranchEvent::Monitor(one.stop);
         let uncertainty = one.uncertainty;
-        (one.place, Located { event, uncertainty })
+        (one.place, LocatedEvent { event, uncertainty })
     });
     Some(events.collect())
 }
 
 /// Margins that vanish within a step.
-fn changes<O: Orbit>(orbit: &O, step: &Step<O>) -> Result<Vec<(Place, Located<O>)>, Refusal<O>> {
-    if step.after.verdict() == Verdict::Positive {
+fn changes<O: Orbit>(
+    orbit: &O,
+    step: &Step<O>,
+) -> Result<Vec<(Place, LocatedEvent<O>)>, OrbitRefusal<O>> {
+    if step.after.verdict() == SignVerdict::Positive {
         return Ok(Vec::new());
     }
     let negative = || {
@@ -446,7 +466,7 @@ fn changes<O: Orbit>(orbit: &O, step: &Step<O>) -> Result<Vec<(Place, Located<O>
     };
     let count = negative().count();
     if count == 0 {
-        return Err(Refusal::Inadmissible(orbit.inadmissible(step.after)));
+        return Err(OrbitRefusal::Inadmissible(orbit.inadmissible(step.after)));
     }
     let mut located: Vec<_> = negative()
         .filter_map(|margin| change(orbit, step, margin))
@@ -458,13 +478,17 @@ fn changes<O: Orbit>(orbit: &O, step: &Step<O>) -> Result<Vec<(Place, Located<O>
             .collect();
     }
     if located.is_empty() {
-        return Err(Refusal::NotLocated(count));
+        return Err(OrbitRefusal::NotLocated(count));
     }
     Ok(located)
 }
 
 /// The zero of a margin that is negative at the end of a step.
-fn change<O: Orbit>(orbit: &O, step: &Step<O>, margin: &O::Margin) -> Option<(Place, Located<O>)> {
+fn change<O: Orbit>(
+    orbit: &O,
+    step: &Step<O>,
+    margin: &O::Margin,
+) -> Option<(Place, LocatedEvent<O>)> {
     let (start, end) = (&step.from.point, &step.to.point);
     let before = find::<O>(step.before, margin);
     let guess = before
@@ -480,7 +504,7 @@ fn bracketed<O: Orbit>(
     orbit: &O,
     step: &Step<O>,
     margin: &O::Margin,
-) -> Option<(Place, Located<O>)> {
+) -> Option<(Place, LocatedEvent<O>)> {
     let before = O::value(find::<O>(step.before, margin)?);
     let slope = orbit.slope(margin, &step.to.tangent);
     if before <= 0.0 || (slope * step.ds).abs() > LEVEL * before {
@@ -503,7 +527,7 @@ fn zero_near<O: Orbit>(
     step: &Step<O>,
     margin: &O::Margin,
     guess: &Vector,
-) -> Option<(Place, Located<O>)> {
+) -> Option<(Place, LocatedEvent<O>)> {
     let mut constraint = AtZero {
         margin: margin.clone(),
     };
@@ -520,8 +544,8 @@ fn zero_near<O: Orbit>(
     }
     let uncertainty = uncertainty(orbit, &mut constraint, &place);
     let margin = constraint.margin_at(orbit, &place.node.point).ok()?;
-    let located = Located {
-        event: Event::Change(margin.clone()),
+    let located = LocatedEvent {
+        event: BranchEvent::Change(margin.clone()),
         uncertainty,
     };
     Some((place, located))
@@ -531,69 +555,4 @@ fn zero_near<O: Orbit>(
 pub(super) fn holds<O: Orbit>(orbit: &O, place: &Place, examination: &O::Examination) -> bool {
     let mut margins = examination.margins().iter();
     margins.all(|margin| O::value(margin) >= -rounding(orbit, place, margin))
-}
-
-/// Several margins vanish together where they and the equations do to this, relative to their rows: an event is
-/// known to about 1e-13.
-const TOGETHER: f64 = 1e-11;
-
-/// They do so within this many scaled units of where one of them vanishes.
-const BESIDE: f64 = 1e-5;
-
-/// The place where several margins vanish at once, by least squares of more equations than unknowns, and the error
-/// of the parameter there. `None` where they do not, to rounding.
-pub(super) fn together<O: Orbit>(
-    orbit: &O,
-    place: &Place,
-    margins: &[O::Margin],
-) -> Option<(Place, f64)> {
-    /// Iterations at most: near enough the method is quadratic.
-    const MOST: usize = 8;
-    let n = orbit.unknowns();
-    let mut margins: Vec<AtZero<O>> = margins
-        .iter()
-        .map(|margin| AtZero {
-            margin: margin.clone(),
-        })
-        .collect();
-    let rows = n - 1 + margins.len();
-    let mut point = place.node.point.clone();
-    for _ in 0..MOST {
-        let mut matrix = Matrix::zeros(rows, n);
-        let mut residual = Vector::zeros(n - 1);
-        orbit
-            .evaluate(&point, residual.as_mut_slice(), &mut matrix)
-            .ok()?;
-        let mut right = residual.resize_vertically(rows, 0.0);
-        let mut gradient = vec![0.0; n];
-        for (row, margin) in (n - 1..).zip(&mut margins) {
-            gradient.fill(0.0);
-            right[row] = margin.evaluate(orbit, &point, &mut gradient).ok()?;
-            for (column, by) in gradient.iter().enumerate() {
-                matrix[(row, column)] = *by;
-            }
-        }
-        let blur = pseudo_inverse(&matrix, f64::EPSILON)? * &right;
-        if blur.amax() > TOGETHER {
-            point -= blur;
-            continue;
-        }
-        let relative = newton::relative_residual(&matrix, right.as_slice());
-        if relative > TOGETHER || (&point - &place.node.point).amax() > BESIDE {
-            return None;
-        }
-        let rounding = newton::rounding(&matrix, &point.abs(), None)?;
-        let node = Node {
-            residual: relative,
-            point,
-            ..place.node.clone()
-        };
-        let place = Place {
-            s: place.s,
-            node,
-            blur: blur.amax(),
-        };
-        return Some((place, (rounding[n - 1] + blur.amax()) * orbit.unit()));
-    }
-    None
 }

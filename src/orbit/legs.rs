@@ -2,9 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::follow::{Follower, Found, Limits, State};
+use super::follow::{BranchState, Follower, Limits, LocatedPoint};
 use super::monitor::MonitorStop;
-use super::special::{Ending, Failure, ResumeMismatch, Special};
+use super::special::{BranchFailure, Ending, ResumeMismatch, Special};
 use super::{EventType, Orbit};
 use crate::continuation::walk::End as WalkEnd;
 use crate::continuation::{Node, Steps};
@@ -53,11 +53,11 @@ impl Plan {
 /// How a run ended.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(bound = "")]
-pub enum End<O: Orbit> {
+pub enum RunEnd<O: Orbit> {
     /// All that was asked for was done.
     Finished,
     /// The branch ended before its range.
-    Failed(Failure<O>),
+    Failed(BranchFailure<O>),
 }
 
 /// The state of a run between two steps.
@@ -81,16 +81,16 @@ pub struct Progress<O: Orbit> {
     /// First orbit of the run.
     pub first: (O::Signature, Vec<f64>),
     /// State of the branch; `None` before the first step of a leg.
-    pub state: Option<State<O::Signature>>,
+    pub state: Option<BranchState<O::Signature>>,
     /// Reason why an earlier leg ended before its range.
-    pub failure: Option<Failure<O>>,
+    pub failure: Option<BranchFailure<O>>,
     /// How the run ended; `None` while it goes on.
-    pub end: Option<End<O>>,
+    pub end: Option<RunEnd<O>>,
 }
 
 /// The numbers of a point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Numbers {
+pub struct PointNumbers {
     /// Running number from 1.
     pub point: usize,
     /// Label from 1, of special points and samples.
@@ -100,13 +100,13 @@ pub struct Numbers {
 }
 
 /// A step of a leg.
-pub struct Stretch<O: Orbit> {
+pub struct LegStep<O: Orbit> {
     /// The orbit before it.
     pub orbit: Arc<O>,
     /// Where it set out.
     pub node: Node,
     /// The points found, in order.
-    pub found: Vec<Found<O>>,
+    pub found: Vec<LocatedPoint<O>>,
     /// How the leg ended, if it did.
     pub end: Option<Ending<O>>,
 }
@@ -184,26 +184,26 @@ impl<O: Orbit> Legs<O> {
     }
 
     /// The point reached.
-    pub fn here(&self) -> Found<O> {
+    pub fn here(&self) -> LocatedPoint<O> {
         self.follower.here()
     }
 
     /// The first point of a leg, now taken.
-    pub fn set_out(&mut self) -> Found<O> {
+    pub fn set_out(&mut self) -> LocatedPoint<O> {
         self.progress.state = Some(self.follower.state());
-        Found {
+        LocatedPoint {
             special: Some(Special::Start),
             ..self.follower.here()
         }
     }
 
     /// Takes one step of the leg.
-    pub fn step(&mut self) -> Stretch<O> {
+    pub fn step(&mut self) -> LegStep<O> {
         let orbit = self.follower.curve().orbit.clone();
         let node = self.follower.node().clone();
         let (found, end) = self.follower.step();
         self.progress.state = Some(self.follower.state());
-        Stretch {
+        LegStep {
             orbit,
             node,
             found,
@@ -212,14 +212,14 @@ impl<O: Orbit> Legs<O> {
     }
 
     /// Numbers a point. A special point serves as the sample of its part of the range.
-    pub fn number(&mut self, found: &Found<O>) -> Numbers {
+    pub fn number(&mut self, found: &LocatedPoint<O>) -> PointNumbers {
         let special = found.special.is_some();
         self.progress.points += 1;
         let sampled = self.is_sample(found.parameter);
         let labelled = special || sampled;
         self.progress.labels += usize::from(labelled);
         self.progress.events += usize::from(special);
-        Numbers {
+        PointNumbers {
             point: self.progress.points,
             label: labelled.then_some(self.progress.labels),
             leg: self.progress.leg,
@@ -254,14 +254,14 @@ impl<O: Orbit> Legs<O> {
     }
 
     /// The point that ends a leg that has as many as it may, and that end.
-    pub fn at_most_points(&self) -> Option<(Found<O>, Ending<O>)> {
+    pub fn at_most_points(&self) -> Option<(LocatedPoint<O>, Ending<O>)> {
         let most = self.plan.most_points;
         if self.progress.points - self.progress.before_leg < most {
             return None;
         }
         let end = WalkEnd::MaxPoints { most };
-        let found = Found {
-            special: Some(Special::Failed(Failure::Ended(Box::new(end.clone())))),
+        let found = LocatedPoint {
+            special: Some(Special::Failed(BranchFailure::Ended(Box::new(end.clone())))),
             ..self.follower.here()
         };
         Some((found, end))
@@ -276,7 +276,7 @@ impl<O: Orbit> Legs<O> {
             _ => false,
         };
         if let Some(end) = end.filter(|end| !stopped && !done(end)) {
-            let failure = Failure::Ended(Box::new(end));
+            let failure = BranchFailure::Ended(Box::new(end));
             self.progress.failure.get_or_insert(failure);
         }
         // a closed branch is the same either way
@@ -295,14 +295,14 @@ impl<O: Orbit> Legs<O> {
                     return;
                 }
                 Err(reason) => {
-                    let failure = Failure::NoLeg(reason);
+                    let failure = BranchFailure::NoLeg(reason);
                     self.progress.failure.get_or_insert(failure);
                 }
             }
         }
         self.progress.end = Some(match self.progress.failure.clone() {
-            Some(reason) => End::Failed(reason),
-            None => End::Finished,
+            Some(reason) => RunEnd::Failed(reason),
+            None => RunEnd::Finished,
         });
     }
 
@@ -349,7 +349,7 @@ pub trait Itemised: Run {
     fn first_value(&self) -> Option<f64>;
 
     /// The item of a point, which is numbered.
-    fn item(&mut self, found: Found<Self::Orbit>) -> Self::Item;
+    fn item(&mut self, found: LocatedPoint<Self::Orbit>) -> Self::Item;
 }
 
 /// One step of a run: its points, the end of a leg that has as many as it may among them.
@@ -365,7 +365,7 @@ pub fn step<R: Itemised>(run: &mut R) -> Vec<R::Item> {
         check_points(run, &mut items);
         return items;
     }
-    let Stretch { found, end, .. } = run.legs().step();
+    let LegStep { found, end, .. } = run.legs().step();
     for found in found {
         let kind = found.kind();
         items.push(run.item(found));

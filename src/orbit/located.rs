@@ -9,7 +9,7 @@ pub(super) type Step<'a, O> = Segment<'a, <O as Orbit>::Examination>;
 
 /// What is located within a step.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Event<O: Orbit> {
+pub enum BranchEvent<O: Orbit> {
     /// A fold in the parameter.
     Fold,
     /// A fold beyond which the branch retraces itself: what it is, and why the branch ends there.
@@ -35,21 +35,34 @@ pub enum Event<O: Orbit> {
     },
 }
 
+impl<O: Orbit> BranchEvent<O> {
+    /// Whether it may be the place from which the branch would retrace itself.
+    pub(super) fn may_retrace(&self) -> bool {
+        matches!(
+            self,
+            BranchEvent::Fold
+                | BranchEvent::Image(..)
+                | BranchEvent::Crossing(_)
+                | BranchEvent::Passing { .. }
+        )
+    }
+}
+
 /// An event and the error of the parameter there, in physical units.
 #[derive(Clone, Debug)]
-pub struct Located<O: Orbit> {
+pub struct LocatedEvent<O: Orbit> {
     /// The event.
-    pub event: Event<O>,
+    pub event: BranchEvent<O>,
     /// The error.
     pub uncertainty: f64,
 }
 
-impl<O: Orbit> Located<O> {
+impl<O: Orbit> LocatedEvent<O> {
     /// Whether stability is the same before and beyond it.
     pub(super) fn keeps_stability(&self) -> bool {
         matches!(
             self.event,
-            Event::User(_) | Event::Monitor(_) | Event::Edge(_)
+            BranchEvent::User(_) | BranchEvent::Monitor(_) | BranchEvent::Edge(_)
         )
     }
 }

@@ -28,6 +28,9 @@ pub mod sign;
 pub mod special;
 mod stability;
 pub mod switch;
+mod together;
+mod track;
+mod transition;
 
 use std::fmt::{Debug, Display};
 
@@ -40,8 +43,8 @@ use crate::continuation::newton::{self, Constraint, System};
 use crate::continuation::walk::Segment;
 use crate::linalg::{Matrix, Vector};
 pub use event::{EventType, UnknownType};
-use monitor::Measured;
-use sign::Verdict;
+use monitor::MonitorValue;
+use sign::SignVerdict;
 pub use stability::Stability;
 
 /// Data that results keep: what is compared, shown and saved.
@@ -58,7 +61,7 @@ pub trait Examined: Clone + Debug {
     fn margins(&self) -> &[Self::Margin];
 
     /// Whether every inequality holds over the whole of every zone.
-    fn verdict(&self) -> Verdict;
+    fn verdict(&self) -> SignVerdict;
 
     /// Functions that change their sign where the stability changes, in a fixed order; none where stability is
     /// found otherwise.
@@ -426,7 +429,7 @@ pub trait Orbit: System<Failure: Data> + Clone + Debug + PartialEq {
         &self,
         _monitor: usize,
         _point: &Vector,
-    ) -> Result<Option<Measured>, Self::Failure> {
+    ) -> Result<Option<MonitorValue>, Self::Failure> {
         Ok(None)
     }
 

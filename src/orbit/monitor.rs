@@ -15,14 +15,14 @@ use crate::linalg::Vector;
 
 /// A number of an orbit with its derivatives in the scaled unknowns.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Measured {
+pub struct MonitorValue {
     /// Its value.
     pub value: f64,
     /// Its derivatives.
     pub gradient: Vec<f64>,
 }
 
-impl Measured {
+impl MonitorValue {
     /// Its largest derivative; 1 where there is none.
     pub fn slope(&self) -> f64 {
         let sizes = self.gradient.iter().map(|by| by.abs());

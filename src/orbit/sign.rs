@@ -37,7 +37,7 @@ pub struct Bernstein {
 
 /// The differences of a row of coefficients: the first and the last that exceed the noise (zero
 /// if none does), and how often they change their sign.
-struct Slopes {
+struct Differences {
     first: f64,
     last: f64,
     changes: usize,
@@ -45,7 +45,7 @@ struct Slopes {
 
 /// What could be shown of a function that should be positive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Verdict {
+pub enum SignVerdict {
     /// Positive on the whole interval but for the known zeros at its ends.
     Positive,
     /// Negative somewhere, by more than rounding and remainder.
@@ -54,10 +54,10 @@ pub enum Verdict {
     Undecided,
 }
 
-impl Verdict {
+impl SignVerdict {
     /// The verdict for two functions together.
-    pub(crate) fn and(self, other: Verdict) -> Verdict {
-        use Verdict::{Negative, Positive, Undecided};
+    pub(crate) fn and(self, other: SignVerdict) -> SignVerdict {
+        use SignVerdict::{Negative, Positive, Undecided};
         match (self, other) {
             (Negative, _) | (_, Negative) => Negative,
             (Undecided, _) | (_, Undecided) => Undecided,
@@ -124,11 +124,11 @@ impl Bernstein {
 
     /// Whether the function is positive on \[0, 1\], with a zero of order `at_start` known at 0
     /// and of order `at_end` known at 1.
-    pub(crate) fn verdict(&self, at_start: usize, at_end: usize) -> Verdict {
+    pub(crate) fn verdict(&self, at_start: usize, at_end: usize) -> SignVerdict {
         self.verdict_at(at_start, at_end, 0)
     }
 
-    fn verdict_at(&self, at_start: usize, at_end: usize, depth: u32) -> Verdict {
+    fn verdict_at(&self, at_start: usize, at_end: usize, depth: u32) -> SignVerdict {
         let inner = &self.coefficients[at_start..COEFFICIENTS - at_end];
         // next to a known zero the noise has the zero too: it is measured where the function is
         let noise = if at_start + at_end > 0 {
@@ -138,22 +138,22 @@ impl Bernstein {
             self.noise
         };
         if inner.iter().all(|b| *b > noise) {
-            return Verdict::Positive;
+            return SignVerdict::Positive;
         }
         // a coefficient at a free end is a value of the function itself
         if (at_start == 0 && inner[0] < -noise) || (at_end == 0 && inner[inner.len() - 1] < -noise)
         {
-            return Verdict::Negative;
+            return SignVerdict::Negative;
         }
         if inner.iter().all(|b| *b < -noise) {
-            return Verdict::Negative;
+            return SignVerdict::Negative;
         }
         if depth == DEEPEST || inner.iter().all(|b| b.abs() <= noise) {
-            return Verdict::Undecided;
+            return SignVerdict::Undecided;
         }
         let (left, right) = self.halves();
         match left.verdict_at(at_start, 0, depth + 1) {
-            Verdict::Negative => Verdict::Negative,
+            SignVerdict::Negative => SignVerdict::Negative,
             first => first.and(right.verdict_at(0, at_end, depth + 1)),
         }
     }
@@ -240,8 +240,8 @@ impl Bernstein {
     }
 
     /// Differences of neighbouring coefficients: the slope has no more changes of sign than they.
-    fn slopes(&self) -> Slopes {
-        let mut slopes = Slopes {
+    fn slopes(&self) -> Differences {
+        let mut slopes = Differences {
             first: 0.0,
             last: 0.0,
             changes: 0,
@@ -343,15 +343,15 @@ mod tests {
         let verdict = |roots: &[f64], at_start, at_end| {
             Bernstein::from_taylor(&with_roots(roots), 0.0).verdict(at_start, at_end)
         };
-        assert_eq!(verdict(&[-0.1, -3.0], 0, 0), Verdict::Positive);
-        assert_eq!(verdict(&[0.4, 0.4 + 1e-3], 0, 0), Verdict::Negative);
-        assert_eq!(verdict(&[0.4, 0.4], 0, 0), Verdict::Undecided);
+        assert_eq!(verdict(&[-0.1, -3.0], 0, 0), SignVerdict::Positive);
+        assert_eq!(verdict(&[0.4, 0.4 + 1e-3], 0, 0), SignVerdict::Negative);
+        assert_eq!(verdict(&[0.4, 0.4], 0, 0), SignVerdict::Undecided);
         // a dip whose depth is 1e-8 is seen, however narrow
-        assert_eq!(verdict(&[0.3, 0.3002], 0, 0), Verdict::Negative);
+        assert_eq!(verdict(&[0.3, 0.3002], 0, 0), SignVerdict::Negative);
         // zeros known at the ends do not count, zeros inside do
-        assert_eq!(verdict(&[0.0, 0.0, -1.0], 2, 0), Verdict::Positive);
-        assert_eq!(verdict(&[0.0, 1.0, 2.0], 1, 1), Verdict::Positive);
-        assert_eq!(verdict(&[0.0, 0.5, 0.6], 1, 0), Verdict::Negative);
+        assert_eq!(verdict(&[0.0, 0.0, -1.0], 2, 0), SignVerdict::Positive);
+        assert_eq!(verdict(&[0.0, 1.0, 2.0], 1, 1), SignVerdict::Positive);
+        assert_eq!(verdict(&[0.0, 0.5, 0.6], 1, 0), SignVerdict::Negative);
     }
 
     #[test]

@@ -24,7 +24,7 @@ pub enum Special<O: Orbit> {
     /// A change of signature.
     Change(Box<Change<O>>),
     /// The branch ends before its range.
-    Failed(Failure<O>),
+    Failed(BranchFailure<O>),
     /// Something that the system knows of.
     Own(O::Special),
 }
@@ -47,7 +47,7 @@ impl<O: Orbit> Special<O> {
         match self {
             Special::Own(special) => O::beyond(special),
             Special::Change(change) => match &change.end {
-                Some(Stop::Own(stop)) => O::left(stop).or_else(|| change.after.clone()),
+                Some(BranchStop::Own(stop)) => O::left(stop).or_else(|| change.after.clone()),
                 _ => change.after.clone(),
             },
             _ => None,
@@ -73,7 +73,7 @@ pub struct Change<O: Orbit> {
     /// Whether the branch turns back in the parameter.
     pub turned_back: bool,
     /// Why the branch ends there, if it does.
-    pub end: Option<Stop<O>>,
+    pub end: Option<BranchStop<O>>,
     /// What is to be said of the stability.
     pub spectrum: Option<O::Remark>,
 }
@@ -99,7 +99,7 @@ impl<O: Orbit> Change<O> {
 /// Why an orbit refuses a step.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(bound = "")]
-pub enum Refusal<O: Orbit> {
+pub enum OrbitRefusal<O: Orbit> {
     /// Its inequalities cannot be evaluated.
     Flow(O::Failure),
     /// Inequalities fail, and none of their margins tells where.
@@ -123,12 +123,12 @@ pub enum Refusal<O: Orbit> {
     NoSolution,
 }
 
-impl<O: Orbit> std::error::Error for Refusal<O> {}
+impl<O: Orbit> std::error::Error for OrbitRefusal<O> {}
 
 /// Why a branch ends for reasons of its own.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(bound = "")]
-pub enum Stop<O: Orbit> {
+pub enum BranchStop<O: Orbit> {
     /// No signature solves the equations beyond the event.
     NoSignature,
     /// No signature is admissible beyond the event: those tried.
@@ -154,13 +154,13 @@ pub enum Stop<O: Orbit> {
     Own(O::Stop),
 }
 
-impl<O: Orbit> Stop<O> {
+impl<O: Orbit> BranchStop<O> {
     /// Whether the end leaves nothing undone: it is no failure.
     pub fn completes(&self) -> bool {
         match self {
-            Stop::Converges { .. } => true,
-            Stop::Own(stop) => O::completes(stop),
-            Stop::NoSignature | Stop::NoneAdmissible(_) | Stop::Flow(_) => false,
+            BranchStop::Converges { .. } => true,
+            BranchStop::Own(stop) => O::completes(stop),
+            BranchStop::NoSignature | BranchStop::NoneAdmissible(_) | BranchStop::Flow(_) => false,
         }
     }
 }
@@ -190,14 +190,14 @@ pub enum NoFollower<O: Orbit> {
     Family,
     /// Its inequalities cannot be evaluated.
     #[error("{0}")]
-    Refused(Refusal<O>),
+    Refused(OrbitRefusal<O>),
     /// A saved state is not one of its signature.
     #[error("the saved state does not fit its signature")]
     Saved,
 }
 
-impl<O: Orbit> From<Refusal<O>> for NoFollower<O> {
-    fn from(refusal: Refusal<O>) -> Self {
+impl<O: Orbit> From<OrbitRefusal<O>> for NoFollower<O> {
+    fn from(refusal: OrbitRefusal<O>) -> Self {
         NoFollower::Refused(refusal)
     }
 }
@@ -233,15 +233,16 @@ pub enum Close<H> {
 }
 
 /// Why a step along a branch was refused.
-pub type StepRefused<O> = Refused<<O as crate::continuation::newton::System>::Failure, Refusal<O>>;
+pub type StepRefused<O> =
+    Refused<<O as crate::continuation::newton::System>::Failure, OrbitRefusal<O>>;
 
 /// How the walk along a branch ended.
-pub type Ending<O> = End<StepRefused<O>, Stop<O>>;
+pub type Ending<O> = End<StepRefused<O>, BranchStop<O>>;
 
 /// Why a branch ended before its range.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(bound = "")]
-pub enum Failure<O: Orbit> {
+pub enum BranchFailure<O: Orbit> {
     /// As the walk along it ended.
     Ended(Box<Ending<O>>),
     /// A leg does not begin.

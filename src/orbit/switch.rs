@@ -5,7 +5,7 @@
 //! the null vector they are not. At a doubling the orbit is taken as one that is traversed twice: there the null
 //! vector is (ξ, −ξ).
 
-use super::sign::Verdict;
+use super::sign::SignVerdict;
 use super::{Examined, Orbit};
 use crate::continuation::Node;
 use crate::continuation::arclength::correct;
@@ -27,7 +27,7 @@ pub enum NoBranch<O: Orbit> {
 }
 
 /// The other branch a short way from the event, on one of its sides.
-struct Side {
+struct BranchSide {
     /// The first of its orbits.
     point: Vector,
     /// Whether the parameter grows from there on.
@@ -66,9 +66,9 @@ pub fn other<O: Orbit>(
         return Err(refused);
     }
     // the one where the parameter grows goes first
-    let mut sides: Vec<Side> = found.into_iter().flatten().collect();
+    let mut sides: Vec<BranchSide> = found.into_iter().flatten().collect();
     sides.sort_by_key(|side| !side.up);
-    let wished = |side: &Side| directions.contains(&side.up);
+    let wished = |side: &BranchSide| directions.contains(&side.up);
     let begun = sides.remove(sides.iter().position(wished).unwrap_or(0));
     let mut ways = vec![begun.up];
     if directions.len() > 1 && sides.iter().any(|side| side.up != begun.up) {
@@ -121,13 +121,13 @@ pub fn admitted<O: Orbit>(orbit: &O, point: &Vector) -> Result<(), NoBranch<O>> 
     let examination =
         examination.map_err(|failure| NoBranch::Newton(newton::Failure::System(failure)))?;
     match examination.verdict() {
-        Verdict::Positive => Ok(()),
+        SignVerdict::Positive => Ok(()),
         _ => Err(NoBranch::Inadmissible(orbit.inadmissible(&examination))),
     }
 }
 
 /// The branch that leaves a singular point along a null vector.
-fn side<O: Orbit>(orbit: &O, at: &Vector, along: &Vector) -> Result<Side, NoBranch<O>> {
+fn side<O: Orbit>(orbit: &O, at: &Vector, along: &Vector) -> Result<BranchSide, NoBranch<O>> {
     const NEWTON: Settings = Settings {
         tolerance: 1e-10,
         most_iterations: 20,
@@ -148,7 +148,7 @@ fn side<O: Orbit>(orbit: &O, at: &Vector, along: &Vector) -> Result<Side, NoBran
         });
         match found {
             Ok(Node { point, tangent, .. }) => {
-                return Ok(Side {
+                return Ok(BranchSide {
                     up: tangent[at.len() - 1] > 0.0,
                     point,
                 });

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::layout::{ATTRACTORS, ATTRACTORS_SAVED, SHARES};
 use super::store::{Checkpoint, Store, StoreError, VERSION, io_error, refused, resumable};
 use crate::hybrid::LabelledOrbit;
-use crate::map::{Attractor, Attractors, Mark, SettledCell};
+use crate::map::{Attractor, Attractors, OrbitMark, SettledCell};
 use crate::orbit::Stability;
 use crate::problem::SystemProblem;
 use crate::table::{Table, line_of, number as written};
@@ -96,7 +96,7 @@ pub(crate) fn number(
             periods: table.field(row, "periods"),
             period: table.field(row, "period").unwrap_or(f64::NAN),
             extremes: extremes.collect(),
-            mark: Mark {
+            mark: OrbitMark {
                 phase: *phase,
                 state: state.to_vec(),
             },

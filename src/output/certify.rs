@@ -5,11 +5,11 @@ use std::path::Path;
 use serde::Serialize;
 
 use super::layout::CERTIFICATES as TABLE;
-use super::store::{self, Growing, Store, StoreError, VERSION, damaged, decode};
+use super::store::{self, GrowingFile, Store, StoreError, VERSION, damaged, decode};
 use super::theorem::{Stated, enclosing, theorems, written};
 use crate::certify::{
-    Certificate, Counted, Eigenvalue, Growth, Outcome, Point, Proof, Provable, Stretch, Verdict,
-    equilibrium, orbit,
+    ArcOutcome, Certificate, CertifiedPoint, Counted, GrowthCount, ProofOutcome, Provable,
+    ProvenEigenvalue, ProvenVerdict, WaveProof, equilibrium, orbit,
 };
 use crate::interval::Interval;
 use crate::table;
@@ -20,15 +20,15 @@ pub(crate) trait Certified: Stated {
     type Row: Serialize + Default;
 
     /// The row of a point.
-    fn row(point: &Point<Self>) -> Self::Row;
+    fn row(point: &CertifiedPoint<Self>) -> Self::Row;
 
     /// What is proven of a point, in lines.
-    fn sentence(point: &Point<Self>) -> String;
+    fn sentence(point: &CertifiedPoint<Self>) -> String;
 }
 
 /// What a point is, in every table.
 #[derive(Clone, Debug, Default, Serialize)]
-pub(crate) struct Head {
+pub(crate) struct PointColumns {
     label: usize,
     r#type: String,
     parameter: String,
@@ -47,15 +47,19 @@ pub(crate) struct Said {
 
 /// What is said of the branch before it, in every table.
 #[derive(Clone, Debug, Default, Serialize)]
-pub(crate) struct Arc {
+pub(crate) struct ArcColumns {
     arc: &'static str,
     arc_why: String,
 }
 
-impl Head {
-    fn new<P: Provable>(point: &Point<P>, parameter: &str, value: Option<Interval>) -> Head {
+impl PointColumns {
+    fn new<P: Provable>(
+        point: &CertifiedPoint<P>,
+        parameter: &str,
+        value: Option<Interval>,
+    ) -> PointColumns {
         let (low, high) = ends(value);
-        Head {
+        PointColumns {
             label: point.label,
             r#type: point.kind.to_string(),
             parameter: parameter.to_owned(),
@@ -66,10 +70,10 @@ impl Head {
 }
 
 impl Said {
-    fn new<P: Provable>(point: &Point<P>, of: impl Fn(&P) -> (f64, usize)) -> Said {
+    fn new<P: Provable>(point: &CertifiedPoint<P>, of: impl Fn(&P) -> (f64, usize)) -> Said {
         let (said, why) = match &point.outcome {
-            Outcome::Proven(proof) => (Some(of(proof)), ""),
-            Outcome::Open(reason) => (None, &**reason),
+            ProofOutcome::Proven(proof) => (Some(of(proof)), ""),
+            ProofOutcome::Open(reason) => (None, &**reason),
         };
         Said {
             unique: said.map(|(unique, _)| unique),
@@ -80,14 +84,14 @@ impl Said {
     }
 }
 
-impl Arc {
-    fn new<P: Provable>(point: &Point<P>) -> Arc {
+impl ArcColumns {
+    fn new<P: Provable>(point: &CertifiedPoint<P>) -> ArcColumns {
         let (arc, why) = match &point.arc {
             None => ("", ""),
-            Some(Stretch::Proven) => ("yes", ""),
-            Some(Stretch::Open(reason)) => ("no", &**reason),
+            Some(ArcOutcome::Proven) => ("yes", ""),
+            Some(ArcOutcome::Open(reason)) => ("no", &**reason),
         };
-        Arc {
+        ArcColumns {
             arc,
             arc_why: why.to_owned(),
         }
@@ -95,11 +99,11 @@ impl Arc {
 }
 
 /// What is said of the branch before a point, in a line; `others` are events that are not looked for on it.
-fn before<P: Provable>(point: &Point<P>, others: &str) -> String {
+fn before<P: Provable>(point: &CertifiedPoint<P>, others: &str) -> String {
     match &point.arc {
         None => String::new(),
-        Some(Stretch::Proven) => format!("  no other event but {others} before it: proven\n"),
-        Some(Stretch::Open(reason)) => {
+        Some(ArcOutcome::Proven) => format!("  no other event but {others} before it: proven\n"),
+        Some(ArcOutcome::Open(reason)) => {
             format!("  no other event before it: not proven; {reason}\n")
         }
     }
@@ -116,26 +120,26 @@ fn ends(interval: Option<Interval>) -> (Option<f64>, Option<f64>) {
 
 /// A row of the table of an orbit of a system.
 #[derive(Clone, Debug, Default, Serialize)]
-pub(crate) struct OrbitRow {
-    head: Head,
+pub(crate) struct CertifiedOrbitRow {
+    head: PointColumns,
     period_low: Option<f64>,
     period_high: Option<f64>,
     said: Said,
     outside: Option<usize>,
     angle_low: Option<f64>,
     angle_high: Option<f64>,
-    arc: Arc,
+    arc: ArcColumns,
 }
 
-impl Certified for orbit::Proof {
-    type Row = OrbitRow;
+impl Certified for orbit::OrbitProof {
+    type Row = CertifiedOrbitRow;
 
-    fn row(point: &Point<orbit::Proof>) -> OrbitRow {
+    fn row(point: &CertifiedPoint<orbit::OrbitProof>) -> CertifiedOrbitRow {
         let said = point.proof().map(|proof| &proof.statement);
         let (period_low, period_high) = ends(said.map(|said| said.period));
         let (angle_low, angle_high) = ends(said.and_then(|said| said.angle));
-        OrbitRow {
-            head: Head::new(point, &point.parameter, said.map(|said| said.parameter)),
+        CertifiedOrbitRow {
+            head: PointColumns::new(point, &point.parameter, said.map(|said| said.parameter)),
             period_low,
             period_high,
             said: Said::new(point, |proof| {
@@ -144,15 +148,15 @@ impl Certified for orbit::Proof {
             outside: said.and_then(|said| said.outside),
             angle_low,
             angle_high,
-            arc: Arc::new(point),
+            arc: ArcColumns::new(point),
         }
     }
 
-    fn sentence(point: &Point<orbit::Proof>) -> String {
+    fn sentence(point: &CertifiedPoint<orbit::OrbitProof>) -> String {
         let (kind, before) = (point.kind, before(point, "PD and NS"));
         let said = match &point.outcome {
-            Outcome::Proven(proof) => &proof.statement,
-            Outcome::Open(reason) => return format!("{before}{kind}: not proven; {reason}\n"),
+            ProofOutcome::Proven(proof) => &proof.statement,
+            ProofOutcome::Open(reason) => return format!("{before}{kind}: not proven; {reason}\n"),
         };
         let angle = said
             .angle
@@ -176,8 +180,8 @@ impl Certified for orbit::Proof {
 
 /// A row of the table of an equilibrium of a system.
 #[derive(Clone, Debug, Default, Serialize)]
-pub(crate) struct EquilibriumRow {
-    head: Head,
+pub(crate) struct CertifiedEquilibriumRow {
+    head: PointColumns,
     said: Said,
     growing: Option<usize>,
     omega_low: Option<f64>,
@@ -186,23 +190,23 @@ pub(crate) struct EquilibriumRow {
     lyapunov_high: Option<f64>,
     beyond: String,
     persists: &'static str,
-    arc: Arc,
+    arc: ArcColumns,
 }
 
-impl Certified for equilibrium::Proof {
-    type Row = EquilibriumRow;
+impl Certified for equilibrium::EquilibriumProof {
+    type Row = CertifiedEquilibriumRow;
 
-    fn row(point: &Point<equilibrium::Proof>) -> EquilibriumRow {
+    fn row(point: &CertifiedPoint<equilibrium::EquilibriumProof>) -> CertifiedEquilibriumRow {
         let said = point.proof().map(|proof| &proof.statement);
         let (omega_low, omega_high) = ends(said.and_then(|said| said.omega));
         let lyapunov = said.and_then(|said| said.lyapunov);
         let (lyapunov_low, lyapunov_high) = ends(lyapunov.map(|lyapunov| match lyapunov {
-            equilibrium::Lyapunov::Within(interval) => interval,
-            equilibrium::Lyapunov::Vertical => Interval::ZERO,
+            equilibrium::ProvenLyapunov::Within(interval) => interval,
+            equilibrium::ProvenLyapunov::Vertical => Interval::ZERO,
         }));
         let beyond = point.proof().and_then(|proof| proof.beyond.as_ref());
-        EquilibriumRow {
-            head: Head::new(point, &point.parameter, said.map(|said| said.parameter)),
+        CertifiedEquilibriumRow {
+            head: PointColumns::new(point, &point.parameter, said.map(|said| said.parameter)),
             said: Said::new(point, |proof| {
                 (proof.statement.unique, proof.statement.inequalities)
             }),
@@ -213,15 +217,15 @@ impl Certified for equilibrium::Proof {
             lyapunov_high,
             beyond: beyond.map(|one| one.mode.clone()).unwrap_or_default(),
             persists: beyond.map_or("", |one| if one.persists { "yes" } else { "no" }),
-            arc: Arc::new(point),
+            arc: ArcColumns::new(point),
         }
     }
 
-    fn sentence(point: &Point<equilibrium::Proof>) -> String {
+    fn sentence(point: &CertifiedPoint<equilibrium::EquilibriumProof>) -> String {
         let (kind, before) = (point.kind, before(point, "HB"));
         let (said, beyond) = match &point.outcome {
-            Outcome::Proven(proof) => (&proof.statement, &proof.beyond),
-            Outcome::Open(reason) => return format!("{before}{kind}: not proven; {reason}\n"),
+            ProofOutcome::Proven(proof) => (&proof.statement, &proof.beyond),
+            ProofOutcome::Open(reason) => return format!("{before}{kind}: not proven; {reason}\n"),
         };
         let beyond = beyond.as_ref().map(|beyond| match beyond.persists {
             true => format!("; persistence, beyond it `{}`", beyond.mode),
@@ -229,8 +233,10 @@ impl Certified for equilibrium::Proof {
         });
         let omega = said.omega.map(|omega| format!("; ω in {}", written(omega)));
         let lyapunov = said.lyapunov.map(|lyapunov| match lyapunov {
-            equilibrium::Lyapunov::Within(interval) => format!("; l₁ in {}", written(interval)),
-            equilibrium::Lyapunov::Vertical => "; a vertical family".to_owned(),
+            equilibrium::ProvenLyapunov::Within(interval) => {
+                format!("; l₁ in {}", written(interval))
+            }
+            equilibrium::ProvenLyapunov::Vertical => "; a vertical family".to_owned(),
         });
         let growing = said.growing.map(|growing| match growing {
             1 => "; 1 eigenvalue grows".to_owned(),
@@ -252,49 +258,49 @@ impl Certified for equilibrium::Proof {
 
 /// A row of the table of a wave.
 #[derive(Clone, Debug, Default, Serialize)]
-pub(crate) struct Row {
-    head: Head,
+pub(crate) struct CertifiedWaveRow {
+    head: PointColumns,
     speed_low: Option<f64>,
     speed_high: Option<f64>,
     said: Said,
     unstable: &'static str,
-    arc: Arc,
+    arc: ArcColumns,
     growing: Option<usize>,
     stable: &'static str,
     stable_why: String,
 }
 
-impl Certified for Proof {
-    type Row = Row;
+impl Certified for WaveProof {
+    type Row = CertifiedWaveRow;
 
-    fn row(point: &Point) -> Row {
+    fn row(point: &CertifiedPoint) -> CertifiedWaveRow {
         let proof = point.proof();
         let said = proof.map(|proof| &proof.statement);
         let (speed_low, speed_high) = ends(said.map(|said| said.speed));
-        let unstable = proof.is_some_and(Proof::is_unstable);
+        let unstable = proof.is_some_and(WaveProof::is_unstable);
         let (growing, stable, stable_why) = match &point.growth {
             None => (None, "", String::new()),
             Some(Counted::Open(reason)) => (None, "", reason.clone()),
             Some(Counted::Proven(growth)) => {
                 let stable = match growth.verdict {
-                    Verdict::Stable { .. } => "yes",
-                    Verdict::Unstable => "no",
-                    Verdict::Neutral | Verdict::HighFrequency => "",
+                    ProvenVerdict::Stable { .. } => "yes",
+                    ProvenVerdict::Unstable => "no",
+                    ProvenVerdict::Neutral | ProvenVerdict::HighFrequency => "",
                 };
                 let why = undecided(growth.verdict).unwrap_or("").to_owned();
                 (Some(growth.on_circle()), stable, why)
             }
         };
         let name = point.parameter.column();
-        Row {
-            head: Head::new(point, name, said.map(|said| said.parameter)),
+        CertifiedWaveRow {
+            head: PointColumns::new(point, name, said.map(|said| said.parameter)),
             speed_low,
             speed_high,
             said: Said::new(point, |proof| {
                 (proof.statement.unique, proof.statement.inequalities)
             }),
             unstable: if unstable { "yes" } else { "" },
-            arc: Arc::new(point),
+            arc: ArcColumns::new(point),
             growing,
             stable,
             stable_why,
@@ -302,11 +308,11 @@ impl Certified for Proof {
     }
 
     /// Further lines are for its eigenvalues and for the branch before it.
-    fn sentence(point: &Point) -> String {
+    fn sentence(point: &CertifiedPoint) -> String {
         let symbol = point.parameter.symbol();
         let mut lines = before(point, "HB and BP");
         match &point.outcome {
-            Outcome::Proven(proof) => {
+            ProofOutcome::Proven(proof) => {
                 let said = &proof.statement;
                 let omega = said.omega.map(|omega| format!("; ω in {}", written(omega)));
                 lines.push_str(&format!(
@@ -319,7 +325,7 @@ impl Certified for Proof {
                     said.inequalities
                 ));
                 for eigenvalue in &proof.eigenvalues {
-                    let Eigenvalue {
+                    let ProvenEigenvalue {
                         sector,
                         growth,
                         omega,
@@ -337,7 +343,7 @@ impl Certified for Proof {
                     ));
                 }
             }
-            Outcome::Open(reason) => {
+            ProofOutcome::Open(reason) => {
                 lines.push_str(&format!("{}: not proven; {reason}\n", point.kind))
             }
         }
@@ -353,17 +359,17 @@ impl Certified for Proof {
 }
 
 /// Why stability is undecided where no eigenvalue grows in the window.
-fn undecided(verdict: Verdict) -> Option<&'static str> {
+fn undecided(verdict: ProvenVerdict) -> Option<&'static str> {
     match verdict {
-        Verdict::Stable { .. } | Verdict::Unstable => None,
-        Verdict::Neutral => Some("undecided: an eigenvalue is on the imaginary axis"),
-        Verdict::HighFrequency => Some("undecided: growth beyond the window is not excluded"),
+        ProvenVerdict::Stable { .. } | ProvenVerdict::Unstable => None,
+        ProvenVerdict::Neutral => Some("undecided: an eigenvalue is on the imaginary axis"),
+        ProvenVerdict::HighFrequency => Some("undecided: growth beyond the window is not excluded"),
     }
 }
 
 /// The eigenvalues that grow, in a line.
-fn growing(growth: &Growth) -> String {
-    let Growth {
+fn growing(growth: &GrowthCount) -> String {
+    let GrowthCount {
         window,
         counts,
         leading,
@@ -377,10 +383,10 @@ fn growing(growth: &Growth) -> String {
         false => format!("; the eigenvalues of sectors {} lead", leads.join(" ")),
     };
     let follows = match verdict {
-        Verdict::Stable { beyond } => {
+        ProvenVerdict::Stable { beyond } => {
             format!("none beyond, by a bound from |λ| = {beyond:.4} on: the wave is stable")
         }
-        Verdict::Unstable => "the wave is unstable".to_owned(),
+        ProvenVerdict::Unstable => "the wave is unstable".to_owned(),
         verdict => undecided(*verdict).unwrap_or("").to_owned(),
     };
     format!(
@@ -393,7 +399,7 @@ fn growing(growth: &Growth) -> String {
 #[derive(Debug)]
 pub(crate) struct CertificateFolder {
     store: Store,
-    table: Growing,
+    table: GrowingFile,
 }
 
 impl CertificateFolder {
@@ -410,7 +416,10 @@ impl CertificateFolder {
         Ok(CertificateFolder { store, table })
     }
 
-    pub(crate) fn write<P: Certified>(&mut self, point: &Point<P>) -> Result<(), StoreError> {
+    pub(crate) fn write<P: Certified>(
+        &mut self,
+        point: &CertifiedPoint<P>,
+    ) -> Result<(), StoreError> {
         self.table.row(&P::row(point))
     }
 
@@ -453,7 +462,7 @@ pub(crate) fn theorems_agree<P: Certified>(
 /// When it cannot be read.
 pub(crate) fn table_agrees<P: Certified>(
     path: &Path,
-    points: &[Point<P>],
+    points: &[CertifiedPoint<P>],
 ) -> Result<bool, StoreError> {
     if !path.is_file() {
         return Ok(true);
@@ -488,8 +497,8 @@ pub(crate) fn table_agrees<P: Certified>(
 /// A certificate of any kind.
 pub(crate) enum Read {
     Waves(Certificate),
-    Orbits(Certificate<orbit::Proof>),
-    Equilibria(Certificate<equilibrium::Proof>),
+    Orbits(Certificate<orbit::OrbitProof>),
+    Equilibria(Certificate<equilibrium::EquilibriumProof>),
 }
 
 /// Reads a certificate.

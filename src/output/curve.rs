@@ -10,10 +10,13 @@ use serde::de::DeserializeOwned;
 use serde::{Serialize, Serializer};
 
 use super::layout::{self, CURVE as TABLE};
-use super::origin::Origin;
+use super::origin::ProblemOrigin;
 use super::render::Format;
-use super::store::{Growing, Kind, Store, StoreError, damaged, encode, hash, unfinished};
-use crate::curve::{Curve, Head, ParameterOf, Plane, Point, PointType, Reason, Run, Step};
+use super::store::{FolderKind, GrowingFile, Store, StoreError, damaged, encode, hash, unfinished};
+use crate::curve::{
+    CurveEndReason, CurveHead, CurvePoint, CurveRun, CurveStep, ParameterOf, ParameterPlane,
+    PointType, WholeCurve,
+};
 use crate::orbit::Orbit;
 use crate::problem::Problem;
 use crate::table;
@@ -24,8 +27,8 @@ const STEPS: &str = "curve.steps";
 #[derive(Debug)]
 pub(crate) struct CurveFolder {
     store: Store,
-    table: Growing,
-    steps: Growing,
+    table: GrowingFile,
+    steps: GrowingFile,
     rows: usize,
     /// Of further numbers.
     columns: Vec<String>,
@@ -34,7 +37,7 @@ pub(crate) struct CurveFolder {
 
 /// What is wrong with a line of the steps.
 #[derive(Debug, thiserror::Error)]
-enum Flaw {
+enum LineFlaw {
     #[error("it has no checksum")]
     NoSum,
     #[error("its checksum is another one")]
@@ -43,18 +46,18 @@ enum Flaw {
     Content(#[from] ron::error::SpannedError),
 }
 
-fn value<T: DeserializeOwned>(line: &str) -> Result<T, Flaw> {
-    let (sum, text) = line.split_once(' ').ok_or(Flaw::NoSum)?;
+fn value<T: DeserializeOwned>(line: &str) -> Result<T, LineFlaw> {
+    let (sum, text) = line.split_once(' ').ok_or(LineFlaw::NoSum)?;
     if u64::from_str_radix(sum, 16) != Ok(hash(text.as_bytes())) {
-        return Err(Flaw::OtherSum);
+        return Err(LineFlaw::OtherSum);
     }
     Ok(ron::from_str(text)?)
 }
 
 /// A curve to go on with.
-pub(crate) struct Interrupted<P: Plane> {
+pub(crate) struct InterruptedCurve<P: ParameterPlane> {
     /// The curve after its last step.
-    pub run: Run<P>,
+    pub run: CurveRun<P>,
     length: usize,
 }
 
@@ -63,9 +66,9 @@ impl CurveFolder {
     ///
     /// # Errors
     /// When that is damaged.
-    pub(crate) fn interrupted<P: Plane>(
+    pub(crate) fn interrupted<P: ParameterPlane>(
         store: &Store,
-    ) -> Result<Option<Interrupted<P>>, StoreError> {
+    ) -> Result<Option<InterruptedCurve<P>>, StoreError> {
         // a curve killed before it began has no points
         let path = store.path().join(STEPS);
         if !(store.resumes() && path.exists()) {
@@ -85,7 +88,7 @@ impl CurveFolder {
     ///
     /// # Errors
     /// When they are damaged, or there is none.
-    pub(crate) fn saved<P: Plane>(store: &Store) -> Result<Run<P>, StoreError> {
+    pub(crate) fn saved<P: ParameterPlane>(store: &Store) -> Result<CurveRun<P>, StoreError> {
         let saved = match store.path().join(STEPS).exists() {
             true => CurveFolder::steps(store)?,
             false => None,
@@ -94,38 +97,44 @@ impl CurveFolder {
         saved.map(|saved| saved.run).ok_or_else(nothing)
     }
 
-    fn steps<P: Plane>(store: &Store) -> Result<Option<Interrupted<P>>, StoreError> {
+    fn steps<P: ParameterPlane>(store: &Store) -> Result<Option<InterruptedCurve<P>>, StoreError> {
         let path = store.path().join(STEPS);
         let bytes = store.lines(STEPS, None)?;
         let text = std::str::from_utf8(&bytes).map_err(|_| damaged(&path, "it is no text"))?;
-        let wrong = |number: usize, flaw: Flaw| damaged(&path, format!("line {number}: {flaw}"));
+        let wrong =
+            |number: usize, flaw: LineFlaw| damaged(&path, format!("line {number}: {flaw}"));
         let mut lines = text.lines();
         let Some(first) = lines.next() else {
             return Ok(None);
         };
-        let head: Head<P> = value(first).map_err(|flaw| wrong(1, flaw))?;
+        let head: CurveHead<P> = value(first).map_err(|flaw| wrong(1, flaw))?;
         let steps = lines
             .zip(2..)
             .map(|(line, number)| value(line).map_err(|flaw| wrong(number, flaw)))
-            .collect::<Result<Vec<Step<P>>, StoreError>>()?;
-        let run = Run::resume(head, steps).map_err(|reason| damaged(&path, reason.to_string()))?;
+            .collect::<Result<Vec<CurveStep<P>>, StoreError>>()?;
+        let run =
+            CurveRun::resume(head, steps).map_err(|reason| damaged(&path, reason.to_string()))?;
         let length = bytes.len();
-        Ok(Some(Interrupted { run, length }))
+        Ok(Some(InterruptedCurve { run, length }))
     }
 
     /// Begins a curve, in place of an earlier one.
     ///
     /// # Errors
     /// When a file cannot be written, like all that follow.
-    pub(crate) fn create<P: Plane>(
+    pub(crate) fn create<P: ParameterPlane>(
         store: Store,
-        run: &Run<P>,
+        run: &CurveRun<P>,
         problem: &(impl Clone + Serialize),
         format: Format,
     ) -> Result<CurveFolder, StoreError> {
-        let pictures = vec![layout::picture(Kind::Curve.name(), format)];
-        store.begin(&[Origin::<Problem>::FILE, STEPS, TABLE], pictures, None)?;
-        Origin::keep(&store, problem)?;
+        let pictures = vec![layout::picture(FolderKind::Curve.name(), format)];
+        store.begin(
+            &[ProblemOrigin::<Problem>::FILE, STEPS, TABLE],
+            pictures,
+            None,
+        )?;
+        ProblemOrigin::keep(&store, problem)?;
         let steps = store.create(STEPS, b"")?;
         let mut folder = CurveFolder::tabulate(store, run, steps)?;
         folder.keep(run.head())?;
@@ -133,19 +142,19 @@ impl CurveFolder {
     }
 
     /// Goes on with a curve.
-    pub(crate) fn reopen<P: Plane>(
+    pub(crate) fn reopen<P: ParameterPlane>(
         store: Store,
-        interrupted: &Interrupted<P>,
+        interrupted: &InterruptedCurve<P>,
     ) -> Result<CurveFolder, StoreError> {
         let steps = store.cut(STEPS, interrupted.length)?;
         CurveFolder::tabulate(store, &interrupted.run, steps)
     }
 
     /// The table of the points so far.
-    fn tabulate<P: Plane>(
+    fn tabulate<P: ParameterPlane>(
         store: Store,
-        run: &Run<P>,
-        steps: Growing,
+        run: &CurveRun<P>,
+        steps: GrowingFile,
     ) -> Result<CurveFolder, StoreError> {
         let system = &run.head().system;
         let columns = system.plane.columns();
@@ -164,16 +173,19 @@ impl CurveFolder {
         Ok(folder)
     }
 
-    fn append<P: Plane>(&mut self, point: &Point) -> Result<(), StoreError> {
+    fn append<P: ParameterPlane>(&mut self, point: &CurvePoint) -> Result<(), StoreError> {
         let told = (point.what.as_str(), &self.columns[..]);
-        let row = Row::new::<P>(self.rows, point, self.sector, told);
+        let row = CurveRow::new::<P>(self.rows, point, self.sector, told);
         self.table.row(&row)?;
         self.rows += 1;
         Ok(())
     }
 
     /// Appends what a step found.
-    pub(crate) fn write<P: Plane>(&mut self, step: &Step<P>) -> Result<(), StoreError> {
+    pub(crate) fn write<P: ParameterPlane>(
+        &mut self,
+        step: &CurveStep<P>,
+    ) -> Result<(), StoreError> {
         for found in &step.found {
             self.append::<P>(&found.point)?;
         }
@@ -191,7 +203,10 @@ impl CurveFolder {
     ///
     /// # Errors
     /// When it cannot be written.
-    pub(crate) fn finish<P: Plane>(&self, curve: &Curve<P>) -> Result<(), StoreError> {
+    pub(crate) fn finish<P: ParameterPlane>(
+        &self,
+        curve: &WholeCurve<P>,
+    ) -> Result<(), StoreError> {
         self.store.replace(TABLE, table(curve).as_bytes())
     }
 
@@ -202,7 +217,7 @@ impl CurveFolder {
 
 /// A row of `curve.csv`; the columns of the parameters have their names.
 #[derive(Default, Serialize)]
-struct Row<'a> {
+struct CurveRow<'a> {
     point: usize,
     #[serde(rename = "type")]
     kind: Option<PointType>,
@@ -217,7 +232,7 @@ struct Row<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     sector: Option<Option<usize>>,
     angular: Option<f64>,
-    numbers: Numbers<'a>,
+    numbers: FurtherNumbers<'a>,
     newton: usize,
     residual: f64,
     what: &'a str,
@@ -225,12 +240,12 @@ struct Row<'a> {
 
 /// Further numbers, each in its column.
 #[derive(Clone, Copy, Default)]
-struct Numbers<'a> {
+struct FurtherNumbers<'a> {
     columns: &'a [String],
     values: &'a [Option<f64>],
 }
 
-impl Serialize for Numbers<'_> {
+impl Serialize for FurtherNumbers<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let columns = self.columns.iter().enumerate();
         let value = |index: usize| self.values.get(index).copied().flatten();
@@ -238,15 +253,15 @@ impl Serialize for Numbers<'_> {
     }
 }
 
-fn header<P: Plane>([first, second]: &[ParameterOf<P>; 2], further: &[String]) -> String {
-    let row = Row {
+fn header<P: ParameterPlane>([first, second]: &[ParameterOf<P>; 2], further: &[String]) -> String {
+    let row = CurveRow {
         sector: P::HAS_SECTORS.then_some(None),
         measure: P::MEASURE.map(|_| 0.0),
-        numbers: Numbers {
+        numbers: FurtherNumbers {
             columns: further,
             values: &[],
         },
-        ..Row::default()
+        ..CurveRow::default()
     };
     let mut columns = table::columns(&row);
     let named = [
@@ -265,14 +280,14 @@ fn header<P: Plane>([first, second]: &[ParameterOf<P>; 2], further: &[String]) -
     table::line_of(&columns)
 }
 
-impl<'a> Row<'a> {
-    fn new<P: Plane>(
+impl<'a> CurveRow<'a> {
+    fn new<P: ParameterPlane>(
         index: usize,
-        point: &'a Point,
+        point: &'a CurvePoint,
         sector: Option<Option<usize>>,
         (what, columns): (&'a str, &'a [String]),
-    ) -> Row<'a> {
-        Row {
+    ) -> CurveRow<'a> {
+        CurveRow {
             point: index + 1,
             kind: point.kind,
             first: point.parameters[0],
@@ -282,7 +297,7 @@ impl<'a> Row<'a> {
             regimes_after: &point.after,
             sector,
             angular: point.angular,
-            numbers: Numbers {
+            numbers: FurtherNumbers {
                 columns,
                 values: &point.numbers,
             },
@@ -294,28 +309,31 @@ impl<'a> Row<'a> {
 }
 
 /// The curve as CSV, from one end to the other.
-pub(crate) fn table<P: Plane>(curve: &Curve<P>) -> String {
+pub(crate) fn table<P: ParameterPlane>(curve: &WholeCurve<P>) -> String {
     let mut text = header::<P>(&curve.parameters, &curve.columns);
     let sector = P::HAS_SECTORS.then_some(curve.sector);
     for (index, point) in curve.points.iter().enumerate() {
         let what = words(curve, index);
         let told = (what.as_str(), &curve.columns[..]);
-        text.push_str(&table::line(&Row::new::<P>(index, point, sector, told)));
+        text.push_str(&table::line(&CurveRow::new::<P>(
+            index, point, sector, told,
+        )));
     }
     text
 }
 
 /// What happens at a point; the reason of an end stands at the first and at the last one.
-pub(crate) fn words<P: Plane>(curve: &Curve<P>, index: usize) -> String {
+pub(crate) fn words<P: ParameterPlane>(curve: &WholeCurve<P>, index: usize) -> String {
     let last = curve.points.len() - 1;
     let ends = [0, last].into_iter().zip(&curve.ends);
-    let ends = ends
-        .filter(|(place, end)| *place == index && !matches!(end, Reason::There | Reason::Unknown));
-    let mut ends: Vec<&Reason<P>> = ends.map(|(_, end)| end).collect();
+    let ends = ends.filter(|(place, end)| {
+        *place == index && !matches!(end, CurveEndReason::There | CurveEndReason::Unknown)
+    });
+    let mut ends: Vec<&CurveEndReason<P>> = ends.map(|(_, end)| end).collect();
     ends.dedup();
     let what = Some(curve.points[index].what.clone()).filter(|what| !what.is_empty());
     let words = what
         .into_iter()
-        .chain(ends.into_iter().map(Reason::to_string));
+        .chain(ends.into_iter().map(CurveEndReason::to_string));
     words.collect::<Vec<_>>().join("; ")
 }

@@ -4,7 +4,9 @@ use super::layout::{self, EIGENVALUES};
 use super::render::Format;
 use super::run::{Headers, Lines, Recorded, Restart};
 use crate::affine::equilibrium::EquilibriumCurve;
-use crate::hybrid::equilibrium::row::{EigenvalueRow, EquilibriumEventRow, EquilibriumRow};
+use crate::hybrid::equilibrium::row::{
+    EquilibriumEigenvalueRow, EquilibriumEventRow, EquilibriumRow,
+};
 use crate::hybrid::equilibrium::run::EquilibriumProgress;
 use crate::hybrid::equilibrium::{EquilibriumItem, EquilibriumRunner, LabelledEquilibrium};
 use crate::orbit::legs;
@@ -39,7 +41,7 @@ impl Recorded for EquilibriumRunner {
         Headers {
             branch: table::line_of(&branch),
             events: table::line_of(&events),
-            spectrum: Some((EIGENVALUES, table::header::<EigenvalueRow>())),
+            spectrum: Some((EIGENVALUES, table::header::<EquilibriumEigenvalueRow>())),
             pictures: layout::pictures_of_orbits(problem, Format::Svg),
         }
     }

@@ -1,7 +1,7 @@
 //! Names of the files of result folders, their pictures included.
 
 use super::render::Format;
-use super::store::Kind;
+use super::store::FolderKind;
 use crate::problem::{Plot, Problem, SystemPlot, SystemProblem};
 use crate::simulation::task::Body;
 
@@ -71,12 +71,18 @@ pub(super) const MOTION: [&str; 4] = ["space_time", "velocity", "phase_plane", "
 pub(super) const VIEW: &str = "view";
 
 /// Files of the pictures in a folder of this kind.
-pub(crate) fn pictures(kind: Kind, problem: &Problem, format: Format) -> Vec<String> {
+pub(crate) fn pictures(kind: FolderKind, problem: &Problem, format: Format) -> Vec<String> {
     let names = match kind {
-        Kind::Run => problem.output.plots.iter().map(plot).collect(),
-        Kind::Simulation => MOTION.map(str::to_owned).to_vec(),
-        Kind::Curve | Kind::Accuracy | Kind::Steady => vec![kind.name().to_owned()],
-        Kind::Map | Kind::MapShard | Kind::Scan | Kind::ScanShard | Kind::Certificate => Vec::new(),
+        FolderKind::Run => problem.output.plots.iter().map(plot).collect(),
+        FolderKind::Simulation => MOTION.map(str::to_owned).to_vec(),
+        FolderKind::Curve | FolderKind::Accuracy | FolderKind::Steady => {
+            vec![kind.name().to_owned()]
+        }
+        FolderKind::Map
+        | FolderKind::MapShard
+        | FolderKind::Scan
+        | FolderKind::ScanShard
+        | FolderKind::Certificate => Vec::new(),
     };
     names.iter().map(|name| picture(name, format)).collect()
 }

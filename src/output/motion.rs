@@ -4,9 +4,9 @@
 //! ends in the same files.
 
 use super::layout::{self, SECTION, SERIES, SWITCHES};
-use super::origin::Origin;
+use super::origin::ProblemOrigin;
 use super::render::Format;
-use super::store::{Growing, Store, StoreError};
+use super::store::{GrowingFile, Store, StoreError};
 use crate::affine::course::Seen;
 use crate::affine::motion::Place;
 use crate::affine::system::System;
@@ -17,10 +17,10 @@ use crate::table::{line_of, number};
 #[derive(Debug)]
 pub(crate) struct MotionFolder<'a> {
     system: &'a System,
-    series: Growing,
-    switches: Growing,
+    series: GrowingFile,
+    switches: GrowingFile,
     /// With a forcing only.
-    section: Option<Growing>,
+    section: Option<GrowingFile>,
     /// Switches written.
     pub switched: usize,
     /// Section samples written.
@@ -38,11 +38,11 @@ impl<'a> MotionFolder<'a> {
     ) -> Result<MotionFolder<'a>, StoreError> {
         let system = &problem.system;
         let forced = system.source.forcing.is_some();
-        let mut names = vec![SERIES, SWITCHES, Origin::<SystemProblem>::FILE];
+        let mut names = vec![SERIES, SWITCHES, ProblemOrigin::<SystemProblem>::FILE];
         names.extend(forced.then_some(SECTION));
         let pictures = layout::OF_MOTION.map(|name| layout::picture(name, Format::Svg));
         store.begin(&names, pictures.to_vec(), None)?;
-        Origin::keep(store, problem)?;
+        ProblemOrigin::keep(store, problem)?;
         let states = &system.source.states;
         let of_states =
             |ending: &'static str| states.iter().map(move |state| format!("{state}{ending}"));

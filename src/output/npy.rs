@@ -6,17 +6,17 @@ use std::fmt::Write;
 pub(crate) const HEADER: usize = 128;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Kind {
+pub(crate) enum NpyType {
     /// 64-bit floating point, little-endian.
     Double,
     Byte,
 }
 
 /// The header of an array of `rows` × `columns`.
-pub(crate) fn header(kind: Kind, rows: usize, columns: usize) -> [u8; HEADER] {
+pub(crate) fn header(kind: NpyType, rows: usize, columns: usize) -> [u8; HEADER] {
     let descriptor = match kind {
-        Kind::Double => "<f8",
-        Kind::Byte => "|u1",
+        NpyType::Double => "<f8",
+        NpyType::Byte => "|u1",
     };
     let mut text = String::with_capacity(HEADER);
     // writing to a string does not fail
@@ -37,7 +37,7 @@ pub(crate) fn header(kind: Kind, rows: usize, columns: usize) -> [u8; HEADER] {
 pub(crate) fn doubles(columns: &[&[f64]]) -> Vec<u8> {
     let rows = columns.iter().map(|column| column.len()).min().unwrap_or(0);
     let mut bytes = Vec::with_capacity(HEADER + 8 * rows * columns.len());
-    bytes.extend_from_slice(&header(Kind::Double, rows, columns.len()));
+    bytes.extend_from_slice(&header(NpyType::Double, rows, columns.len()));
     for row in 0..rows {
         for column in columns {
             bytes.extend_from_slice(&column[row].to_le_bytes());

@@ -11,28 +11,28 @@ use super::store::{self, StoreError, damaged};
 use crate::affine::orbit::AffineOrbit;
 use crate::hybrid::LabelledOrbit;
 use crate::hybrid::row::{MultiplierRow, OrbitEventRow, OrbitRow, SampleRow};
-use crate::hybrid::run::{Item, Progress, Runner};
+use crate::hybrid::run::{OrbitItem, OrbitProgress, OrbitRunner};
 use crate::orbit::{EventType, legs};
 use crate::problem::SystemProblem;
 use crate::table;
 
 /// Content of `branch.ron` of a branch of orbits.
-pub(crate) type Orbits = Restart<Runner>;
+pub(crate) type Orbits = Restart<OrbitRunner>;
 
-impl Recorded for Runner {
+impl Recorded for OrbitRunner {
     type Problem = SystemProblem;
-    type Progress = Progress;
+    type Progress = OrbitProgress;
     type Saved = LabelledOrbit;
 
-    fn saved(&self) -> Progress {
+    fn saved(&self) -> OrbitProgress {
         self.state()
     }
 
-    fn legs(progress: &Progress) -> &legs::Progress<AffineOrbit> {
+    fn legs(progress: &OrbitProgress) -> &legs::Progress<AffineOrbit> {
         &progress.legs
     }
 
-    fn eigenvalues(progress: &Progress) -> usize {
+    fn eigenvalues(progress: &OrbitProgress) -> usize {
         progress.multipliers
     }
 
@@ -50,7 +50,7 @@ impl Recorded for Runner {
         }
     }
 
-    fn lines(problem: &SystemProblem, item: &Item) -> Lines<LabelledOrbit> {
+    fn lines(problem: &SystemProblem, item: &OrbitItem) -> Lines<LabelledOrbit> {
         let source = &problem.system.source;
         let event = item.event.as_ref();
         let saved = item.saved.as_ref();
@@ -90,20 +90,20 @@ impl Recorded for Runner {
 /// The file is missing or damaged.
 pub(crate) fn kind_of(folder: &Path, label: usize) -> Result<Option<EventType>, StoreError> {
     #[derive(Deserialize)]
-    struct Row {
+    struct OrbitType {
         label: usize,
         #[serde(rename = "type")]
         kind: EventType,
     }
     let path = folder.join(EVENTS);
-    let rows = store::table(&path)?.rows::<Row>();
+    let rows = store::table(&path)?.rows::<OrbitType>();
     let rows = rows.map_err(|error| damaged(&path, error.to_string()))?;
     let row = rows.iter().find(|row| row.label == label);
     Ok(row.map(|row| row.kind))
 }
 
 /// The profile of a labelled orbit, where profiles are asked for; one that overflows is left out.
-fn profile(problem: &SystemProblem, item: &Item) -> Option<String> {
+fn profile(problem: &SystemProblem, item: &OrbitItem) -> Option<String> {
     if problem.output.profiles == 0 {
         return None;
     }

@@ -12,20 +12,20 @@ use crate::problem::{Any, Problem, SystemProblem};
 
 /// Content of `problem.ron`, and of `map.ron` in the folder of a map.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Origin<P = Problem> {
+pub(crate) struct ProblemOrigin<P = Problem> {
     /// Version of brakewave that wrote it.
     pub version: String,
     /// The problem with all its settings.
     pub problem: P,
 }
 
-impl<P: Clone + Serialize> Origin<P> {
+impl<P: Clone + Serialize> ProblemOrigin<P> {
     /// Name of the file where nothing else keeps the problem.
     pub(crate) const FILE: &'static str = "problem.ron";
 
     /// A problem of this version.
-    pub(crate) fn of(problem: &P) -> Origin<P> {
-        Origin {
+    pub(crate) fn of(problem: &P) -> ProblemOrigin<P> {
+        ProblemOrigin {
             version: VERSION.to_owned(),
             problem: problem.clone(),
         }
@@ -36,7 +36,7 @@ impl<P: Clone + Serialize> Origin<P> {
     /// # Errors
     /// When the file cannot be written.
     pub(crate) fn keep(store: &Store, problem: &P) -> Result<(), StoreError> {
-        store.save(Self::FILE, &Origin::of(problem))
+        store.save(Self::FILE, &ProblemOrigin::of(problem))
     }
 }
 
@@ -51,15 +51,15 @@ pub(crate) fn problem(folder: &Path) -> Result<Option<Any>, StoreError> {
         SimulationCheckpoint::FILE,
         MAP_ORIGIN,
         SCAN_ORIGIN,
-        Origin::<Problem>::FILE,
+        ProblemOrigin::<Problem>::FILE,
     ];
     let file = files.into_iter().find(|name| folder.join(name).exists());
     let Some(path) = file.map(|file| folder.join(file)) else {
         return Ok(None);
     };
     // each kind lacks what the other has
-    Ok(Some(match decode::<Origin<SystemProblem>>(&path) {
+    Ok(Some(match decode::<ProblemOrigin<SystemProblem>>(&path) {
         Ok(origin) => Any::System(Box::new(origin.problem)),
-        Err(_) => Any::Tube(Box::new(decode::<Origin>(&path)?.problem)),
+        Err(_) => Any::Tube(Box::new(decode::<ProblemOrigin>(&path)?.problem)),
     }))
 }

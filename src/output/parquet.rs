@@ -16,7 +16,7 @@ use ::parquet::schema::types::Type;
 const GROUP: usize = 1 << 16;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Kind {
+pub(crate) enum ColumnType {
     /// 64-bit integer.
     Integer,
     Number,
@@ -49,27 +49,12 @@ pub(crate) enum ConvertError {
 pub(crate) fn convert(
     table: &Path,
     out: &mut (impl Write + Send),
-    kind: impl Fn(&str) -> Kind,
+    kind: impl Fn(&str) -> ColumnType,
 ) -> Result<(), ConvertError> {
     let mut reader = csv::Reader::from_path(table)?;
     let names: Vec<String> = reader.headers()?.iter().map(str::to_owned).collect();
-    let kinds: Vec<Kind> = names.iter().map(|name| kind(name)).collect();
-    let fields = names.iter().zip(&kinds).map(|(name, kind)| {
-        let (physical, converted) = match kind {
-            Kind::Integer => (Physical::INT64, ConvertedType::NONE),
-            Kind::Number => (Physical::DOUBLE, ConvertedType::NONE),
-            Kind::Text => (Physical::BYTE_ARRAY, ConvertedType::UTF8),
-        };
-        let built = Type::primitive_type_builder(name, physical)
-            .with_repetition(Repetition::OPTIONAL)
-            .with_converted_type(converted)
-            .build()?;
-        Ok(Arc::new(built))
-    });
-    let fields = fields.collect::<Result<Vec<_>, ParquetError>>()?;
-    let schema = Type::group_type_builder("table")
-        .with_fields(fields)
-        .build()?;
+    let kinds: Vec<ColumnType> = names.iter().map(|name| kind(name)).collect();
+    let schema = schema(&names, &kinds)?;
     let created_by = format!("brakewave {}", env!("CARGO_PKG_VERSION"));
     let properties = WriterProperties::builder()
         .set_created_by(created_by)
@@ -92,23 +77,23 @@ pub(crate) fn convert(
                 .collect();
             let levels = fields.iter().map(|field| i16::from(!field.is_empty()));
             let levels: Vec<i16> = levels.collect();
-            let cells = Cells {
+            let cells = ColumnCells {
                 fields,
                 line,
                 column: &names[index],
             };
             match kinds[index] {
-                Kind::Integer => column.typed::<Int64Type>().write_batch(
+                ColumnType::Integer => column.typed::<Int64Type>().write_batch(
                     &cells.parsed()?,
                     Some(&levels),
                     None,
                 )?,
-                Kind::Number => column.typed::<DoubleType>().write_batch(
+                ColumnType::Number => column.typed::<DoubleType>().write_batch(
                     &cells.parsed()?,
                     Some(&levels),
                     None,
                 )?,
-                Kind::Text => {
+                ColumnType::Text => {
                     let given = cells.fields.iter().filter(|field| !field.is_empty());
                     let values: Vec<ByteArray> = given.map(|field| (*field).into()).collect();
                     let text = column.typed::<ByteArrayType>();
@@ -125,15 +110,35 @@ pub(crate) fn convert(
     Ok(())
 }
 
+/// The columns with their types: every field may be empty.
+fn schema(names: &[String], kinds: &[ColumnType]) -> Result<Type, ParquetError> {
+    let fields = names.iter().zip(kinds).map(|(name, kind)| {
+        let (physical, converted) = match kind {
+            ColumnType::Integer => (Physical::INT64, ConvertedType::NONE),
+            ColumnType::Number => (Physical::DOUBLE, ConvertedType::NONE),
+            ColumnType::Text => (Physical::BYTE_ARRAY, ConvertedType::UTF8),
+        };
+        let built = Type::primitive_type_builder(name, physical)
+            .with_repetition(Repetition::OPTIONAL)
+            .with_converted_type(converted)
+            .build()?;
+        Ok(Arc::new(built))
+    });
+    let fields = fields.collect::<Result<Vec<_>, ParquetError>>()?;
+    Type::group_type_builder("table")
+        .with_fields(fields)
+        .build()
+}
+
 /// The cells of a column in a group of rows.
-struct Cells<'a> {
+struct ColumnCells<'a> {
     fields: Vec<&'a str>,
     /// Line of the table before them.
     line: usize,
     column: &'a str,
 }
 
-impl Cells<'_> {
+impl ColumnCells<'_> {
     /// Those that are not empty, as values.
     fn parsed<T: FromStr>(&self) -> Result<Vec<T>, ConvertError> {
         let rows = self.fields.iter().zip(self.line + 1..);

@@ -15,14 +15,14 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use super::layout::{self, ATTRACTORS, ATTRACTORS_SAVED, MAP, MAP_ORIGIN, SHARES, SHARES_PICTURE};
-use super::origin::Origin;
+use super::origin::ProblemOrigin;
 use super::render::Format;
 use super::store::{
-    Kind, Store, StoreError, VERSION, decode, encode, hash, io_error, numbered, read, refused,
-    resumable,
+    FolderKind, Store, StoreError, VERSION, decode, encode, hash, io_error, numbered, read,
+    refused, resumable,
 };
 use crate::branch::row::WaveRow;
-use crate::map::{CellRow, Plane};
+use crate::map::{CellRow, MapPlane};
 use crate::problem::{Problem, ScanValues, SystemMap, SystemProblem};
 use crate::table::{self, number};
 
@@ -31,9 +31,9 @@ const ROWS: &str = "rows";
 /// A problem whose results are a table that is computed row by row.
 pub(crate) trait Rowed: Clone + PartialEq + Serialize + DeserializeOwned {
     /// What the folder holds once all rows are joined.
-    const KIND: Kind;
+    const KIND: FolderKind;
     /// What it holds where it has some of the rows.
-    const SHARD: Kind;
+    const SHARD: FolderKind;
     /// The file of the problem.
     const ORIGIN: &'static str;
     /// The joined table.
@@ -61,7 +61,7 @@ pub(crate) struct Mapped<P>(pub P);
 /// What has a plane to map.
 pub(crate) trait HasPlane: Clone + PartialEq + Serialize + DeserializeOwned {
     /// Its section `map`.
-    fn plane(&self) -> Option<Plane>;
+    fn plane(&self) -> Option<MapPlane>;
     /// The header of the table.
     fn header(&self) -> String;
     /// See [`Rowed::beside`].
@@ -75,8 +75,8 @@ pub(crate) trait HasPlane: Clone + PartialEq + Serialize + DeserializeOwned {
 }
 
 impl HasPlane for Problem {
-    fn plane(&self) -> Option<Plane> {
-        self.map.as_ref().map(Plane::new)
+    fn plane(&self) -> Option<MapPlane> {
+        self.map.as_ref().map(MapPlane::new)
     }
 
     fn header(&self) -> String {
@@ -85,8 +85,8 @@ impl HasPlane for Problem {
 }
 
 impl HasPlane for SystemProblem {
-    fn plane(&self) -> Option<Plane> {
-        self.map.as_ref().map(Plane::new)
+    fn plane(&self) -> Option<MapPlane> {
+        self.map.as_ref().map(MapPlane::new)
     }
 
     fn header(&self) -> String {
@@ -115,8 +115,8 @@ impl HasPlane for SystemProblem {
 }
 
 impl<P: HasPlane> Rowed for Mapped<P> {
-    const KIND: Kind = Kind::Map;
-    const SHARD: Kind = Kind::MapShard;
+    const KIND: FolderKind = FolderKind::Map;
+    const SHARD: FolderKind = FolderKind::MapShard;
     const ORIGIN: &'static str = MAP_ORIGIN;
     const TABLE: &'static str = MAP;
     #[cfg(feature = "parquet")]
@@ -148,9 +148,9 @@ impl<P: HasPlane> Rowed for Mapped<P> {
 ///
 /// # Errors
 /// When it is missing, damaged, or of another version.
-pub(crate) fn of_shard<P: Rowed>(folder: &Path) -> Result<Origin<P>, StoreError> {
+pub(crate) fn of_shard<P: Rowed>(folder: &Path) -> Result<ProblemOrigin<P>, StoreError> {
     let path = folder.join(P::ORIGIN);
-    let found: Origin<P> = decode(&path)?;
+    let found: ProblemOrigin<P> = decode(&path)?;
     if found.version != VERSION {
         let reason = format!(
             "written by version {}, this is {VERSION}; join shards of one version by that version",
@@ -165,7 +165,7 @@ pub(crate) fn of_shard<P: Rowed>(folder: &Path) -> Result<Origin<P>, StoreError>
 #[derive(Debug)]
 pub(crate) struct RowsFolder<P> {
     store: Store,
-    origin: Origin<P>,
+    origin: ProblemOrigin<P>,
     /// Hash of the problem as it is kept: which map this is.
     identity: u64,
     begun: Mutex<bool>,
@@ -176,7 +176,7 @@ impl<P: Rowed> RowsFolder<P> {
     ///
     /// # Errors
     /// When the problem cannot be written down.
-    pub(crate) fn new(store: Store, origin: Origin<P>) -> Result<RowsFolder<P>, StoreError> {
+    pub(crate) fn new(store: Store, origin: ProblemOrigin<P>) -> Result<RowsFolder<P>, StoreError> {
         let text = encode(&store.path().join(P::ORIGIN), &origin)?;
         Ok(RowsFolder {
             begun: Mutex::new(false),
@@ -344,13 +344,15 @@ impl<P: Rowed> RowsFolder<P> {
 
     #[cfg(feature = "parquet")]
     fn convert(&self) -> Result<(), StoreError> {
-        use super::parquet::{Kind, convert};
+        use super::parquet::{ColumnType, convert};
         let kind = |name: &str| match name {
             "row" | "column" | "passage" | "attractor" | "periods" | "unstable" | "lead_sector" => {
-                Kind::Integer
+                ColumnType::Integer
             }
-            "start" | "found" | "regimes" | "switches" | "mark" | "stable" | "why" => Kind::Text,
-            _ => Kind::Number,
+            "start" | "found" | "regimes" | "switches" | "mark" | "stable" | "why" => {
+                ColumnType::Text
+            }
+            _ => ColumnType::Number,
         };
         let table = self.path().join(P::TABLE);
         let Some(file) = P::PARQUET else {

@@ -12,7 +12,7 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use super::layout::{BRANCH, EVENTS, PROFILES, profile_file};
-use super::store::{Checkpoint, Growing, Store, StoreError, VERSION, refused, unfinished};
+use super::store::{Checkpoint, GrowingFile, Store, StoreError, VERSION, refused, unfinished};
 use crate::orbit::legs::{self, Run};
 
 /// Lines of the tables of a run.
@@ -143,12 +143,12 @@ const SAVED_EVERY: u32 = 20;
 /// The folder of a run being written.
 pub(crate) struct RunFolder<R: Recorded> {
     store: Store,
-    branch: Growing,
-    events: Growing,
+    branch: GrowingFile,
+    events: GrowingFile,
     /// With a `stability` section only.
-    spectrum: Option<Growing>,
+    spectrum: Option<GrowingFile>,
     /// Written since the state was saved.
-    profiles: Vec<Growing>,
+    profiles: Vec<GrowingFile>,
     restart: Restart<R>,
     /// When the state was saved, and how long that took.
     saved: (Instant, Duration),

@@ -2,18 +2,18 @@
 
 use super::layout::{SCAN, SCAN_ORIGIN};
 use super::rows::Rowed;
-use super::store::Kind;
+use super::store::FolderKind;
 use crate::affine::motion::Place;
 use crate::affine::system::System;
 use crate::hybrid::exponents::Exponent;
-use crate::hybrid::scan::{Scanner, Settled};
+use crate::hybrid::scan::{ScannedMotion, Scanner};
 use crate::messages::lack;
 use crate::problem::{Scan, SystemProblem};
 use crate::table::{Table, line_of, number};
 
 impl Rowed for SystemProblem {
-    const KIND: Kind = Kind::Scan;
-    const SHARD: Kind = Kind::ScanShard;
+    const KIND: FolderKind = FolderKind::Scan;
+    const SHARD: FolderKind = FolderKind::ScanShard;
     const ORIGIN: &'static str = SCAN_ORIGIN;
     const TABLE: &'static str = SCAN;
 
@@ -53,7 +53,7 @@ fn exponent(exponent: Exponent) -> [String; 2] {
 }
 
 /// The rows of some values.
-pub(crate) fn lines(system: &System, settled: &[Settled]) -> String {
+pub(crate) fn lines(system: &System, settled: &[ScannedMotion]) -> String {
     let mut text = String::new();
     for one in settled {
         let row = |sample: String, place: Option<&Place>, why: String| {

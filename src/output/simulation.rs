@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::layout::{self, END, MEASURES, REGIMES, SERIES, SNAPSHOTS, START};
 use super::render::Format;
-use super::store::{Checkpoint, Growing, Kind, Store, StoreError, damaged};
+use super::store::{Checkpoint, FolderKind, GrowingFile, Store, StoreError, damaged};
 use super::{npy, vtk};
 use crate::problem::Problem;
 use crate::simulation::line::Line;
@@ -58,8 +58,8 @@ impl Checkpoint for SimulationCheckpoint {
 #[derive(Debug)]
 pub(crate) struct SimulationFolder {
     store: Store,
-    series: Growing,
-    regimes: Growing,
+    series: GrowingFile,
+    regimes: GrowingFile,
     samples: usize,
     snapshots: usize,
     columns: usize,
@@ -105,12 +105,12 @@ impl SimulationFolder {
     ) -> Result<SimulationFolder, StoreError> {
         let checkpoint = SimulationCheckpoint::FILE;
         let tables = [SERIES, REGIMES, START, checkpoint, END, MEASURES];
-        let pictures = layout::pictures(Kind::Simulation, problem, Format::Svg);
+        let pictures = layout::pictures(FolderKind::Simulation, problem, Format::Svg);
         store.begin(&tables, pictures, Some(SNAPSHOTS))?;
         let columns = columns(points);
         Ok(SimulationFolder {
             series: store.table(SERIES, &table::header::<TimeSample>(), None)?,
-            regimes: store.create(REGIMES, &npy::header(npy::Kind::Byte, 0, columns))?,
+            regimes: store.create(REGIMES, &npy::header(npy::NpyType::Byte, 0, columns))?,
             store,
             samples: 0,
             snapshots: 0,
@@ -203,7 +203,7 @@ impl SimulationFolder {
         &mut self,
         checkpoint: &SimulationCheckpoint,
     ) -> Result<(), StoreError> {
-        let header = npy::header(npy::Kind::Byte, self.samples, self.columns);
+        let header = npy::header(npy::NpyType::Byte, self.samples, self.columns);
         self.regimes.rewrite_head(&header)?;
         self.regimes.sync()?;
         self.series.sync()?;

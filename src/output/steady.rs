@@ -3,9 +3,10 @@
 use nalgebra::Complex;
 
 use super::layout::{self, STEADY};
-use super::origin::Origin;
+use super::origin::ProblemOrigin;
 use super::render::Format;
-use super::store::{Kind, Store, StoreError};
+use super::store::{FolderKind, Store, StoreError};
+use crate::affine::mode::AffineMode;
 use crate::affine::steady::{Isolation, Place};
 use crate::affine::system::{System, SystemError};
 use crate::problem::{Problem, SystemProblem};
@@ -16,9 +17,9 @@ use crate::table::{line_of, number};
 /// # Errors
 /// When a file cannot be written.
 pub(crate) fn write(store: &Store, problem: &Problem, table: &str) -> Result<(), StoreError> {
-    let pictures = layout::pictures(Kind::Steady, problem, Format::Svg);
-    store.begin(&[STEADY, Origin::<Problem>::FILE], pictures, None)?;
-    Origin::keep(store, problem)?;
+    let pictures = layout::pictures(FolderKind::Steady, problem, Format::Svg);
+    store.begin(&[STEADY, ProblemOrigin::<Problem>::FILE], pictures, None)?;
+    ProblemOrigin::keep(store, problem)?;
     store.replace(STEADY, table.as_bytes())
 }
 
@@ -31,9 +32,9 @@ pub(crate) fn write_equilibria(
     problem: &SystemProblem,
     table: &str,
 ) -> Result<(), StoreError> {
-    let names = [STEADY, Origin::<SystemProblem>::FILE];
+    let names = [STEADY, ProblemOrigin::<SystemProblem>::FILE];
     store.begin(&names, Vec::new(), None)?;
-    Origin::keep(store, problem)?;
+    ProblemOrigin::keep(store, problem)?;
     store.replace(STEADY, table.as_bytes())
 }
 
@@ -81,29 +82,7 @@ pub(crate) fn equilibria(system: &System, values: &[f64]) -> Result<String, Syst
                 Some(false) => "no",
                 None => "undecided",
             };
-            let to = |guard: usize| {
-                let exit = at.modes[mode].guards[guard].exits.last();
-                exit.map_or("".into(), |exit| system.mode_name(exit.to))
-            };
-            let (kind, lies) = match found.place {
-                Place::Admissible => ("admissible", String::new()),
-                Place::Virtual { guard, at_times } => {
-                    let during = if at_times {
-                        " during a part of every period"
-                    } else {
-                        ""
-                    };
-                    let to = to(guard);
-                    (
-                        "virtual",
-                        format!("it lies beyond the switch to {to}{during}"),
-                    )
-                }
-                Place::Boundary { guard } => (
-                    "boundary",
-                    format!("to rounding it lies on the switch to {}", to(guard)),
-                ),
-            };
+            let (kind, lies) = position(system, &at.modes[mode], found.place);
             let isolated = match found.isolation {
                 Isolation::Simple => "",
                 Isolation::Degenerate => {
@@ -127,4 +106,27 @@ pub(crate) fn equilibria(system: &System, values: &[f64]) -> Result<String, Syst
         }
     }
     Ok(text)
+}
+
+/// What an equilibrium is by where it lies, and the switch that it lies beyond or on.
+fn position(system: &System, mode: &AffineMode, place: Place) -> (&'static str, String) {
+    let to = |guard: usize| {
+        let exit = mode.guards[guard].exits.last();
+        exit.map_or("".into(), |exit| system.mode_name(exit.to))
+    };
+    match place {
+        Place::Admissible => ("admissible", String::new()),
+        Place::Virtual { guard, at_times } => {
+            let during = match at_times {
+                true => " during a part of every period",
+                false => "",
+            };
+            let lies = format!("it lies beyond the switch to {}{during}", to(guard));
+            ("virtual", lies)
+        }
+        Place::Boundary { guard } => {
+            let lies = format!("to rounding it lies on the switch to {}", to(guard));
+            ("boundary", lies)
+        }
+    }
 }

@@ -3,7 +3,8 @@
 use crate::affine::orbit::Watch;
 use crate::affine::system::System;
 use crate::certify::{
-    self, Counted, Outcome, Point, Proof, Provable, Stretch, Verdict, equilibrium, orbit,
+    self, ArcOutcome, CertifiedPoint, Counted, ProofOutcome, Provable, ProvenVerdict, WaveProof,
+    equilibrium, orbit,
 };
 use crate::interval::{Decimal, Interval};
 
@@ -13,23 +14,25 @@ pub(crate) trait Stated: Provable {
     const CURVE: &'static str;
 
     /// Hypothesis and conclusion for a proven point.
-    fn theorem(&self, point: &Point<Self>, system: Option<&System>) -> String;
+    fn theorem(&self, point: &CertifiedPoint<Self>, system: Option<&System>) -> String;
 }
 
 /// All theorems of a certificate, with headings.
-pub(crate) fn theorems<P: Stated>(points: &[Point<P>], system: Option<&System>) -> String {
+pub(crate) fn theorems<P: Stated>(points: &[CertifiedPoint<P>], system: Option<&System>) -> String {
     let mut text = "# What is proven\n\nIn `certificate.ron` stands what proves these statements, in `source.ron` the \
         problem. Its numbers are the decimals that are written there. An interval is closed, and its ends are doubles.\n"
         .to_owned();
     let mut before = None;
     for point in points {
-        let Point { label, kind, .. } = point;
+        let CertifiedPoint { label, kind, .. } = point;
         text.push_str(&format!("\n## {label}: {kind}\n\n"));
         match &point.outcome {
-            Outcome::Proven(proof) => text.push_str(&proof.theorem(point, system)),
-            Outcome::Open(reason) => text.push_str(&format!("Nothing is proven here. {reason}.\n")),
+            ProofOutcome::Proven(proof) => text.push_str(&proof.theorem(point, system)),
+            ProofOutcome::Open(reason) => {
+                text.push_str(&format!("Nothing is proven here. {reason}.\n"))
+            }
         }
-        if let (Some(Stretch::Proven), Some(before)) = (&point.arc, before) {
+        if let (Some(ArcOutcome::Proven), Some(before)) = (&point.arc, before) {
             text.push_str(&format!(
                 "\n**From {before} to {label}.** {} Every inequality holds on all of it.\n",
                 P::CURVE
@@ -48,11 +51,11 @@ fn listed<'a>(pairs: impl Iterator<Item = (&'a str, &'a Decimal)>) -> String {
     pairs.join(", ")
 }
 
-impl Stated for orbit::Proof {
+impl Stated for orbit::OrbitProof {
     const CURVE: &'static str = "The orbits between these two are one curve without a fold, and all have one sequence \
         of zones. Of multipliers that pass −1 or the unit circle nothing is said.";
 
-    fn theorem(&self, point: &Point<Self>, system: Option<&System>) -> String {
+    fn theorem(&self, point: &CertifiedPoint<Self>, system: Option<&System>) -> String {
         let (said, name) = (&self.statement, &point.parameter);
         let names = system.map(|system| system.source.parameters.names());
         let values = names.into_iter().flatten().zip(&self.posed.values);
@@ -102,12 +105,12 @@ impl Stated for orbit::Proof {
     }
 }
 
-impl orbit::Proof {
+impl orbit::OrbitProof {
     /// What makes the point a special one.
     fn singled_out(&self) -> String {
         let said = &self.statement;
         match &self.condition {
-            orbit::Condition::Value(value) => {
+            orbit::OrbitCondition::Value(value) => {
                 let outside = said.outside.map(|outside| match outside {
                     0 => " All its multipliers, but the trivial one of an orbit without forcing, are inside the unit circle."
                         .to_owned(),
@@ -118,25 +121,25 @@ impl orbit::Proof {
                     outside.unwrap_or_default()
                 )
             }
-            orbit::Condition::Fold => "The orbit is one of a curve along which the parameter is stationary there and has a \
+            orbit::OrbitCondition::Fold => "The orbit is one of a curve along which the parameter is stationary there and has a \
                 second derivative that is not zero: a quadratic fold."
                 .to_owned(),
-            orbit::Condition::Doubling => "With P the linearised return to the first entry at the same phase, −1 is a \
+            orbit::OrbitCondition::Doubling => "With P the linearised return to the first entry at the same phase, −1 is a \
                 geometrically simple eigenvalue of P, and det(P + 1) passes through zero along the branch with a slope that is not \
                 zero. That −1 is algebraically simple is not said."
                 .to_owned(),
-            orbit::Condition::Branching => "The orbit is −x half a period later. With P the linearised map of that half, \
+            orbit::OrbitCondition::Branching => "The orbit is −x half a period later. With P the linearised map of that half, \
                 followed by x → −x, −1 is a geometrically simple eigenvalue of P, and det(P + 1) passes through zero along the \
                 branch with a slope that is not zero."
                 .to_owned(),
-            orbit::Condition::Torus { .. } => {
+            orbit::OrbitCondition::Torus { .. } => {
                 let angle = said.angle.map(written).unwrap_or_default();
                 format!(
                     "With P the linearised return to the first entry at the same phase, e^(iθ) and e^(−iθ) with θ in {angle}, inside \
                      (0, π), are simple eigenvalues of P; their modulus passes 1 along the branch with a slope that is not zero."
                 )
             }
-            orbit::Condition::Margin { watch, zone, .. } => {
+            orbit::OrbitCondition::Margin { watch, zone, .. } => {
                 let what = match watch {
                     Watch::Inside(guard) => format!("guard {guard} touches zero within zone {zone}"),
                     Watch::Onset(guard) => {
@@ -160,10 +163,10 @@ impl orbit::Proof {
     }
 }
 
-impl Stated for equilibrium::Proof {
+impl Stated for equilibrium::EquilibriumProof {
     const CURVE: &'static str = "The equilibria between these two are one curve.";
 
-    fn theorem(&self, point: &Point<Self>, system: Option<&System>) -> String {
+    fn theorem(&self, point: &CertifiedPoint<Self>, system: Option<&System>) -> String {
         let (said, name) = (&self.statement, &point.parameter);
         let source = system.map(|system| &system.source);
         let names = source.map(|source| source.parameters.names());
@@ -179,8 +182,8 @@ impl Stated for equilibrium::Proof {
         let states: Vec<String> = states.collect();
         let growing = said.growing.map(|growing| {
             let beside = match self.condition {
-                equilibrium::Condition::Fold => " beside 0",
-                equilibrium::Condition::Hopf { .. } => " beside ± iω",
+                equilibrium::EquilibriumCondition::Fold => " beside 0",
+                equilibrium::EquilibriumCondition::Hopf { .. } => " beside ± iω",
                 _ => "",
             };
             format!(
@@ -205,26 +208,26 @@ impl Stated for equilibrium::Proof {
     }
 }
 
-impl equilibrium::Proof {
+impl equilibrium::EquilibriumProof {
     /// What makes the point a special one.
     fn singled_out(&self, system: Option<&System>) -> String {
         let said = &self.statement;
         match &self.condition {
-            equilibrium::Condition::Value(value) => format!(
+            equilibrium::EquilibriumCondition::Value(value) => format!(
                 "The parameter is {value}; the equilibrium is one of a curve on which the parameter is the coordinate."
             ),
-            equilibrium::Condition::Fold => "It is one of a curve along which the parameter is stationary there and has a second \
+            equilibrium::EquilibriumCondition::Fold => "It is one of a curve along which the parameter is stationary there and has a second \
                 derivative that is not zero: a quadratic fold. 0 is a geometrically simple eigenvalue."
                 .to_owned(),
-            equilibrium::Condition::Hopf { .. } => {
+            equilibrium::EquilibriumCondition::Hopf { .. } => {
                 let omega = said.omega.map(written).unwrap_or_default();
                 let lyapunov = match said.lyapunov {
-                    Some(equilibrium::Lyapunov::Vertical) => {
+                    Some(equilibrium::ProvenLyapunov::Vertical) => {
                         " The rates of the mode are affine in the states: the cycles in the plane of the pair all belong to this \
                          value of the parameter, as far as they lie in the mode."
                             .to_owned()
                     }
-                    Some(equilibrium::Lyapunov::Within(interval)) => {
+                    Some(equilibrium::ProvenLyapunov::Within(interval)) => {
                         let sign = if interval.is_negative() {
                             ": it is supercritical"
                         } else if interval.is_positive() {
@@ -244,7 +247,7 @@ impl equilibrium::Proof {
                      that is not zero.{lyapunov}"
                 )
             }
-            equilibrium::Condition::Boundary { .. } => {
+            equilibrium::EquilibriumCondition::Boundary { .. } => {
                 let what = system.and_then(|system| self.vanishing(system));
                 let beyond = self.beyond.as_ref().map(|beyond| {
                     let sides = match beyond.persists {
@@ -268,29 +271,29 @@ impl equilibrium::Proof {
     }
 }
 
-impl Stated for Proof {
+impl Stated for WaveProof {
     const CURVE: &'static str = "The waves between these two are one curve without a fold, and all have one sequence of \
         regimes. Of eigenvalues that cross the imaginary axis nothing is said.";
 
-    fn theorem(&self, point: &Point<Self>, _: Option<&System>) -> String {
+    fn theorem(&self, point: &CertifiedPoint<Self>, _: Option<&System>) -> String {
         let (said, posed) = (&self.statement, &self.posed);
         let symbol = point.parameter.symbol();
         let singled = match &self.condition {
-            certify::Condition::Value(value) => format!(
+            certify::WaveCondition::Value(value) => format!(
                 "{symbol} is {value}; the wave is one of a curve on which {symbol} is the coordinate."
             ),
-            certify::Condition::Fold => format!(
+            certify::WaveCondition::Fold => format!(
                 "The wave is one of a curve along which {symbol} is stationary there and has a second derivative that is not \
                  zero: a quadratic fold."
             ),
-            certify::Condition::Crossing { sector, .. } => {
+            certify::WaveCondition::Crossing { sector, .. } => {
                 let omega = said.omega.map(written).unwrap_or_default();
                 format!(
                     "In Bloch sector {sector}, iω with ω in {omega} is a simple eigenvalue of the linearised equations, and \
                      crosses the imaginary axis along the branch with a speed that is not zero."
                 )
             }
-            certify::Condition::Margin { watch, zone, .. } => format!(
+            certify::WaveCondition::Margin { watch, zone, .. } => format!(
                 "The inequality {watch:?} of zone {zone} vanishes there, and along the branch in this sequence of regimes passes \
                  through zero with a slope that is not zero."
             ),
@@ -321,11 +324,13 @@ impl Stated for Proof {
         if let Some(Counted::Proven(growth)) = &point.growth {
             let counts: Vec<String> = growth.counts.iter().map(usize::to_string).collect();
             let follows = match growth.verdict {
-                Verdict::Stable { .. } => {
+                ProvenVerdict::Stable { .. } => {
                     " No other has Re λ ≥ 0 but λ = 0 of translation: the wave is stable."
                 }
-                Verdict::Unstable => " The wave is unstable.",
-                Verdict::Neutral | Verdict::HighFrequency => " Stability is not decided by that.",
+                ProvenVerdict::Unstable => " The wave is unstable.",
+                ProvenVerdict::Neutral | ProvenVerdict::HighFrequency => {
+                    " Stability is not decided by that."
+                }
             };
             text.push_str(&format!(
                 "\nIn the Bloch sectors from 0 on, {} eigenvalues have Re λ > 0 and |Im λ| up to {}.{follows}\n",

@@ -7,10 +7,10 @@ use serde::Deserialize;
 use super::layout::{self, EVENTS, SPECTRUM};
 use super::render::Format;
 use super::run::{Headers, Lines, PROFILE_RESOLUTION, Recorded, Restart};
-use super::store::{self, Kind, StoreError, damaged, refused};
+use super::store::{self, FolderKind, StoreError, damaged, refused};
 use crate::branch::SavedWave;
 use crate::branch::row::{BranchRow, EventRow, SpectrumRow};
-use crate::branch::run::{Item, Progress, Runner};
+use crate::branch::run::{WaveItem, WaveProgress, WaveRunner};
 use crate::curve::start::Labelled;
 use crate::orbit::EventType;
 use crate::orbit::legs;
@@ -20,22 +20,22 @@ use crate::tube::model::signature::Regime;
 use crate::tube::wave::Wave;
 
 /// Content of `branch.ron` of a branch of waves.
-pub(crate) type Waves = Restart<Runner>;
+pub(crate) type Waves = Restart<WaveRunner>;
 
-impl Recorded for Runner {
+impl Recorded for WaveRunner {
     type Problem = Problem;
-    type Progress = Progress;
+    type Progress = WaveProgress;
     type Saved = SavedWave;
 
-    fn saved(&self) -> Progress {
+    fn saved(&self) -> WaveProgress {
         self.state()
     }
 
-    fn legs(progress: &Progress) -> &legs::Progress<Wave> {
+    fn legs(progress: &WaveProgress) -> &legs::Progress<Wave> {
         &progress.legs
     }
 
-    fn eigenvalues(progress: &Progress) -> usize {
+    fn eigenvalues(progress: &WaveProgress) -> usize {
         progress.beside.eigenvalues
     }
 
@@ -48,11 +48,11 @@ impl Recorded for Runner {
             branch: table::line_of(&branch),
             events: table::line_of(&events),
             spectrum: spectrum.map(|_| (SPECTRUM, table::header::<SpectrumRow>())),
-            pictures: layout::pictures(Kind::Run, problem, Format::Svg),
+            pictures: layout::pictures(FolderKind::Run, problem, Format::Svg),
         }
     }
 
-    fn lines(problem: &Problem, item: &Item) -> Lines<SavedWave> {
+    fn lines(problem: &Problem, item: &WaveItem) -> Lines<SavedWave> {
         let mode = f64::from(item.wave().0.mode);
         let hertz = |speed: f64| problem.output.hertz(mode * speed);
         let row = BranchRow::new(&item.point, item.leg, hertz(item.point.speed));
@@ -100,7 +100,7 @@ impl Recorded for Runner {
 /// The file is missing or damaged, or has no such label.
 pub(crate) fn labelled(folder: &Path, label: usize) -> Result<Labelled, StoreError> {
     #[derive(Deserialize)]
-    struct Row {
+    struct LabelledRow {
         label: usize,
         #[serde(rename = "type")]
         kind: EventType,
@@ -108,7 +108,7 @@ pub(crate) fn labelled(folder: &Path, label: usize) -> Result<Labelled, StoreErr
         omega: Option<f64>,
     }
     let path = folder.join(EVENTS);
-    let rows = store::table(&path)?.rows::<Row>();
+    let rows = store::table(&path)?.rows::<LabelledRow>();
     let rows = rows.map_err(|error| damaged(&path, error.to_string()))?;
     let row = rows.iter().find(|row| row.label == label);
     let row =

@@ -15,19 +15,20 @@ use crate::simulation::task::{
 };
 use crate::tube::flow::method::{MAX_DEGREE, MAX_INTERVALS};
 use crate::tube::model::Parameter;
-use crate::tube::model::range::Range;
+use crate::tube::model::range::AdmittedRange;
 
-const POSITIVE: Range = Range::above(0.0);
-const COUNT: Range = Range::from(1.0);
-const TWO: Range = Range::from(2.0);
-const AROUND: Range = Range::from(MIN_SIMULATION_POINTS as f64).to(MAX_SIMULATION_POINTS as f64);
+const POSITIVE: AdmittedRange = AdmittedRange::above(0.0);
+const COUNT: AdmittedRange = AdmittedRange::from(1.0);
+const TWO: AdmittedRange = AdmittedRange::from(2.0);
+const AROUND: AdmittedRange =
+    AdmittedRange::from(MIN_SIMULATION_POINTS as f64).to(MAX_SIMULATION_POINTS as f64);
 
 /// Path, admitted values, and the rule in words, with `{}` for the values.
 #[rustfmt::skip] // one field a line
-const FIELDS: [(&str, Range, &str); 60] = [
+const FIELDS: [(&str, AdmittedRange, &str); 60] = [
     ("tube.young", POSITIVE, "Young's modulus, in Pa, must be {}"),
     ("tube.density", POSITIVE, "the density, in kg/m³, must be {}"),
-    ("tube.poisson", Range::above(-1.0).below(0.5), "Poisson's ratio must lie {}"),
+    ("tube.poisson", AdmittedRange::above(-1.0).below(0.5), "Poisson's ratio must lie {}"),
     ("tube.inner", POSITIVE, "the inner radius, in m, must be {}"),
     ("tube.outer", POSITIVE, "the outer radius, in m, must be {}"),
     ("tube.oversize", POSITIVE, "the radius of the shaft less that of the tube, in m, must be {}"),
@@ -38,14 +39,14 @@ const FIELDS: [(&str, Range, &str); 60] = [
     ("model.friction_law.ratio", COUNT, "static by kinetic friction is {}"),
     ("model.friction_law.velocity", POSITIVE, "the velocity over which friction falls must be {}"),
     ("wave.mode", COUNT.to(MAX_MODE as f64), "waves around the circumference: {}"),
-    ("system.flow_tolerance", Range::from(1e-16).to(MAX_TOLERANCE), "the tolerance is {}"),
+    ("system.flow_tolerance", AdmittedRange::from(1e-16).to(MAX_TOLERANCE), "the tolerance is {}"),
     ("orbit.periods", COUNT.to(MAX_PERIODS as f64), "an orbit takes {} periods of the forcing"),
-    ("orbit.start.settle", Range::from(0.0).to(MAX_SETTLE), "the motion settles in {} periods"),
+    ("orbit.start.settle", AdmittedRange::from(0.0).to(MAX_SETTLE), "the motion settles in {} periods"),
     ("orbit.start.period", POSITIVE, "the period must be {}"),
     ("orbit.start.label", COUNT, "labels run from 1"),
     ("equilibrium.start.label", COUNT, "labels run from 1"),
     ("equilibrium.start.index", COUNT, "equilibria of a mode are counted from 1"),
-    ("method.tolerance", Range::from(1e-14).to(MAX_TOLERANCE), "the tolerance is {}"),
+    ("method.tolerance", AdmittedRange::from(1e-14).to(MAX_TOLERANCE), "the tolerance is {}"),
     ("method.intervals", TWO.to(MAX_INTERVALS as f64), "a zone has {} mesh intervals"),
     ("method.degree", TWO.to(MAX_DEGREE as f64), "an interval has {} collocation points"),
     ("continuation.ds", POSITIVE, STEP),
@@ -67,9 +68,9 @@ const FIELDS: [(&str, Range, &str); 60] = [
     ("simulation.duration", POSITIVE, "the time simulated must be {}"),
     ("simulation.courant", POSITIVE.to(MAX_COURANT), "the Courant number must be {}"),
     ("simulation.every", POSITIVE, "the time between samples must be {}"),
-    ("simulation.snapshots", Range::upto(MAX_SNAPSHOTS as f64), "ask for {} snapshots"),
+    ("simulation.snapshots", AdmittedRange::upto(MAX_SNAPSHOTS as f64), "ask for {} snapshots"),
     ("simulation.samples", COUNT.to(MAX_SAMPLES as f64), "a motion has {} samples"),
-    ("scan.settle", Range::from(0.0).to(MAX_SETTLE), "the motion settles in {} periods"),
+    ("scan.settle", AdmittedRange::from(0.0).to(MAX_SETTLE), "the motion settles in {} periods"),
     ("scan.lyapunov", COUNT, "a motion has {} Lyapunov exponent"),
     ("scan.keep", COUNT.to(MAX_KEPT as f64), "a value has {} samples"),
     ("simulation.growth.pairs", TWO.to(1000.0), "Arnoldi's method takes {} pairs of runs"),
@@ -82,7 +83,7 @@ const FIELDS: [(&str, Range, &str); 60] = [
     ("curve.tolerance", POSITIVE.to(MAX_TOLERANCE), "the tolerance must be {}"),
     ("output.labels", COUNT, "labels run from 1"),
     ("output.rotation", POSITIVE, "the angular velocity of the shaft, in rad/s, must be {}"),
-    ("output.profiles", Range::upto(MAX_PROFILES as f64), "ask for {} profiles"),
+    ("output.profiles", AdmittedRange::upto(MAX_PROFILES as f64), "ask for {} profiles"),
     ("expect.label", COUNT, "labels run from 1"),
     ("expect.tolerance", POSITIVE.to(0.1), EXPECTED),
 ];

@@ -56,7 +56,7 @@ use crate::interval::Decimal;
 use crate::simulation::task::Simulation;
 use crate::tube::flow::method::Method;
 use crate::tube::model::{Model, Parameter, Sectors};
-use crate::tube::stability::spectrum::Request;
+use crate::tube::stability::spectrum::SpectrumRequest;
 use error::Flaw;
 use outline::{Outline, Subject};
 use text::text_of;
@@ -120,7 +120,7 @@ pub struct Problem {
 
 impl Problem {
     /// What the section `stability` asks for; `None` without one.
-    pub fn request(&self) -> Option<Request> {
+    pub fn request(&self) -> Option<SpectrumRequest> {
         let section = self.stability.as_ref()?;
         Some(section.request(self.wave.mode))
     }
@@ -263,8 +263,8 @@ impl StabilitySection {
     }
 
     /// What to compute for waves of a mode.
-    pub fn request(&self, mode: u32) -> Request {
-        Request {
+    pub fn request(&self, mode: u32) -> SpectrumRequest {
+        SpectrumRequest {
             sectors: self.sectors.list(mode),
             eigenvalues: self.eigenvalues,
             max_frequency: self.max_frequency,

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use serde::{Deserialize, Serialize};
 
 use super::outline::Outline;
-use crate::tube::model::{Damping, FrictionLaw, Impact, Model, Source};
+use crate::tube::model::{CoefficientSource, Damping, FrictionLaw, Impact, Model};
 
 /// The section `tube`, which stands in the place of `model`. Friction, damping and impact are those of a
 /// model, in its units.
@@ -69,7 +69,7 @@ impl Tube {
     pub fn model(&self) -> Model {
         let bore = self.bore_speed();
         Model {
-            source: Source::Geometry {
+            source: CoefficientSource::Geometry {
                 nu: self.poisson,
                 xi: self.outer / self.inner,
                 gamma: self.density * (bore * bore) / self.young,

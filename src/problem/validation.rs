@@ -12,7 +12,7 @@ use crate::simulation::task::{
     Simulation, SimulationStart,
 };
 use crate::tube::flow::method::Method;
-use crate::tube::model::{FrictionLaw, Impact, Parameter, Sectors, Source};
+use crate::tube::model::{CoefficientSource, FrictionLaw, Impact, Parameter, Sectors};
 
 /// Refuses the first values of the problem that make no sense together.
 pub(super) fn check(problem: &Problem, outline: &Outline) -> Check {
@@ -175,7 +175,7 @@ impl Checks<'_, Problem> {
                 }
             }
         }
-        if let Source::Given { a, b, coupling, .. } = model.source {
+        if let CoefficientSource::Given { a, b, coupling, .. } = model.source {
             let rule = "a must be greater than b";
             self.admit("model.coefficients.a", a, a > b, rule)?;
             let rule = "D must not be 0: without coupling there is no travelling wave";

@@ -7,7 +7,7 @@ use brakewave::affine::orbit::AffineOrbit;
 use brakewave::affine::orbit::start::{Beginning, Search, Wanted, first};
 use brakewave::continuation::Steps;
 use brakewave::linalg::Vector;
-use brakewave::orbit::follow::{Follower, Found, Limits};
+use brakewave::orbit::follow::{Follower, Limits, LocatedPoint};
 use brakewave::orbit::special::Special;
 
 use crate::affine::orbits::{Reference, impact, solved};
@@ -29,7 +29,7 @@ pub fn follow(
     up: bool,
     range: (f64, f64),
     most: usize,
-) -> (Vec<Seen>, Vec<Found<AffineOrbit>>) {
+) -> (Vec<Seen>, Vec<LocatedPoint<AffineOrbit>>) {
     let limits = Limits {
         range,
         stop_at: Vec::new(),
@@ -336,7 +336,7 @@ const UNDAMPED: &str = r#"(
 /// The reasons for which branches end, and where, in closed form or from the reference.
 #[test]
 fn ends_that_mathematics_knows_have_names() {
-    let last = |all: &[Found<AffineOrbit>]| {
+    let last = |all: &[LocatedPoint<AffineOrbit>]| {
         let last = all.last().unwrap();
         let change = match last.special.as_ref().unwrap() {
             Special::Change(change) => change.end.as_ref().map(ToString::to_string),

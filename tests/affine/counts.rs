@@ -4,7 +4,7 @@
 use std::fs;
 
 use brakewave::EventType;
-use brakewave::hybrid::{Item, Runner};
+use brakewave::hybrid::{OrbitItem, OrbitRunner};
 use brakewave::orbit::Stability;
 use brakewave::orbit::legs::Run;
 use brakewave::problem::{Any, SystemProblem, parse_any, read_any};
@@ -12,10 +12,10 @@ use brakewave::problem::{Any, SystemProblem, parse_any, read_any};
 use super::ending::CLOCK;
 
 /// The rows of a branch, and how many points it has at most.
-fn branch(problem: &SystemProblem, most: usize) -> Vec<Item> {
+fn branch(problem: &SystemProblem, most: usize) -> Vec<OrbitItem> {
     let continuation = problem.continuation.as_ref().unwrap();
     let mut runner =
-        Runner::begin(problem, continuation, None).unwrap_or_else(|error| panic!("{error}"));
+        OrbitRunner::begin(problem, continuation, None).unwrap_or_else(|error| panic!("{error}"));
     let mut items = Vec::new();
     while runner.progress().end.is_none() && items.len() < most {
         items.extend(runner.step());
@@ -23,7 +23,7 @@ fn branch(problem: &SystemProblem, most: usize) -> Vec<Item> {
     items
 }
 
-pub(super) fn rows(text: &str) -> Vec<Item> {
+pub(super) fn rows(text: &str) -> Vec<OrbitItem> {
     let Any::System(problem) =
         parse_any(text, "test.ron").unwrap_or_else(|error| panic!("{error}"))
     else {
@@ -40,7 +40,7 @@ pub(super) fn problem(system: &str, orbit: &str, continuation: &str) -> String {
 }
 
 /// Types, values of the parameter of the continuation and sentences of all events but ends.
-pub(super) fn events(items: &[Item], parameter: &str) -> Vec<(EventType, f64, String)> {
+pub(super) fn events(items: &[OrbitItem], parameter: &str) -> Vec<(EventType, f64, String)> {
     let events = items.iter().filter_map(|item| item.event.as_ref());
     let of = |event: &brakewave::hybrid::OrbitEvent| {
         let mut values = event.parameters.iter();
@@ -55,7 +55,7 @@ pub(super) fn events(items: &[Item], parameter: &str) -> Vec<(EventType, f64, St
 
 /// Between two rows of a leg with different numbers of multipliers outside the unit circle, both of which are told, an event
 /// is listed.
-pub(super) fn has_no_silent_change(items: &[Item], name: &str) {
+pub(super) fn has_no_silent_change(items: &[OrbitItem], name: &str) {
     let mut last: Option<(usize, usize, f64)> = None;
     let mut event = false;
     for item in items {
@@ -424,11 +424,11 @@ fn units_change_nothing() {
                 );
             }
             // of the ends of the legs, which are at the same values
-            let ends = |items: &[Item]| -> Vec<Vec<f64>> {
+            let ends = |items: &[OrbitItem]| -> Vec<Vec<f64>> {
                 let ends = items
                     .iter()
                     .filter(|item| item.point.kind == Some(EventType::EP));
-                let sizes = |item: &Item| {
+                let sizes = |item: &OrbitItem| {
                     item.point
                         .multipliers
                         .iter()
@@ -609,7 +609,7 @@ fn no_system_drawn_by_chance_changes_its_stability_in_silence() {
                 panic!("a system")
             };
             // some settle on nothing that is periodic
-            if Runner::begin(&problem, problem.continuation.as_ref().unwrap(), None).is_ok() {
+            if OrbitRunner::begin(&problem, problem.continuation.as_ref().unwrap(), None).is_ok() {
                 has_no_silent_change(&branch(&problem, 200), &text);
                 begun += 1;
             }
@@ -625,7 +625,7 @@ fn a_multiplier_that_is_lost_is_not_told() {
     let start = r#"(start: Simulate(mode: "right", state: {"x": 0.0, "v": 1.0}, settle: 400))"#;
     let along = r#"(parameter: "p", range: (0.05, 0.3), toward: Down)"#;
     let items = rows(&problem(CLOCK, start, along));
-    let kind = |item: &Item| item.event.as_ref().map(|event| event.kind);
+    let kind = |item: &OrbitItem| item.event.as_ref().map(|event| event.kind);
     assert!(items.iter().any(|item| kind(item) == Some(EventType::GR)));
     for item in &items {
         let told = &item.point.multipliers;

@@ -31,7 +31,7 @@ fn guessed(
 }
 
 /// Whether the last point of a branch is a Hopf point.
-fn ends_at_hopf(all: &[brakewave::orbit::follow::Found<AffineOrbit>]) -> bool {
+fn ends_at_hopf(all: &[brakewave::orbit::follow::LocatedPoint<AffineOrbit>]) -> bool {
     let last = all.last().unwrap();
     matches!(last.special, Some(Special::Own(Critical::Shrinking)))
 }

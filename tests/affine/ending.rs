@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use brakewave::EventType::{CO, EP, GR, HC, LP, MX, SL};
 use brakewave::affine::orbit::AffineOrbit;
 use brakewave::affine::orbit::start::{Beginning, Search, Wanted, first};
-use brakewave::orbit::follow::Found;
+use brakewave::orbit::follow::LocatedPoint;
 use brakewave::orbit::special::Special;
 
 use crate::affine::branches::{Seen, follow, meets, settled};
@@ -14,7 +14,7 @@ use crate::affine::counts::rows;
 use crate::affine::systems::{BRAKE_BY_HAND, TWO_MASSES, system, values};
 
 /// Why a branch ends, as its last point says.
-fn why(all: &[Found<AffineOrbit>]) -> String {
+fn why(all: &[LocatedPoint<AffineOrbit>]) -> String {
     let special = all.last().and_then(|last| last.special.as_ref());
     match special.expect("the last point is special") {
         Special::Change(change) => change.end.as_ref().map(ToString::to_string).unwrap(),

@@ -8,7 +8,7 @@ use brakewave::hybrid::equilibrium::run::EquilibriumProgress;
 use brakewave::hybrid::equilibrium::{
     EquilibriumEvent, EquilibriumItem, EquilibriumRunner, NamedEquilibrium,
 };
-use brakewave::hybrid::{EarlierPoint, Runner};
+use brakewave::hybrid::{EarlierPoint, OrbitRunner};
 use brakewave::orbit::legs::Run as _;
 use brakewave::orbit::{Stability, special};
 
@@ -420,7 +420,7 @@ fn cycles_are_born_at_hopf_points() {
         let section = problem.continuation.as_mut().unwrap();
         section.stop_at = vec![brakewave::problem::UserPoint::Parameter(value)];
         let section = section.clone();
-        let mut runner = Runner::begin(&problem, &section, Some(&named)).unwrap();
+        let mut runner = OrbitRunner::begin(&problem, &section, Some(&named)).unwrap();
         let first = runner.step().remove(0).point;
         let index = problem.parameter().unwrap();
         let moved = first.parameters[index] - born;

@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use brakewave::hybrid::Runner;
+use brakewave::hybrid::OrbitRunner;
 use brakewave::hybrid::exponents::Exponent;
 use brakewave::hybrid::scan::Scanner;
 use brakewave::orbit::legs::Run as _;
@@ -201,7 +201,7 @@ fn exponents_of_orbits_are_those_of_their_multipliers() {
             panic!("{name} has a system");
         };
         let continuation = problem.continuation.as_ref().unwrap();
-        let mut runner = Runner::begin(&problem, continuation, None).unwrap();
+        let mut runner = OrbitRunner::begin(&problem, continuation, None).unwrap();
         let orbit = runner.step().swap_remove(0).point;
         let names = &problem.system.source;
         let count = names.states.len();

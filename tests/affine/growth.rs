@@ -6,7 +6,7 @@
 use brakewave::EventType;
 use brakewave::affine::equilibrium::cycle::NoCycle;
 use brakewave::hybrid::equilibrium::{EquilibriumItem, NamedEquilibrium};
-use brakewave::hybrid::{EarlierPoint, Item, NoStart, Runner};
+use brakewave::hybrid::{EarlierPoint, NoFirstPoint, OrbitItem, OrbitRunner};
 use brakewave::orbit::Stability;
 use brakewave::orbit::legs::Run as _;
 use brakewave::problem::{Any, SystemProblem, UserPoint, parse_any};
@@ -29,12 +29,12 @@ fn at_boundary(course: &Course) -> (SystemProblem, EarlierPoint) {
 }
 
 /// The cycle at a value of the parameter.
-fn cycle(course: &Course, value: f64) -> Item {
+fn cycle(course: &Course, value: f64) -> OrbitItem {
     let (mut problem, named) = at_boundary(course);
     let section = problem.continuation.as_mut().unwrap();
     section.stop_at = vec![UserPoint::Parameter(value)];
     let section = section.clone();
-    let mut run = Runner::begin(&problem, &section, Some(&named)).unwrap();
+    let mut run = OrbitRunner::begin(&problem, &section, Some(&named)).unwrap();
     loop {
         let items = run.step();
         let user = items.into_iter().find(|item| item.point.kind == Some(UZ));
@@ -191,8 +191,8 @@ fn where_no_cycle_grows_words_say_so() {
     for (course, reason) in [(course, NoCycle::NoneGrows), (chua, NoCycle::NotPlanar)] {
         let (problem, named) = at_boundary(&course);
         let section = problem.continuation.clone().unwrap();
-        let refused = Runner::begin(&problem, &section, Some(&named)).err();
-        assert_eq!(refused, Some(NoStart::NoCycle(reason)));
+        let refused = OrbitRunner::begin(&problem, &section, Some(&named)).err();
+        assert_eq!(refused, Some(NoFirstPoint::NoCycle(reason)));
     }
 }
 

@@ -2,7 +2,7 @@
 //! other identities, differences of neighbouring orbits, and other units and orders of the states.
 
 use brakewave::EventType;
-use brakewave::hybrid::{Item, Runner};
+use brakewave::hybrid::{OrbitItem, OrbitRunner};
 use brakewave::orbit::legs::Run as _;
 use brakewave::problem::{Any, SystemProblem, parse_any};
 
@@ -14,10 +14,11 @@ fn problem(text: &str) -> SystemProblem {
 }
 
 /// All points of the branch of a problem.
-fn points(text: &str) -> Vec<Item> {
+fn points(text: &str) -> Vec<OrbitItem> {
     let problem = problem(text);
     let section = problem.continuation.as_ref().unwrap();
-    let mut run = Runner::begin(&problem, section, None).unwrap_or_else(|error| panic!("{error}"));
+    let mut run =
+        OrbitRunner::begin(&problem, section, None).unwrap_or_else(|error| panic!("{error}"));
     let mut items = Vec::new();
     while run.progress().end.is_none() {
         items.extend(run.step());
@@ -25,7 +26,7 @@ fn points(text: &str) -> Vec<Item> {
     items
 }
 
-fn monitor(item: &Item, name: &str) -> f64 {
+fn monitor(item: &OrbitItem, name: &str) -> f64 {
     let mut monitors = item.point.monitors.iter();
     let found = monitors.find(|(known, _)| known == name);
     let found = found.unwrap_or_else(|| panic!("no monitor {name}"));
@@ -33,7 +34,7 @@ fn monitor(item: &Item, name: &str) -> f64 {
 }
 
 /// Relative, or absolute where the figure is zero or less than one.
-fn agrees(item: &Item, figures: &[(&str, f64)], tolerance: f64) {
+fn agrees(item: &OrbitItem, figures: &[(&str, f64)], tolerance: f64) {
     for (name, figure) in figures {
         let found = monitor(item, name);
         let off = (found - figure).abs() / figure.abs().max(1.0);
@@ -74,7 +75,7 @@ fn monitors_of_an_impact_oscillator_are_right_to_rounding() {
         ("loss", 0.46313955878810613394),
     ];
     agrees(&items[0], &first, 4e-15);
-    let at = |item: &&Item| item.point.kind == Some(EventType::UZ);
+    let at = |item: &&OrbitItem| item.point.kind == Some(EventType::UZ);
     let second = [
         ("hit", 0.48500088142641784457),
         ("leave", -0.38800070514113427566),
@@ -120,10 +121,10 @@ fn a_value_of_a_monitor_is_located_to_rounding() {
     let users = items
         .iter()
         .filter(|item| item.point.kind == Some(EventType::UZ));
-    let users: Vec<(&Item, &str)> = users
+    let users: Vec<(&OrbitItem, &str)> = users
         .map(|item| (item, &*item.event.as_ref().unwrap().what))
         .collect();
-    let of = |what: &str| -> Vec<&Item> {
+    let of = |what: &str| -> Vec<&OrbitItem> {
         let same = users.iter().filter(|(_, known)| known.contains(what));
         same.map(|(item, _)| *item).collect()
     };

@@ -9,7 +9,7 @@ use brakewave::affine::orbit::{
 };
 use brakewave::continuation::newton::{self, Fixed, Settings, System as _};
 use brakewave::linalg::{Matrix, Vector};
-use brakewave::orbit::sign::Verdict;
+use brakewave::orbit::sign::SignVerdict;
 use brakewave::orbit::{Examined, Orbit};
 
 use crate::affine::systems::{
@@ -118,7 +118,7 @@ fn agrees(reference: &Reference, multipliers: &[(f64, f64)], allowed: f64) {
     let examination = orbit.examination(&found).unwrap();
     assert_eq!(
         examination.verdict(),
-        Verdict::Positive,
+        SignVerdict::Positive,
         "{}: {:?}",
         orbit.signature(),
         examination.margins
@@ -866,7 +866,7 @@ fn balls_and_thermostats() {
         assert!(error < 1e-13 + 4e-15 * largest, "G = {g}: {error:e}");
         assert_eq!(
             orbit.examination(&found).unwrap().verdict(),
-            Verdict::Positive
+            SignVerdict::Positive
         );
         compare(&orbit.multipliers(&found).unwrap(), &multipliers, 1e-10);
     }
@@ -911,7 +911,7 @@ fn balls_and_thermostats() {
         assert!((&found - &exact).amax() < 1e-14 / (q - 1.1), "Q = {q}");
         assert_eq!(
             orbit.examination(&found).unwrap().verdict(),
-            Verdict::Positive
+            SignVerdict::Positive
         );
         compare(
             &orbit.multipliers(&found).unwrap(),
@@ -1062,7 +1062,7 @@ fn what_is_not_physical_is_refused() {
         let examination = orbit.examination(&found).unwrap();
         assert_eq!(
             examination.verdict(),
-            Verdict::Negative,
+            SignVerdict::Negative,
             "A = {a}: {found:?}"
         );
         assert!(

@@ -3,7 +3,7 @@
 use std::fs;
 
 use brakewave::affine::motion::{Motion, Place, Step};
-use brakewave::hybrid::Runner;
+use brakewave::hybrid::OrbitRunner;
 use brakewave::orbit::legs::Run as _;
 use brakewave::problem::{Any, OrbitStart, SystemProblem, read_any};
 
@@ -69,7 +69,7 @@ fn the_starts_of_problem_files_are_periodic() {
         let contacts = !system.source.contacts.0.is_empty();
         if contacts || modes.all(|mode| affine.modes[mode].guards.is_empty()) {
             let section = problem.continuation.as_ref().unwrap();
-            let run = Runner::begin(&problem, section, None).unwrap();
+            let run = OrbitRunner::begin(&problem, section, None).unwrap();
             assert!(run.progress().end.is_none(), "{name}");
             continue;
         }

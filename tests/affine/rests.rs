@@ -5,7 +5,7 @@ use brakewave::affine::system::Source;
 use brakewave::hybrid::equilibrium::{
     EquilibriumEvent, EquilibriumItem, EquilibriumRunner, NamedEquilibrium,
 };
-use brakewave::orbit::legs::{End, Run as _};
+use brakewave::orbit::legs::{Run as _, RunEnd};
 use brakewave::problem::{Any, SystemProblem, parse_any};
 
 use EventType::EP;
@@ -149,7 +149,7 @@ pub fn followed(mut runner: EquilibriumRunner) -> Vec<EquilibriumItem> {
     while runner.progress().end.is_none() {
         all.extend(runner.step());
     }
-    assert_eq!(runner.progress().end, Some(End::Finished));
+    assert_eq!(runner.progress().end, Some(RunEnd::Finished));
     all
 }
 

@@ -2,7 +2,7 @@
 //! the unit circle.
 
 use brakewave::EventType;
-use brakewave::hybrid::Item;
+use brakewave::hybrid::OrbitItem;
 use brakewave::orbit::Stability;
 
 use super::counts::{events, has_no_silent_change, problem, rows};
@@ -29,7 +29,7 @@ fn a_neuron_doubles_its_period() {
     let (kind, value, _) = &found[0];
     assert_eq!(*kind, EventType::PD);
     assert!((value + 47.717352053112235).abs() <= 2e-13, "{value}");
-    for Item { point, .. } in &items {
+    for OrbitItem { point, .. } in &items {
         let known = point
             .multipliers
             .iter()
@@ -54,7 +54,7 @@ fn what_is_hidden_in_rounding_has_a_row() {
     let along = r#"(parameter: "A", range: (0.264, 0.2657), toward: Up, ds: 1.2e-3, ds_max: 1.2e-3, tolerance: 1e-4)"#;
     let items = rows(&problem(system, orbit, along));
     has_no_silent_change(&items, "coarse");
-    let undecided = |item: &&Item| item.point.stable == Some(Stability::Undecided);
+    let undecided = |item: &&OrbitItem| item.point.stable == Some(Stability::Undecided);
     assert!(items.iter().filter(undecided).count() > 1);
     let found = events(&items, "A");
     assert_eq!(found.len(), 1, "{found:?}");

@@ -1,7 +1,9 @@
 //! The other branch at a doubling and at a loss of symmetry, against figures of an independent program.
 
 use brakewave::EventType;
-use brakewave::hybrid::{EarlierPoint, Item, LabelledOrbit, Named, NoStart, Runner};
+use brakewave::hybrid::{
+    EarlierPoint, LabelledOrbit, NamedOrbit, NoFirstPoint, OrbitItem, OrbitRunner,
+};
 use brakewave::orbit::legs::Run;
 use brakewave::problem::{
     Any, Continuation, OrbitStart, StopAfter, SystemProblem, Toward, parse_any,
@@ -30,7 +32,7 @@ fn problem(
     (*problem, continuation)
 }
 
-fn collect(mut run: Runner, most: usize) -> Vec<Item> {
+fn collect(mut run: OrbitRunner, most: usize) -> Vec<OrbitItem> {
     let mut items = Vec::new();
     while run.progress().end.is_none() && items.len() < most {
         items.extend(run.step());
@@ -42,19 +44,19 @@ fn collect(mut run: Runner, most: usize) -> Vec<Item> {
 fn switched(
     problem: &SystemProblem,
     continuation: &Continuation<String>,
-    at: &Item,
-) -> Result<Runner, NoStart> {
+    at: &OrbitItem,
+) -> Result<OrbitRunner, NoFirstPoint> {
     let mut problem = problem.clone();
     problem.orbit.start = OrbitStart::Switch {
         dir: "earlier".into(),
         label: at.point.label.unwrap(),
     };
-    let named = Named {
+    let named = NamedOrbit {
         saved: at.saved.clone().unwrap(),
         kind: at.point.kind,
         has_shrunk: false,
     };
-    Runner::begin(
+    OrbitRunner::begin(
         &problem,
         continuation,
         Some(&EarlierPoint::Orbit(named.clone())),
@@ -66,7 +68,7 @@ fn until(event: EventType) -> Vec<StopAfter> {
     vec![StopAfter { event, count: 1 }]
 }
 
-fn first(items: &[Item], kind: EventType) -> &Item {
+fn first(items: &[OrbitItem], kind: EventType) -> &OrbitItem {
     let mut found = items.iter().filter(|item| item.point.kind == Some(kind));
     found.next().expect("the event is there")
 }
@@ -82,7 +84,7 @@ fn near(found: f64, expected: f64, allowed: f64) {
 fn a_cascade_of_doublings() {
     let (problem, mut up) = problem(BALL, "G", (1.0, 2.0), Toward::Up);
     up.stop_after = until(EventType::PD);
-    let items = collect(Runner::begin(&problem, &up, None).unwrap(), 400);
+    let items = collect(OrbitRunner::begin(&problem, &up, None).unwrap(), 400);
     let single = first(&items, EventType::PD);
     near(single.point.parameters[0], 1.526_823_700_519_061, 1e-12);
     let down = Continuation {
@@ -104,14 +106,14 @@ fn a_cascade_of_doublings() {
     // the same after a pause
     for pause in [0, 1, 7] {
         let mut before = run();
-        let mut seen: Vec<Item> = (0..pause).flat_map(|_| before.step()).collect();
+        let mut seen: Vec<OrbitItem> = (0..pause).flat_map(|_| before.step()).collect();
         let state = ron::from_str(&ron::to_string(&before.state()).unwrap()).unwrap();
         let label = seen.first().and_then(|item| item.saved.clone());
         let Some(label) = label else {
             // nothing is saved before the first point
             continue;
         };
-        let resumed = Runner::resume(&problem, &down, &label, state).unwrap();
+        let resumed = OrbitRunner::resume(&problem, &down, &label, state).unwrap();
         seen.extend(collect(resumed, 20));
         for (one, other) in seen.iter().zip(&items) {
             assert_eq!(one.point, other.point, "after {pause}");
@@ -137,7 +139,7 @@ fn a_doubled_orbit_and_the_way_back() {
     let text = text.replace("(0.05, 1.0)", "(2.0, 5.0)");
     let (problem, mut along) = problem(&text, "A", (2.0, 3.3), Toward::Up);
     along.stop_after = until(EventType::PD);
-    let items = collect(Runner::begin(&problem, &along, None).unwrap(), 400);
+    let items = collect(OrbitRunner::begin(&problem, &along, None).unwrap(), 400);
     along.stop_after = Vec::new();
     let single = first(&items, EventType::PD);
     near(single.point.parameters[1], 2.679_437_972_458_919_1, 1e-12);
@@ -146,7 +148,7 @@ fn a_doubled_orbit_and_the_way_back() {
     let users = items
         .iter()
         .filter(|item| item.point.kind == Some(EventType::UZ));
-    let users: Vec<&Item> = users.collect();
+    let users: Vec<&OrbitItem> = users.collect();
     for (user, (re, im)) in users.iter().zip([
         (0.434_775_112_661_035_77, 0.0),
         (0.039_006_935_754_330_5, 0.299_670_277_366_571_74),
@@ -169,13 +171,13 @@ fn a_doubled_orbit_and_the_way_back() {
         stop_at: Vec::new(),
         ..along.clone()
     };
-    let named = Named {
+    let named = NamedOrbit {
         saved,
         kind: None,
         has_shrunk: false,
     };
     let items = collect(
-        Runner::begin(&back, &down, Some(&EarlierPoint::Orbit(named.clone()))).unwrap(),
+        OrbitRunner::begin(&back, &down, Some(&EarlierPoint::Orbit(named.clone()))).unwrap(),
         400,
     );
     let end = items.last().unwrap();
@@ -185,7 +187,7 @@ fn a_doubled_orbit_and_the_way_back() {
     assert_eq!(part[0].point.regimes, "free");
     near(part[0].point.period, single.point.period, 1e-13);
     // no other branch leaves an ordinary orbit, whatever it is called
-    let named = Named {
+    let named = NamedOrbit {
         saved: items[1].saved.clone().or(items[0].saved.clone()).unwrap(),
         kind: Some(EventType::BP),
         has_shrunk: false,
@@ -195,7 +197,8 @@ fn a_doubled_orbit_and_the_way_back() {
         dir: "earlier".into(),
         label: 1,
     };
-    let refused = Runner::begin(&wrong, &along, Some(&EarlierPoint::Orbit(named.clone()))).err();
+    let refused =
+        OrbitRunner::begin(&wrong, &along, Some(&EarlierPoint::Orbit(named.clone()))).err();
     let message = refused.map(|error| error.to_string()).unwrap_or_default();
     assert!(message.contains("no other branch passes"), "{message}");
 }
@@ -216,10 +219,10 @@ fn a_loss_of_symmetry() {
     let (problem, mut along) = problem(&text, "alpha", (8.5, 14.5), Toward::Up);
     along.ds_max = 0.05;
     along.stop_after = until(EventType::BP);
-    let items = collect(Runner::begin(&problem, &along, None).unwrap(), 1200);
+    let items = collect(OrbitRunner::begin(&problem, &along, None).unwrap(), 1200);
     let loss = first(&items, EventType::BP);
     near(loss.point.parameters[0], 13.728_817_274_033_318, 1e-11);
-    let skew = |item: &Item| {
+    let skew = |item: &OrbitItem| {
         let (low, high) = item.point.extremes[0];
         (low + high).abs()
     };
@@ -254,7 +257,7 @@ fn a_branch_without_symmetry_ends_where_it_would_retrace_itself() {
         stability: (),
     )"#;
     let (problem, along) = problem(skew, "A", (3.0, 5.0), Toward::Down);
-    let items = collect(Runner::begin(&problem, &along, None).unwrap(), 400);
+    let items = collect(OrbitRunner::begin(&problem, &along, None).unwrap(), 400);
     let kinds: Vec<_> = items.iter().filter_map(|item| item.point.kind).collect();
     assert_eq!(kinds, [EventType::EP, EventType::BP]);
     let end = items.last().unwrap();
@@ -279,7 +282,7 @@ fn a_touch_right_after_the_entry_comes_first() {
     let text = text.replace("\"w\": 1.2", "\"w\": 0.24472");
     let (problem, mut along) = problem(&text, "w", (0.2, 1.2), Toward::Down);
     along.stop_after = until(EventType::SL);
-    let items = collect(Runner::begin(&problem, &along, None).unwrap(), 60);
+    let items = collect(OrbitRunner::begin(&problem, &along, None).unwrap(), 60);
     let events = items.iter().filter(|item| item.point.kind.is_some());
     let events: Vec<_> = events.collect();
     let kinds: Vec<_> = events.iter().filter_map(|item| item.point.kind).collect();
@@ -309,7 +312,7 @@ fn rounding_beside_a_homoclinic_orbit_is_no_event() {
         &text[end..]
     );
     let (problem, along) = problem(&text, "alpha", (6.0, 12.0), Toward::Up);
-    let items = collect(Runner::begin(&problem, &along, None).unwrap(), 300);
+    let items = collect(OrbitRunner::begin(&problem, &along, None).unwrap(), 300);
     let events = items.iter().filter_map(|item| item.point.kind);
     let events: Vec<_> = events.collect();
     assert_eq!(events, [EventType::EP, EventType::HC]);

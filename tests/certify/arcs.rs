@@ -1,18 +1,20 @@
 //! Arcs between special points, and leading eigenvalues.
 
-use brakewave::certify::{self, Condition, Outcome, Point, Proof, Stretch};
+use brakewave::certify::{
+    self, ArcOutcome, CertifiedPoint, ProofOutcome, WaveCondition, WaveProof,
+};
 use brakewave::interval::{Decimal, Interval};
 use brakewave::orbit::EventType;
 use brakewave::tube::model::Parameter;
-use brakewave::tube::wave::admissibility::Watch;
+use brakewave::tube::wave::admissibility::WaveWatch;
 use brakewave::tube::wave::start::Which;
 
 use super::waves::{has, mismatch_of_pressure, points, points_of, proof, slip_stick_at};
 
 /// Every stretch between the special points of a branch, and their types.
-fn stretches(points: &[Point]) -> Vec<(EventType, Stretch)> {
+fn stretches(points: &[CertifiedPoint]) -> Vec<(EventType, ArcOutcome)> {
     let both = points.windows(2);
-    let stretch = |both: &[Point]| (both[1].kind, both[1].stretch(&both[0]).unwrap());
+    let stretch = |both: &[CertifiedPoint]| (both[1].kind, both[1].stretch(&both[0]).unwrap());
     both.map(stretch).collect()
 }
 
@@ -24,7 +26,7 @@ fn arcs_of_slip_stick_waves_are_proven() {
         let points = points_of(name, &[]);
         for (kind, stretch) in &stretches(&points[..=wanted]) {
             assert!(
-                matches!(stretch, Stretch::Proven),
+                matches!(stretch, ArcOutcome::Proven),
                 "{name} {kind}: {stretch:?}"
             );
         }
@@ -50,7 +52,7 @@ fn a_branch_is_proven_through_changes_of_regime() {
         assert_eq!(found.join(" "), kinds, "{name}");
         for (kind, stretch) in &stretches {
             assert!(
-                matches!(stretch, Stretch::Proven),
+                matches!(stretch, ArcOutcome::Proven),
                 "{name} {kind}: {stretch:?}"
             );
         }
@@ -61,9 +63,9 @@ fn a_branch_is_proven_through_changes_of_regime() {
 #[test]
 fn a_false_wave_beyond_an_event_is_not_proven() {
     let points = points_of("mode8_reverse", &[]);
-    let arc = |change: &dyn Fn(&mut Proof), from: usize| {
+    let arc = |change: &dyn Fn(&mut WaveProof), from: usize| {
         let mut before = points[from].clone();
-        if let Outcome::Proven(proof) = &mut before.outcome {
+        if let ProofOutcome::Proven(proof) = &mut before.outcome {
             change(proof);
         }
         points[from + 1].stretch(&before).unwrap()
@@ -71,10 +73,10 @@ fn a_false_wave_beyond_an_event_is_not_proven() {
     let beyond = |index: usize| proof(&points[index]).beyond.clone().unwrap();
     // RV, GR, CO
     for from in [1, 3, 4] {
-        assert!(matches!(arc(&|_| {}, from), Stretch::Proven));
+        assert!(matches!(arc(&|_| {}, from), ArcOutcome::Proven));
         // beyond RV its own condition is true, too: that the reverse slip which lasts no time is about to begin
         let elsewhere = proof(&points[from.max(3)]).condition.clone();
-        let falsified: [&dyn Fn(&mut Proof); 5] = [
+        let falsified: [&dyn Fn(&mut WaveProof); 5] = [
             &|proof| proof.beyond = None,
             &|proof| proof.beyond.as_mut().unwrap().near.excess *= 1.5,
             &|proof| proof.beyond.as_mut().unwrap().near.zones[0][2] *= 0.5,
@@ -87,22 +89,22 @@ fn a_false_wave_beyond_an_event_is_not_proven() {
         for (index, change) in falsified.into_iter().enumerate() {
             let stretch = arc(change, from);
             assert!(
-                matches!(stretch, Stretch::Open(_)),
+                matches!(stretch, ArcOutcome::Open(_)),
                 "{from} {index}: {stretch:?}"
             );
         }
         for other in [1, 3, 4].into_iter().filter(|other| *other != from) {
             let stretch = arc(&|proof| proof.beyond = Some(beyond(other)), from);
             assert!(
-                matches!(stretch, Stretch::Open(_)),
+                matches!(stretch, ArcOutcome::Open(_)),
                 "{from} {other}: {stretch:?}"
             );
         }
         // the event left out, and what lies beyond it attached to the point before
         let over = points[from + 1].stretch(&points[from - 1]).unwrap();
-        assert!(matches!(over, Stretch::Open(_)), "{from}: {over:?}");
+        assert!(matches!(over, ArcOutcome::Open(_)), "{from}: {over:?}");
         let mut before = points[from - 1].clone();
-        if let Outcome::Proven(proof) = &mut before.outcome {
+        if let ProofOutcome::Proven(proof) = &mut before.outcome {
             proof.beyond = Some(beyond(from));
         }
         // the arc begins with what is beyond, which is proven, or not, with its point
@@ -110,16 +112,16 @@ fn a_false_wave_beyond_an_event_is_not_proven() {
         assert!(refused.is_err(), "{from}");
     }
     // a zone that the signature has not
-    let closed = |proof: &mut Proof| {
-        proof.condition = Condition::Margin {
-            watch: Watch::Duration,
+    let closed = |proof: &mut WaveProof| {
+        proof.condition = WaveCondition::Margin {
+            watch: WaveWatch::Duration,
             zone: 99,
             time: 0.0,
         };
     };
     for from in [0, 3] {
         let mut before = points[from].clone();
-        if let Outcome::Proven(proof) = &mut before.outcome {
+        if let ProofOutcome::Proven(proof) = &mut before.outcome {
             closed(proof);
         }
         assert!(certify::verify(&before, proof(&before)).is_err(), "{from}");
@@ -136,7 +138,7 @@ fn an_arc_over_an_event_is_not_proven() {
         .position(|point| point.kind == EventType::LP)
         .unwrap();
     let over = points[fold + 1].stretch(&points[fold - 1]).unwrap();
-    assert!(matches!(over, Stretch::Open(_)), "{over:?}");
+    assert!(matches!(over, ArcOutcome::Open(_)), "{over:?}");
     // the slip-stick wave satisfies its equations on either side of GR, but not its inequalities
     let near = |which, mismatch| slip_stick_at(which, mismatch).unwrap();
     let take_off = mismatch_of_pressure(0.0);
@@ -144,25 +146,25 @@ fn an_arc_over_an_event_is_not_proven() {
         near(Which::Slow, take_off * (1.0 + 1e-9)),
         near(Which::Slow, take_off * 1.5),
     );
-    let point = |proof: Proof| Point {
+    let point = |proof: WaveProof| CertifiedPoint {
         label: 1,
         kind: EventType::UZ,
         parameter: Parameter::Mismatch,
         leg: 0,
-        outcome: Outcome::Proven(Box::new(proof)),
+        outcome: ProofOutcome::Proven(Box::new(proof)),
         arc: None,
         growth: None,
     };
     let honest = point(above.clone()).stretch(&point(far.clone()));
-    assert!(matches!(honest, Some(Stretch::Proven)), "{honest:?}");
+    assert!(matches!(honest, Some(ArcOutcome::Proven)), "{honest:?}");
     // ends are taken to be proven: a false one is refused by itself, and an arc to it by its inequalities
     let mut beyond = above.clone();
     beyond.near.parameter = take_off * (1.0 - 1e-3);
-    beyond.condition = Condition::Value(Decimal::of(beyond.near.parameter));
+    beyond.condition = WaveCondition::Value(Decimal::of(beyond.near.parameter));
     assert!(certify::verify(&point(beyond.clone()), &beyond).is_err());
     let past = point(beyond).stretch(&point(above));
     assert!(
-        matches!(&past, Some(Stretch::Open(reason)) if reason.contains("P > 0 in zone 0")),
+        matches!(&past, Some(ArcOutcome::Open(reason)) if reason.contains("P > 0 in zone 0")),
         "{past:?}"
     );
 }
@@ -194,8 +196,9 @@ fn leading_eigenvalues_are_proven() {
         ),
     ] {
         let points = points("mode4_stability", &changes, Some(sector));
-        let valued = |point: &&Point| matches!(proof(point).condition, Condition::Value(_));
-        let valued: Vec<&Point> = points.iter().filter(valued).collect();
+        let valued =
+            |point: &&CertifiedPoint| matches!(proof(point).condition, WaveCondition::Value(_));
+        let valued: Vec<&CertifiedPoint> = points.iter().filter(valued).collect();
         for (point, [re, im]) in valued.iter().zip(reference) {
             let honest = proof(point);
             let found = honest.eigenvalues[0];

@@ -1,22 +1,27 @@
 //! Growing eigenvalues, counted by an argument that is enclosed, against the counts of doubles; what must not be
 //! counted, and what must be refused.
 
-use brakewave::branch::run::{Item, Runner};
+use brakewave::branch::run::{WaveItem, WaveRunner};
 use brakewave::certify::{
-    self, Condition, Counted, Eigenvalue, Growth, Outcome, Point, Refused, Verdict,
+    self, CertifiedPoint, Counted, GrowthCount, ProofOutcome, ProvenEigenvalue, ProvenVerdict,
+    RefusedProof, WaveCondition,
 };
 use brakewave::interval::{Decimal, Interval};
 use brakewave::orbit::EventType;
 use brakewave::orbit::legs::Run as _;
 use brakewave::problem;
 use brakewave::tube::stability::characteristic::Characteristic;
-use brakewave::tube::stability::spectrum::{Request, spectrum};
+use brakewave::tube::stability::spectrum::{SpectrumRequest, spectrum};
 use nalgebra::Complex;
 
 use super::waves::proof;
 
 /// The points of a problem file of which the growing eigenvalues are counted, and how many there are.
-fn counted(name: &str, changes: &[(&str, &str)], kinds: &[EventType]) -> Vec<(Item, Point)> {
+fn counted(
+    name: &str,
+    changes: &[(&str, &str)],
+    kinds: &[EventType],
+) -> Vec<(WaveItem, CertifiedPoint)> {
     let path = format!("{}/problems/{name}.ron", env!("CARGO_MANIFEST_DIR"));
     let mut text = std::fs::read_to_string(path).unwrap();
     for (old, new) in changes {
@@ -26,11 +31,11 @@ fn counted(name: &str, changes: &[(&str, &str)], kinds: &[EventType]) -> Vec<(It
     let problem = problem::parse(&text, name).unwrap();
     let continuation = problem.continuation(&text, name).unwrap().clone();
     let window = problem.stability.clone().unwrap_or_default().max_frequency;
-    let mut branch = Runner::begin(&problem, &continuation, None).unwrap();
+    let mut branch = WaveRunner::begin(&problem, &continuation, None).unwrap();
     let mut found = Vec::new();
     while branch.progress().end.is_none() {
         for item in branch.step() {
-            let wanted = |item: &Item| {
+            let wanted = |item: &WaveItem| {
                 item.event
                     .as_ref()
                     .is_some_and(|event| kinds.contains(&event.kind))
@@ -40,14 +45,14 @@ fn counted(name: &str, changes: &[(&str, &str)], kinds: &[EventType]) -> Vec<(It
                 .and_then(|item| certify::certify(item, &text))
             {
                 let growth = point.counted(window);
-                found.push((item, Point { growth, ..point }));
+                found.push((item, CertifiedPoint { growth, ..point }));
             }
         }
     }
     found
 }
 
-fn growth(point: &Point) -> &Growth {
+fn growth(point: &CertifiedPoint) -> &GrowthCount {
     match point.growth.as_ref() {
         Some(Counted::Proven(growth)) => growth,
         other => panic!("{}: {other:?}", point.kind),
@@ -83,7 +88,7 @@ fn counts_are_those_of_doubles() {
                 "{name}: {point:?}"
             );
             let unstable = growth.on_circle() > 0;
-            assert_eq!(unstable, growth.verdict == Verdict::Unstable);
+            assert_eq!(unstable, growth.verdict == ProvenVerdict::Unstable);
             let proof = proof(point);
             // those enclosed lead, each right of its line
             assert_eq!(
@@ -105,7 +110,7 @@ fn stability_on_the_full_circle_is_proven() {
     let points = counted("ring_damped_circle", &[], &VALUES);
     let (item, point) = &points[0];
     let growth = growth(point);
-    let Verdict::Stable { beyond } = growth.verdict else {
+    let ProvenVerdict::Stable { beyond } = growth.verdict else {
         panic!("{growth:?}");
     };
     assert_eq!(growth.counts, [0, 0, 0]);
@@ -118,23 +123,23 @@ fn stability_on_the_full_circle_is_proven() {
     }
     certify::verify(point, proof(point)).unwrap();
     // what is said of it otherwise: a bound that is too low, an eigenvalue too many, another window
-    let changes: [fn(&mut Growth); 4] = [
-        |growth| growth.verdict = Verdict::Stable { beyond: 13.0 },
-        |growth| growth.verdict = Verdict::Unstable,
+    let changes: [fn(&mut GrowthCount); 4] = [
+        |growth| growth.verdict = ProvenVerdict::Stable { beyond: 13.0 },
+        |growth| growth.verdict = ProvenVerdict::Unstable,
         |growth| growth.counts[1] += 1,
         |growth| growth.mode = 2,
     ];
     for change in changes {
         let mut false_one = growth.clone();
         change(&mut false_one);
-        let point = Point {
+        let point = CertifiedPoint {
             growth: Some(Counted::Proven(false_one)),
             ..point.clone()
         };
         let refused = certify::verify(&point, proof(&point));
         assert_eq!(
             refused,
-            Err(Refused::Statement("what grows")),
+            Err(RefusedProof::Statement("what grows")),
             "{:?}",
             point.growth
         );
@@ -159,7 +164,7 @@ fn a_wave_without_stick_has_an_eigenvalue_on_the_axis() {
     let [trace, determinant] = characteristic.evaluate(swing).numbers();
     assert!((1.0 - trace + determinant).norm() < 1e-12);
     // of those growing in doubles up to 12, sector by sector
-    let request = Request {
+    let request = SpectrumRequest {
         sectors: vec![0, 1, 2],
         eigenvalues: 60,
         max_frequency: 12.0,
@@ -178,7 +183,7 @@ fn false_counts_are_refused() {
     let points = counted("mode4_damping", &changes, &[EventType::UZ]);
     let (_, point) = &points[0];
     assert_eq!(certify::verify(point, proof(point)), Ok(()));
-    let changes: [fn(&mut Growth); 3] = [
+    let changes: [fn(&mut GrowthCount); 3] = [
         |growth| growth.leading[0].line -= 1.0,
         |growth| growth.leading[0].sector = 2,
         |growth| growth.counts[0] -= 2,
@@ -186,7 +191,7 @@ fn false_counts_are_refused() {
     for change in changes {
         let mut false_one = growth(point).clone();
         change(&mut false_one);
-        let point = Point {
+        let point = CertifiedPoint {
             growth: Some(Counted::Proven(false_one)),
             ..point.clone()
         };
@@ -209,10 +214,10 @@ fn the_translation_mode_does_not_lead() {
     let points = counted("mode4_friction", &changes, &[EventType::UZ]);
     let leading = |near: [f64; 2], growth: [f64; 2]| {
         let mut point = points[0].1.clone();
-        let Outcome::Proven(proof) = &mut point.outcome else {
+        let ProofOutcome::Proven(proof) = &mut point.outcome else {
             panic!("{:?}", point.outcome);
         };
-        proof.eigenvalues = vec![Eigenvalue {
+        proof.eigenvalues = vec![ProvenEigenvalue {
             sector: 0,
             near,
             growth: Interval::new(growth[0], growth[1]),
@@ -239,11 +244,11 @@ fn an_eigenvalue_next_to_the_axis_is_undecided() {
     let (_, crossing) = &points[0];
     assert_eq!(growth(crossing).counts, [4, 4, 4]);
     let found = proof(crossing).clone();
-    let value = Condition::Value(Decimal::of(found.near.parameter));
+    let value = WaveCondition::Value(Decimal::of(found.near.parameter));
     let proof = certify::prove(found.posed, found.near, value, None).unwrap();
-    let point = Point {
+    let point = CertifiedPoint {
         kind: EventType::UZ,
-        outcome: Outcome::Proven(Box::new(proof)),
+        outcome: ProofOutcome::Proven(Box::new(proof)),
         ..crossing.clone()
     };
     match point.counted(12.0) {
@@ -255,9 +260,9 @@ fn an_eigenvalue_next_to_the_axis_is_undecided() {
     assert!(matches!(crossing.counted(omega), Some(Counted::Open(_))));
 }
 
-fn crossing_frequency(point: &Point) -> f64 {
+fn crossing_frequency(point: &CertifiedPoint) -> f64 {
     match proof(point).condition {
-        Condition::Crossing { omega, .. } => omega.abs(),
+        WaveCondition::Crossing { omega, .. } => omega.abs(),
         _ => f64::NAN,
     }
 }

@@ -1,14 +1,16 @@
 //! Waves with material damping: layers of any thickness.
 
-use brakewave::certify::{self, Condition, Open, Point, Proof, Stretch, Unproven};
+use brakewave::certify::{
+    self, ArcOutcome, CertifiedPoint, OpenPoint, UnprovenWave, WaveCondition, WaveProof,
+};
 use brakewave::interval::Decimal;
 use brakewave::orbit::EventType;
-use brakewave::tube::wave::admissibility::Watch;
+use brakewave::tube::wave::admissibility::WaveWatch;
 
 use crate::certify::waves::{event, figure, points_of, points_of_text, proof};
 
 /// A branch of waves of mode 4 that begins in contact.
-fn branch(model: &str, start: &str, continuation: &str) -> Vec<Point> {
+fn branch(model: &str, start: &str, continuation: &str) -> Vec<CertifiedPoint> {
     let text = format!(
         "(model: (coefficients: Geometry(nu: 0.3, xi: 1.5, gamma: 1.0), friction: 0.5, {model}),
         wave: (mode: 4, start: {start}), continuation: ({continuation}))"
@@ -16,7 +18,7 @@ fn branch(model: &str, start: &str, continuation: &str) -> Vec<Point> {
     points_of_text(&text, "layers", None)
 }
 
-fn in_mismatch() -> Vec<Point> {
+fn in_mismatch() -> Vec<CertifiedPoint> {
     branch(
         "mismatch: 0.2, damping: (stiffness: 0.005)",
         "Fast",
@@ -97,32 +99,32 @@ fn figures_of_many_digits_lie_in_the_intervals() {
 #[test]
 fn what_fails_beyond_an_event_is_not_proven() {
     let points = in_mismatch();
-    let at = |proof: &Proof, value: f64| {
-        let value = Condition::Value(Decimal::of(value));
+    let at = |proof: &WaveProof, value: f64| {
+        let value = WaveCondition::Value(Decimal::of(value));
         certify::prove(proof.posed.clone(), proof.near.clone(), value, None)
     };
     let turned = event(&points, EventType::RV, 0);
     let value = turned.near.parameter;
     assert!(at(turned, value * (1.0 + 1e-9)).is_ok());
-    let lower = Unproven::Switch(1, Watch::LowerForce);
+    let lower = UnprovenWave::Switch(1, WaveWatch::LowerForce);
     assert_eq!(
         at(turned, value * (1.0 - 1e-9)).err(),
-        Some(Open::Inequality(lower))
+        Some(OpenPoint::Inequality(lower))
     );
     // the layer is an unknown, without which there are no equations
-    let bare = certify::Near {
+    let bare = certify::NearWave {
         layers: Vec::new(),
         ..turned.near.clone()
     };
     let posed = turned.posed.clone();
     let open = certify::prove(posed, bare, turned.condition.clone(), None);
-    assert_eq!(open.err(), Some(Open::NotEnclosed));
+    assert_eq!(open.err(), Some(OpenPoint::NotEnclosed));
     // between two points of one signature nothing else happens
     let first = &points[0];
     let second = points
         .iter()
         .find(|point| point.kind == EventType::RV)
         .unwrap();
-    assert!(matches!(second.stretch(first), Some(Stretch::Proven)));
+    assert!(matches!(second.stretch(first), Some(ArcOutcome::Proven)));
     assert_eq!(certify::verify(second, proof(second)), Ok(()));
 }

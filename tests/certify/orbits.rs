@@ -4,8 +4,8 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 
-use brakewave::certify::orbit::{self, Proof, Seen};
-use brakewave::certify::{Certificate, Outcome, Point};
+use brakewave::certify::orbit::{self, OrbitProof, SequenceOrbit};
+use brakewave::certify::{Certificate, CertifiedPoint, ProofOutcome};
 use brakewave::interval::Interval;
 use brakewave::orbit::EventType;
 use tempfile::TempDir;
@@ -373,16 +373,16 @@ fn an_orbit_with_a_zone_of_no_duration_is_that_without_it() {
     let folder = TempDir::new().unwrap();
     certified(ONSET, folder.path(), &[]);
     let text = fs::read_to_string(folder.path().join("out/certificate.ron")).unwrap();
-    let certificate: Certificate<Proof> = ron::from_str(&text).unwrap();
-    let onset = |point: &&Point<Proof>| point.kind == EventType::SL;
+    let certificate: Certificate<OrbitProof> = ron::from_str(&text).unwrap();
+    let onset = |point: &&CertifiedPoint<OrbitProof>| point.kind == EventType::SL;
     let point = certificate.points.iter().find(onset).unwrap();
-    let Outcome::Proven(honest) = &point.outcome else {
+    let ProofOutcome::Proven(honest) = &point.outcome else {
         panic!("{point:?}");
     };
     let mut proof = honest.clone();
     proof.posed.system = certificate.system.clone();
     let there = proof.seen.pop().unwrap();
-    proof.seen.push(Seen {
+    proof.seen.push(SequenceOrbit {
         condition: std::mem::replace(&mut proof.condition, there.condition),
         near: std::mem::replace(&mut proof.near, there.near),
     });

@@ -1,26 +1,30 @@
 //! Special points that are proven, against figures of other origin, and points that must not be.
 
-use brakewave::branch::run::Runner;
+use brakewave::branch::run::WaveRunner;
 use brakewave::certify::{
-    self, Beyond, Condition, Near, Open, Origin, Outcome, Point, Posed, Proof, Refused, Unproven,
-    Written,
+    self, CertifiedPoint, NearWave, OpenPoint, PosedWave, ProofOutcome, RefusedProof, UnprovenWave,
+    WaveBeyond, WaveCondition, WaveProof, WrittenCoefficients, WrittenModel,
 };
 use brakewave::interval::{Decimal, Interval};
 use brakewave::orbit::EventType;
 use brakewave::orbit::legs::Run as _;
 use brakewave::problem::{self, StabilitySection};
 use brakewave::tube::model::coefficients::Geometry;
-use brakewave::tube::model::signature::{Entry, Regime, Signature};
+use brakewave::tube::model::signature::{Regime, Signature, ZoneEntry};
 use brakewave::tube::model::{FrictionLaw, Impact, Model, Parameter, Sectors};
-use brakewave::tube::wave::admissibility::Watch;
+use brakewave::tube::wave::admissibility::WaveWatch;
 use brakewave::tube::wave::start::{Which, slip_stick};
 
 /// The special points of a problem file, with its text changed before it is read; stability left out.
-pub(crate) fn points_of(name: &str, changes: &[(&str, &str)]) -> Vec<Point> {
+pub(crate) fn points_of(name: &str, changes: &[(&str, &str)]) -> Vec<CertifiedPoint> {
     points(name, changes, None)
 }
 
-pub(crate) fn points(name: &str, changes: &[(&str, &str)], sector: Option<usize>) -> Vec<Point> {
+pub(crate) fn points(
+    name: &str,
+    changes: &[(&str, &str)],
+    sector: Option<usize>,
+) -> Vec<CertifiedPoint> {
     let path = format!("{}/problems/{name}.ron", env!("CARGO_MANIFEST_DIR"));
     let mut text = std::fs::read_to_string(path).unwrap();
     for (old, new) in changes {
@@ -31,7 +35,7 @@ pub(crate) fn points(name: &str, changes: &[(&str, &str)], sector: Option<usize>
 }
 
 /// The special points of a problem.
-pub(crate) fn points_of_text(text: &str, name: &str, sector: Option<usize>) -> Vec<Point> {
+pub(crate) fn points_of_text(text: &str, name: &str, sector: Option<usize>) -> Vec<CertifiedPoint> {
     let mut problem = problem::parse(text, name).unwrap();
     problem.stability = problem
         .stability
@@ -41,7 +45,7 @@ pub(crate) fn points_of_text(text: &str, name: &str, sector: Option<usize>) -> V
             ..section
         });
     let continuation = problem.continuation(text, name).unwrap().clone();
-    let mut branch = Runner::begin(&problem, &continuation, None).unwrap();
+    let mut branch = WaveRunner::begin(&problem, &continuation, None).unwrap();
     let mut points = Vec::new();
     while branch.progress().end.is_none() {
         let items = branch.step();
@@ -50,15 +54,15 @@ pub(crate) fn points_of_text(text: &str, name: &str, sector: Option<usize>) -> V
     points
 }
 
-pub(crate) fn proof(point: &Point) -> &Proof {
+pub(crate) fn proof(point: &CertifiedPoint) -> &WaveProof {
     match &point.outcome {
-        Outcome::Proven(proof) => proof,
-        Outcome::Open(reason) => panic!("{}: {reason}", point.kind),
+        ProofOutcome::Proven(proof) => proof,
+        ProofOutcome::Open(reason) => panic!("{}: {reason}", point.kind),
     }
 }
 
 /// The proof of the event of a type, counted from 0.
-pub(crate) fn event(points: &[Point], kind: EventType, index: usize) -> &Proof {
+pub(crate) fn event(points: &[CertifiedPoint], kind: EventType, index: usize) -> &WaveProof {
     proof(
         points
             .iter()
@@ -116,7 +120,7 @@ fn reference_figures_lie_in_the_intervals() {
     let slow = points_of("mode4_slow", &[]);
     let friction = points_of("mode4_friction", &[]);
     let damping = points_of("mode4_damping", &[]);
-    let reference: [(&Proof, f64, f64, &[f64]); 12] = [
+    let reference: [(&WaveProof, f64, f64, &[f64]); 12] = [
         (
             event(&mismatch, EventType::CO, 0),
             0.02348078272152996,
@@ -264,23 +268,26 @@ fn crossings_of_the_imaginary_axis_are_proven() {
     let honest = proof(point);
     assert_eq!(certify::verify(point, honest), Ok(()));
     let mut other = honest.clone();
-    if let Condition::Crossing { sector, .. } = &mut other.condition {
+    if let WaveCondition::Crossing { sector, .. } = &mut other.condition {
         *sector = 1;
     }
     assert!(certify::verify(point, &other).is_err());
     let mut other = honest.clone();
     other.statement.omega = Some(Interval::point(5.0));
-    assert_eq!(certify::verify(point, &other), Err(Refused::Statement("ω")));
+    assert_eq!(
+        certify::verify(point, &other),
+        Err(RefusedProof::Statement("ω"))
+    );
     // of mode 4 there are sectors 0 to 3
     let mut other = honest.clone();
-    if let Condition::Crossing { sector, .. } = &mut other.condition {
+    if let WaveCondition::Crossing { sector, .. } = &mut other.condition {
         *sector += 4;
     }
-    let none = Refused::NoProof(Open::Sector.to_string());
+    let none = RefusedProof::NoProof(OpenPoint::Sector.to_string());
     assert_eq!(certify::verify(point, &other), Err(none));
     // a pair does not cross at 0, and what crosses at 0 is no pair
     let mut other = honest.clone();
-    if let Condition::Crossing { omega, .. } = &mut other.condition {
+    if let WaveCondition::Crossing { omega, .. } = &mut other.condition {
         *omega = 1e-300;
     }
     assert!(certify::verify(point, &other).is_err());
@@ -346,7 +353,7 @@ fn decimals_are_taken_as_written() {
     let change = |to| [("friction: 0.5,", to)];
     let plain = points_of("mode4_curve", &change("friction: 0.5,"));
     let close = points_of("mode4_curve", &change("friction: 0.50000000000000001,"));
-    let written = |points: &[Point]| {
+    let written = |points: &[CertifiedPoint]| {
         event(points, EventType::GR, 0)
             .posed
             .written
@@ -369,17 +376,17 @@ fn tube(friction: f64, mismatch: f64) -> Model {
 }
 
 /// The slip-stick wave at a value of the mismatch, to be proven as such.
-pub(crate) fn slip_stick_at(which: Which, mismatch: f64) -> Result<Proof, Open> {
+pub(crate) fn slip_stick_at(which: Which, mismatch: f64) -> Result<WaveProof, OpenPoint> {
     let model = tube(0.5, mismatch);
     let closed = slip_stick(&model, 4, which).unwrap();
-    let posed = Posed {
-        written: Written::new(&model, false, |_| None),
+    let posed = PosedWave {
+        written: WrittenModel::new(&model, false, |_| None),
         impact: Impact::Frictionless,
         parameter: Parameter::Mismatch,
         mode: 4,
         unit: 1.0,
     };
-    let near = Near {
+    let near = NearWave {
         signature: Signature::slip_stick(),
         zones: vec![
             [closed.release, 1.0, closed.slip],
@@ -389,7 +396,12 @@ pub(crate) fn slip_stick_at(which: Which, mismatch: f64) -> Result<Proof, Open> 
         excess: closed.excess,
         parameter: mismatch,
     };
-    certify::prove(posed, near, Condition::Value(Decimal::of(mismatch)), None)
+    certify::prove(
+        posed,
+        near,
+        WaveCondition::Value(Decimal::of(mismatch)),
+        None,
+    )
 }
 
 /// δ at which the least pressure of the slow slip-stick wave has a value.
@@ -414,12 +426,15 @@ fn an_inequality_violated_by_1e_10_is_not_proven() {
     assert!(slip_stick_at(Which::Slow, mismatch_of_pressure(1e-10)).is_ok());
     assert_eq!(
         slip_stick_at(Which::Slow, mismatch_of_pressure(-1e-10)).err(),
-        Some(Open::Inequality(Unproven::Pressure(0)))
+        Some(OpenPoint::Inequality(UnprovenWave::Pressure(0)))
     );
     assert!(slip_stick_at(Which::Fast, mismatch_of_force(1e-10)).is_ok());
     assert_eq!(
         slip_stick_at(Which::Fast, mismatch_of_force(-1e-10)).err(),
-        Some(Open::Inequality(Unproven::Switch(1, Watch::LowerForce)))
+        Some(OpenPoint::Inequality(UnprovenWave::Switch(
+            1,
+            WaveWatch::LowerForce
+        )))
     );
 }
 
@@ -430,7 +445,7 @@ fn at_and_just_past_an_event_nothing_is_proven() {
         let past = take_off * (1.0 - share);
         assert_eq!(
             slip_stick_at(Which::Slow, past).err(),
-            Some(Open::Inequality(Unproven::Pressure(0)))
+            Some(OpenPoint::Inequality(UnprovenWave::Pressure(0)))
         );
     }
     // at the fold, and beyond it where there is no wave
@@ -438,11 +453,14 @@ fn at_and_just_past_an_event_nothing_is_proven() {
     let fold = event(&friction, EventType::LP, 0);
     for share in [0.0, 1e-15, 1e-12, 1e-9] {
         let value = fold.near.parameter * (1.0 + share);
-        let Proof { posed, near, .. } = fold.clone();
-        let there = Condition::Value(Decimal::of(value));
+        let WaveProof { posed, near, .. } = fold.clone();
+        let there = WaveCondition::Value(Decimal::of(value));
         let refused = certify::prove(posed, near, there, None).err();
         assert!(
-            matches!(refused, Some(Open::NotIsolated | Open::NotEnclosed)),
+            matches!(
+                refused,
+                Some(OpenPoint::NotIsolated | OpenPoint::NotEnclosed)
+            ),
             "{share}: {refused:?}"
         );
     }
@@ -455,14 +473,14 @@ fn uniqueness_does_not_reach_the_other_wave() {
     let [fast, slow] =
         [Which::Fast, Which::Slow].map(|which| slip_stick(&model, 4, which).unwrap());
     let apart = fast.excess / slow.excess - 1.0;
-    let posed = Posed {
-        written: Written::new(&model, false, |_| None),
+    let posed = PosedWave {
+        written: WrittenModel::new(&model, false, |_| None),
         impact: Impact::Frictionless,
         parameter: Parameter::Friction,
         mode: 4,
         unit: 1.0,
     };
-    let near = Near {
+    let near = NearWave {
         signature: Signature::slip_stick(),
         zones: vec![
             [fast.release, 1.0, fast.slip],
@@ -472,7 +490,8 @@ fn uniqueness_does_not_reach_the_other_wave() {
         excess: fast.excess,
         parameter: 1.0915,
     };
-    let proof = certify::prove(posed, near, Condition::Value(Decimal::of(1.0915)), None).unwrap();
+    let proof =
+        certify::prove(posed, near, WaveCondition::Value(Decimal::of(1.0915)), None).unwrap();
     let unique = proof.statement.unique;
     assert!(unique > 1e-6 && unique < apart, "{unique:e} {apart:e}");
 }
@@ -493,7 +512,7 @@ fn static_friction_is_covered() {
         },
         ..tube(0.5, 0.2)
     };
-    assert!(Written::new(&model, false, |_| None).ratio.is_none());
+    assert!(WrittenModel::new(&model, false, |_| None).ratio.is_none());
 }
 
 /// Coulomb impact: the waves of the reference to which those with material damping tend.
@@ -533,7 +552,7 @@ fn falsified_certificates_are_refused() {
         .unwrap();
     let honest = proof(point);
     assert_eq!(certify::verify(point, honest), Ok(()));
-    let refused = |change: &dyn Fn(&mut Point, &mut Proof)| {
+    let refused = |change: &dyn Fn(&mut CertifiedPoint, &mut WaveProof)| {
         let (mut point, mut proof) = (point.clone(), honest.clone());
         change(&mut point, &mut proof);
         certify::verify(&point, &proof).expect_err("a falsified certificate")
@@ -544,15 +563,15 @@ fn falsified_certificates_are_refused() {
     };
     assert_eq!(
         refused(&|_, proof| digit(&mut proof.statement.parameter)),
-        Refused::Statement("the parameter")
+        RefusedProof::Statement("the parameter")
     );
     assert_eq!(
         refused(&|_, proof| digit(&mut proof.statement.speed)),
-        Refused::Statement("the speed")
+        RefusedProof::Statement("the speed")
     );
     assert_eq!(
         refused(&|_, proof| digit(&mut proof.statement.lengths[1])),
-        Refused::Statement("a length")
+        RefusedProof::Statement("a length")
     );
     refused(&|_, proof| proof.statement.unique *= 1.5);
     refused(&|_, proof| proof.statement.inequalities += 1);
@@ -566,7 +585,7 @@ fn falsified_certificates_are_refused() {
     refused(&|_, proof| proof.posed.unit = f64::NAN);
     refused(&|_, proof| proof.near.signature.0.swap(0, 1));
     refused(&|_, proof| proof.near.signature.0[1].regime = Regime::Separation);
-    refused(&|_, proof| proof.near.signature.0[1].entry = Entry::Landing);
+    refused(&|_, proof| proof.near.signature.0[1].entry = ZoneEntry::Landing);
     refused(&|_, proof| {
         proof.near.zones.pop();
     });
@@ -577,16 +596,16 @@ fn falsified_certificates_are_refused() {
     {
         assert!(matches!(
             refused(&|point, _| point.kind = kind),
-            Refused::Kind { .. }
+            RefusedProof::Kind { .. }
         ));
     }
-    refused(&|_, proof| proof.condition = Condition::Fold);
+    refused(&|_, proof| proof.condition = WaveCondition::Fold);
     refused(&|point, proof| {
         point.kind = EventType::LP;
-        proof.condition = Condition::Fold;
+        proof.condition = WaveCondition::Fold;
     });
     refused(&|_, proof| {
-        if let Condition::Margin { zone, .. } = &mut proof.condition {
+        if let WaveCondition::Margin { zone, .. } = &mut proof.condition {
             *zone = 7;
         }
     });
@@ -597,7 +616,10 @@ fn decimal(text: &str) -> Decimal {
 }
 
 /// What is said of a point, changed; it is to be refused.
-fn refused(point: &Point, change: impl Fn(&mut Point, &mut Proof)) -> Refused {
+fn refused(
+    point: &CertifiedPoint,
+    change: impl Fn(&mut CertifiedPoint, &mut WaveProof),
+) -> RefusedProof {
     let (mut point, mut proof) = (point.clone(), proof(point).clone());
     change(&mut point, &mut proof);
     certify::verify(&point, &proof).expect_err("a falsified certificate")
@@ -608,28 +630,28 @@ fn refused(point: &Point, change: impl Fn(&mut Point, &mut Proof)) -> Refused {
 #[test]
 fn a_margin_belongs_to_its_zone() {
     let points = points_of("mode4_mismatch", &[]);
-    let no_condition = Refused::NoProof(Open::Margin.to_string());
+    let no_condition = RefusedProof::NoProof(OpenPoint::Margin.to_string());
     let of = |kind| points.iter().find(|point| point.kind == kind).unwrap();
     let (force, landing) = (of(EventType::RV), of(EventType::CO));
     for (point, watch, zone) in [
-        (force, Watch::LowerForce, 0),
-        (force, Watch::UpperForce, 1),
-        (force, Watch::LandingRate, 0),
-        (force, Watch::Impulse, 0),
-        (force, Watch::Gap, 0),
-        (landing, Watch::LowerForce, 1),
-        (landing, Watch::LandingRate, 0),
-        (landing, Watch::Tension, 1),
-        (landing, Watch::Release, 0),
+        (force, WaveWatch::LowerForce, 0),
+        (force, WaveWatch::UpperForce, 1),
+        (force, WaveWatch::LandingRate, 0),
+        (force, WaveWatch::Impulse, 0),
+        (force, WaveWatch::Gap, 0),
+        (landing, WaveWatch::LowerForce, 1),
+        (landing, WaveWatch::LandingRate, 0),
+        (landing, WaveWatch::Tension, 1),
+        (landing, WaveWatch::Release, 0),
     ] {
         let found = refused(point, |point, proof| {
             point.kind = match watch {
-                Watch::LowerForce => EventType::RV,
-                Watch::UpperForce => EventType::ST,
+                WaveWatch::LowerForce => EventType::RV,
+                WaveWatch::UpperForce => EventType::ST,
                 _ => EventType::CO,
             };
             let time = 0.0;
-            proof.condition = Condition::Margin { watch, zone, time };
+            proof.condition = WaveCondition::Margin { watch, zone, time };
             proof.beyond = None;
         });
         assert_eq!(found, no_condition, "{watch:?} {zone}");
@@ -645,12 +667,15 @@ fn what_is_beyond_is_proven() {
     for point in points.iter().filter(|point| proof(point).beyond.is_some()) {
         // the event itself
         let itself = refused(point, |_, proof| {
-            proof.beyond = Some(Beyond {
+            proof.beyond = Some(WaveBeyond {
                 condition: proof.condition.clone(),
                 near: proof.near.clone(),
             });
         });
-        assert_eq!(itself, Refused::Statement("the sequence of zones beyond"));
+        assert_eq!(
+            itself,
+            RefusedProof::Statement("the sequence of zones beyond")
+        );
         // other states
         refused(point, |_, proof| {
             if let Some(beyond) = &mut proof.beyond {
@@ -665,13 +690,13 @@ fn what_is_beyond_is_proven() {
     }
     let changes = points
         .iter()
-        .filter(|point| matches!(proof(point).condition, Condition::Margin { .. }));
+        .filter(|point| matches!(proof(point).condition, WaveCondition::Margin { .. }));
     assert!(changes.clone().all(|point| proof(point).beyond.is_some()));
     assert!(changes.count() > 3);
     // no change of regime, no other sequence
     let other = proof(of(EventType::GR)).beyond.clone();
     let at_value = refused(of(EventType::UZ), |_, proof| proof.beyond = other.clone());
-    assert_eq!(at_value, Refused::Statement("that the regimes change"));
+    assert_eq!(at_value, RefusedProof::Statement("that the regimes change"));
     // the type is that of what vanishes, whatever is beyond
     let typed = refused(of(EventType::CO), |point, proof| {
         point.kind = EventType::ST;
@@ -679,7 +704,7 @@ fn what_is_beyond_is_proven() {
             beyond.near.signature = Signature::slip_stick();
         }
     });
-    assert!(matches!(typed, Refused::Kind { .. }));
+    assert!(matches!(typed, RefusedProof::Kind { .. }));
 }
 
 /// Numbers that are those of no model, and a parameter that is not in the equations.
@@ -687,12 +712,12 @@ fn what_is_beyond_is_proven() {
 fn the_numbers_are_those_of_a_model() {
     let points = points_of("mode4_curve", &[]);
     let point = &points[0];
-    let named = |reason: Open| Refused::NoProof(reason.to_string());
+    let named = |reason: OpenPoint| RefusedProof::NoProof(reason.to_string());
     for parameter in [Parameter::StiffnessDamping, Parameter::Smoothing] {
         let found = refused(point, |point, proof| {
             (point.parameter, proof.posed.parameter) = (parameter, parameter);
         });
-        assert_eq!(found, named(Open::Parameter));
+        assert_eq!(found, named(OpenPoint::Parameter));
     }
     let given = refused(point, |point, proof| {
         let numbers = [
@@ -702,10 +727,10 @@ fn the_numbers_are_those_of_a_model() {
             "17.855545645728",
             "8.4578900427131",
         ];
-        proof.posed.written.origin = Origin::Given(numbers.map(decimal));
+        proof.posed.written.origin = WrittenCoefficients::Given(numbers.map(decimal));
         (point.parameter, proof.posed.parameter) = (Parameter::Nu, Parameter::Nu);
     });
-    assert_eq!(given, named(Open::Parameter));
+    assert_eq!(given, named(OpenPoint::Parameter));
     refused(point, |_, proof| {
         proof.posed.written.damping = decimal("-0.05")
     });
@@ -715,17 +740,17 @@ fn the_numbers_are_those_of_a_model() {
     // a wave with α < 0 solves the equations of that α, but they are those of no brake
     let model = tube(0.5, 0.2);
     let closed = slip_stick(&model, 4, Which::Fast).unwrap();
-    let posed = |damping: &str, mode| Posed {
-        written: Written {
+    let posed = |damping: &str, mode| PosedWave {
+        written: WrittenModel {
             damping: decimal(damping),
-            ..Written::new(&model, false, |_| None)
+            ..WrittenModel::new(&model, false, |_| None)
         },
         impact: Impact::Frictionless,
         parameter: Parameter::Mismatch,
         mode,
         unit: 1.0,
     };
-    let near = |times: usize| Near {
+    let near = |times: usize| NearWave {
         signature: Signature(Signature::slip_stick().0.repeat(times)),
         zones: [
             [closed.release, 1.0, closed.slip],
@@ -736,13 +761,13 @@ fn the_numbers_are_those_of_a_model() {
         excess: closed.excess,
         parameter: 0.2,
     };
-    let value = || Condition::Value(decimal("0.2"));
+    let value = || WaveCondition::Value(decimal("0.2"));
     assert!(certify::prove(posed("0.0", 4), near(1), value(), None).is_ok());
     let negative = certify::prove(posed("-1e-12", 4), near(1), value(), None);
-    assert_eq!(negative.err(), Some(Open::Model));
+    assert_eq!(negative.err(), Some(OpenPoint::Model));
     // the same wave traversed twice is none of half the mode
     let twice = certify::prove(posed("0.0", 2), near(2), value(), None);
-    assert_eq!(twice.err(), Some(Open::Repeats));
+    assert_eq!(twice.err(), Some(OpenPoint::Repeats));
 }
 
 /// An event stands in a certificate once.
@@ -750,12 +775,12 @@ fn the_numbers_are_those_of_a_model() {
 fn an_event_is_stated_once() {
     let mut points = points_of("mode4_curve", &[]);
     assert_eq!(certify::repeated(&points), Vec::<usize>::new());
-    let graze = |point: &&Point| point.kind == EventType::GR;
+    let graze = |point: &&CertifiedPoint| point.kind == EventType::GR;
     let mut again = points.iter().find(graze).unwrap().clone();
     again.label += 100;
     points.push(again.clone());
     // whatever zone it begins with
-    let Outcome::Proven(proof) = &mut again.outcome else {
+    let ProofOutcome::Proven(proof) = &mut again.outcome else {
         panic!("the graze is not proven");
     };
     proof.near.signature.0.rotate_left(1);

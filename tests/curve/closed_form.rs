@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use brakewave::curve::{Curve, Point};
+use brakewave::curve::{CurvePoint, WholeCurve};
 use brakewave::problem::parse;
 use brakewave::tube::model::{Constants, Model, Parameter};
 use brakewave::tube::wave::start::{SlipStick, Which, fold_in_friction, slip_stick};
@@ -22,13 +22,13 @@ fn shape(parameters: &Constants, excess: f64) -> f64 {
     0.5 * force / (mass * coefficients.h).sqrt()
 }
 
-fn at(base: &Model, curve: &Curve, point: &Point) -> Model {
+fn at(base: &Model, curve: &WholeCurve, point: &CurvePoint) -> Model {
     base.with(curve.parameters[0], point.parameters[0])
         .with(curve.parameters[1], point.parameters[1])
 }
 
 /// The slip-stick wave at a point: of fast and slow the one whose speed it has.
-fn closed(model: &Model, point: &Point) -> SlipStick {
+fn closed(model: &Model, point: &CurvePoint) -> SlipStick {
     [Which::Fast, Which::Slow]
         .into_iter()
         .map(|which| slip_stick(model, 4, which).unwrap())

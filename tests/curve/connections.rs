@@ -5,9 +5,10 @@ use std::f64::consts::TAU;
 
 use brakewave::EventType;
 use brakewave::continuation::newton::System as _;
-use brakewave::curve::start::{Start, find_connection};
-use brakewave::curve::{Curve, Equilibria, Point, PointType, Run};
-use brakewave::hybrid::{Item, Runner};
+use brakewave::curve::search::find_connection;
+use brakewave::curve::start::CurveStart;
+use brakewave::curve::{CurvePoint, CurveRun, EquilibriaInPlane, PointType, WholeCurve};
+use brakewave::hybrid::{OrbitItem, OrbitRunner};
 use brakewave::linalg::{Matrix, Vector};
 use brakewave::orbit::legs::{self, Run as _};
 use brakewave::problem::{Any, SystemProblem, parse_any};
@@ -81,29 +82,29 @@ fn problem(text: &str) -> SystemProblem {
 }
 
 /// The last point of the branch, which is the homoclinic orbit.
-fn end(problem: &SystemProblem) -> Item {
+fn end(problem: &SystemProblem) -> OrbitItem {
     let continuation = problem.continuation.as_ref().unwrap();
-    let mut branch = Runner::begin(problem, continuation, None).unwrap();
+    let mut branch = OrbitRunner::begin(problem, continuation, None).unwrap();
     let mut last = None;
     while branch.progress().end.is_none() {
         last = branch.step().pop().or(last);
     }
     let end = &branch.progress().end;
-    assert!(!matches!(end, Some(legs::End::Failed(_))), "{end:?}");
+    assert!(!matches!(end, Some(legs::RunEnd::Failed(_))), "{end:?}");
     let last = last.unwrap();
     assert_eq!(last.point.kind, Some(EventType::HC));
     last
 }
 
-fn start(problem: &SystemProblem) -> Start<Equilibria> {
+fn start(problem: &SystemProblem) -> CurveStart<EquilibriaInPlane> {
     let (continuation, curve) = (problem.continuation.as_ref(), problem.curve.as_ref());
-    let begin = |problem: &SystemProblem| Runner::begin(problem, continuation.unwrap(), None);
+    let begin = |problem: &SystemProblem| OrbitRunner::begin(problem, continuation.unwrap(), None);
     find_connection(problem, curve.unwrap(), begin, &mut |_| ()).unwrap()
 }
 
-fn curve(problem: &SystemProblem) -> Curve<Equilibria> {
+fn curve(problem: &SystemProblem) -> WholeCurve<EquilibriaInPlane> {
     let start = start(problem);
-    let mut run = Run::begin(&start.system, start.event, &start.point, start.limits).unwrap();
+    let mut run = CurveRun::begin(&start.system, start.event, &start.point, start.limits).unwrap();
     while run.step().unwrap().is_some() {}
     let curve = run.unnamed();
     assert!(!curve.failed, "{} | {}", curve.end(0), curve.end(1));
@@ -120,7 +121,7 @@ fn located(text: &str, parameter: usize, truth: f64, most: f64) {
 }
 
 /// All points of a curve, both of whose ends are edges of its range, which lie on a graph to this.
-fn follows(text: &str, first_of: impl Fn(f64) -> f64, most: f64) -> Vec<Point> {
+fn follows(text: &str, first_of: impl Fn(f64) -> f64, most: f64) -> Vec<CurvePoint> {
     let curve = curve(&problem(text));
     for point in &curve.points {
         let [first, second] = point.parameters;

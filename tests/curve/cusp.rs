@@ -1,7 +1,7 @@
 //! A cusp of folds: waves counted on branches on either side of it.
 
 use brakewave::branch::EventType;
-use brakewave::branch::run::Runner;
+use brakewave::branch::run::WaveRunner;
 use brakewave::orbit::legs::Run as _;
 use brakewave::problem::parse;
 
@@ -16,7 +16,7 @@ fn folds(beta: f64) -> Vec<f64> {
     );
     let problem = parse(&text, "folds").unwrap();
     let continuation = problem.continuation(&text, "folds").unwrap();
-    let mut branch = Runner::begin(&problem, continuation, None).unwrap();
+    let mut branch = WaveRunner::begin(&problem, continuation, None).unwrap();
     let mut found = Vec::new();
     while branch.progress().end.is_none() {
         for item in branch.step() {

@@ -1,7 +1,7 @@
 //! The Jacobian of every kind of event against central differences.
 
 use brakewave::continuation::newton::System;
-use brakewave::curve::start::Start;
+use brakewave::curve::start::CurveStart;
 use brakewave::curve::system::EventSystem;
 use brakewave::linalg::{Matrix, Vector};
 use brakewave::problem::parse;
@@ -18,7 +18,7 @@ fn evaluate(system: &EventSystem, point: &Vector) -> (Vector, Matrix) {
     (residual, jacobian)
 }
 
-fn worst(start: &Start) -> f64 {
+fn worst(start: &CurveStart) -> f64 {
     let (residual, jacobian) = evaluate(&start.system, &start.point);
     // the branch locates its events to 1e-10 or better
     assert!(residual.amax() < 1e-8, "{:e}", residual.amax());

@@ -6,8 +6,11 @@ use std::collections::BTreeSet;
 
 use brakewave::EventType;
 use brakewave::continuation::newton::System as _;
-use brakewave::curve::start::{NoCurve, Start};
-use brakewave::curve::{Curve, Equilibria, Head, Point, PointType, Run, Step, find_of_equilibria};
+use brakewave::curve::start::{CurveStart, NoCurve};
+use brakewave::curve::{
+    CurveHead, CurvePoint, CurveRun, CurveStep, EquilibriaInPlane, PointType, WholeCurve,
+    find_of_equilibria,
+};
 use brakewave::hybrid::equilibrium::EquilibriumRunner;
 use brakewave::linalg::Matrix;
 use brakewave::problem::{Any, SystemProblem, parse_any};
@@ -93,12 +96,14 @@ impl Family {
         }
     }
 
-    fn curve(self, values: &[(&str, &str)], curve: &str) -> Curve<Equilibria> {
+    fn curve(self, values: &[(&str, &str)], curve: &str) -> WholeCurve<EquilibriaInPlane> {
         followed(&self.problem(values, curve))
     }
 }
 
-fn start(problem: &SystemProblem) -> Result<Start<Equilibria>, NoCurve<Equilibria>> {
+fn start(
+    problem: &SystemProblem,
+) -> Result<CurveStart<EquilibriaInPlane>, NoCurve<EquilibriaInPlane>> {
     let (Some(continuation), Some(curve)) = (&problem.continuation, &problem.curve) else {
         panic!("the problem has no curve");
     };
@@ -106,12 +111,12 @@ fn start(problem: &SystemProblem) -> Result<Start<Equilibria>, NoCurve<Equilibri
     find_of_equilibria(problem, curve, begin, &mut |_| ())
 }
 
-fn run(problem: &SystemProblem) -> Run<Equilibria> {
+fn run(problem: &SystemProblem) -> CurveRun<EquilibriaInPlane> {
     let start = start(problem).unwrap_or_else(|error| panic!("{error}"));
-    Run::begin(&start.system, start.event, &start.point, start.limits).unwrap()
+    CurveRun::begin(&start.system, start.event, &start.point, start.limits).unwrap()
 }
 
-fn followed(problem: &SystemProblem) -> Curve<Equilibria> {
+fn followed(problem: &SystemProblem) -> WholeCurve<EquilibriaInPlane> {
     let mut run = run(problem);
     while run.step().unwrap().is_some() {}
     let curve = run.unnamed();
@@ -119,7 +124,7 @@ fn followed(problem: &SystemProblem) -> Curve<Equilibria> {
     curve
 }
 
-fn types(curve: &Curve<Equilibria>) -> Vec<String> {
+fn types(curve: &WholeCurve<EquilibriaInPlane>) -> Vec<String> {
     let own = [EventType::EP, curve.event].map(PointType::One);
     let kinds = curve.points.iter().filter_map(|point| point.kind);
     kinds
@@ -129,7 +134,7 @@ fn types(curve: &Curve<Equilibria>) -> Vec<String> {
 }
 
 /// A number of a point by the name of its column.
-fn number(curve: &Curve<Equilibria>, point: &Point, name: &str) -> f64 {
+fn number(curve: &WholeCurve<EquilibriaInPlane>, point: &CurvePoint, name: &str) -> f64 {
     let place = curve.parameters.iter().position(|one| one == name);
     let column = || curve.columns.iter().position(|one| one == name);
     match place {
@@ -140,9 +145,9 @@ fn number(curve: &Curve<Equilibria>, point: &Point, name: &str) -> f64 {
 }
 
 /// Every point of the curve of this type, of which one has these numbers, known to a few roundings.
-fn has(curve: &Curve<Equilibria>, kind: &str, numbers: &[(&str, f64)]) {
-    let of_kind = |point: &&Point| point.kind.is_some_and(|own| own.to_string() == kind);
-    let distance = |point: &Point| {
+fn has(curve: &WholeCurve<EquilibriaInPlane>, kind: &str, numbers: &[(&str, f64)]) {
+    let of_kind = |point: &&CurvePoint| point.kind.is_some_and(|own| own.to_string() == kind);
+    let distance = |point: &CurvePoint| {
         let each = numbers
             .iter()
             .map(|(name, value)| (number(curve, point, name) - value).abs() / value.abs().max(1.0));
@@ -491,7 +496,7 @@ fn derivatives_of_extended_systems_are_exact() {
         HARVEST.problem(&[], slide),
     ];
     for problem in problems {
-        let Start { system, point, .. } = start(&problem).unwrap();
+        let CurveStart { system, point, .. } = start(&problem).unwrap();
         // beside the curve the equations are as good
         let point = point.map_with_location(|row, _, x| x + 0.01 * ((3 * row + 1) as f64).sin());
         let count = system.unknowns();
@@ -540,10 +545,11 @@ fn curves_of_equilibria_resumed_after_their_steps_take_the_same_steps() {
     ];
     for problem in problems {
         let mut whole = run(&problem);
-        let head: Head<Equilibria> = ron::from_str(&ron::to_string(whole.head()).unwrap()).unwrap();
-        let text = |head: &Head<Equilibria>| ron::to_string(head).unwrap();
+        let head: CurveHead<EquilibriaInPlane> =
+            ron::from_str(&ron::to_string(whole.head()).unwrap()).unwrap();
+        let text = |head: &CurveHead<EquilibriaInPlane>| ron::to_string(head).unwrap();
         assert_eq!(text(&head), text(whole.head()));
-        let mut steps: Vec<Step<Equilibria>> = Vec::new();
+        let mut steps: Vec<CurveStep<EquilibriaInPlane>> = Vec::new();
         while let Some(step) = whole.step().unwrap() {
             steps.push(step);
         }
@@ -557,7 +563,7 @@ fn curves_of_equilibria_resumed_after_their_steps_take_the_same_steps() {
             let saved = written[..count]
                 .iter()
                 .map(|text| ron::from_str(text).unwrap());
-            let mut resumed = Run::resume(head.clone(), saved.collect()).unwrap();
+            let mut resumed = CurveRun::resume(head.clone(), saved.collect()).unwrap();
             for next in 0..2 {
                 let step = resumed.step().unwrap();
                 let step = step.map(|step| ron::to_string(&step).unwrap());

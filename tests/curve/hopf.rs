@@ -1,7 +1,7 @@
 //! A curve of Hopf points against those that the tracker of eigenvalues locates on branches.
 
 use brakewave::branch::EventType;
-use brakewave::branch::run::Runner;
+use brakewave::branch::run::WaveRunner;
 use brakewave::orbit::legs::Run as _;
 
 use crate::curve::{observed, tube, unnamed};
@@ -53,7 +53,7 @@ fn a_pair_of_sector_0_on_its_axis() {
             ),
         );
         let continuation = across.continuation.clone().unwrap();
-        let mut branch = Runner::begin(&across, &continuation, None).unwrap();
+        let mut branch = WaveRunner::begin(&across, &continuation, None).unwrap();
         let mut best = f64::INFINITY;
         while branch.progress().end.is_none() {
             for event in branch.step().into_iter().filter_map(|item| item.event) {

@@ -1,10 +1,10 @@
 //! Two events at once lie on the curves of both.
 
-use brakewave::curve::{Curve, Point};
+use brakewave::curve::{CurvePoint, WholeCurve};
 
 use crate::curve::{observed, start, tube, unnamed};
 
-fn along(event: &str, friction: f64) -> Curve {
+fn along(event: &str, friction: f64) -> WholeCurve {
     unnamed(&tube(
         friction,
         0.3,
@@ -16,7 +16,7 @@ fn along(event: &str, friction: f64) -> Curve {
     ))
 }
 
-fn named<'a>(curve: &'a Curve, kind: &str) -> &'a Point {
+fn named<'a>(curve: &'a WholeCurve, kind: &str) -> &'a CurvePoint {
     let found = curve
         .points
         .iter()

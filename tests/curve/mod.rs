@@ -15,9 +15,10 @@ mod resume;
 mod shrinking;
 mod systems;
 
-use brakewave::branch::run::Runner;
-use brakewave::curve::start::{NoCurve, Start, find};
-use brakewave::curve::{Curve, Run, follow};
+use brakewave::branch::run::WaveRunner;
+use brakewave::curve::search::find;
+use brakewave::curve::start::{CurveStart, NoCurve};
+use brakewave::curve::{CurveRun, WholeCurve, follow};
 use brakewave::problem::{Problem, parse};
 
 use crate::observed;
@@ -32,23 +33,23 @@ fn tube(friction: f64, mismatch: f64, damping: f64, sections: &str) -> Problem {
     parse(&text, "test").unwrap()
 }
 
-fn start(problem: &Problem) -> Result<Start, NoCurve> {
+fn start(problem: &Problem) -> Result<CurveStart, NoCurve> {
     let (Some(continuation), Some(curve)) = (&problem.continuation, &problem.curve) else {
         panic!("the problem has no curve");
     };
-    let begin = |problem: &Problem| Runner::begin(problem, continuation, None);
+    let begin = |problem: &Problem| WaveRunner::begin(problem, continuation, None);
     find(problem, curve, begin, &mut |_| ())
 }
 
-fn curve(problem: &Problem) -> Curve {
+fn curve(problem: &Problem) -> WholeCurve {
     let start = start(problem).unwrap();
     follow(&start.system, start.event, &start.point, start.limits).unwrap()
 }
 
 /// A curve with nothing named beside it.
-fn unnamed(problem: &Problem) -> Curve {
+fn unnamed(problem: &Problem) -> WholeCurve {
     let start = start(problem).unwrap();
-    let mut run = Run::begin(&start.system, start.event, &start.point, start.limits).unwrap();
+    let mut run = CurveRun::begin(&start.system, start.event, &start.point, start.limits).unwrap();
     while run.step().unwrap().is_some() {}
     run.unnamed()
 }

@@ -4,9 +4,10 @@
 
 use std::f64::consts::TAU;
 
-use brakewave::curve::start::{NoCurve, Start, find_of_system};
-use brakewave::curve::{Curve, Orbits, Run};
-use brakewave::hybrid::Runner;
+use brakewave::curve::search::find_of_system;
+use brakewave::curve::start::{CurveStart, NoCurve};
+use brakewave::curve::{CurveRun, OrbitsInPlane, WholeCurve};
+use brakewave::hybrid::OrbitRunner;
 use brakewave::problem::{Any, SystemProblem, parse_any};
 
 /// The oscillator with one impact of speed `hit` a period.
@@ -26,17 +27,17 @@ fn problem(monitor: &str, stop_at: &str, event: &str) -> SystemProblem {
     }
 }
 
-fn start(problem: &SystemProblem) -> Result<Start<Orbits>, NoCurve<Orbits>> {
+fn start(problem: &SystemProblem) -> Result<CurveStart<OrbitsInPlane>, NoCurve<OrbitsInPlane>> {
     let (Some(continuation), Some(curve)) = (&problem.continuation, &problem.curve) else {
         panic!("the problem has no curve");
     };
-    let begin = |problem: &SystemProblem| Runner::begin(problem, continuation, None);
+    let begin = |problem: &SystemProblem| OrbitRunner::begin(problem, continuation, None);
     find_of_system(problem, curve, begin, &mut |_| ())
 }
 
-fn curve(problem: &SystemProblem) -> Curve<Orbits> {
+fn curve(problem: &SystemProblem) -> WholeCurve<OrbitsInPlane> {
     let start = start(problem).unwrap_or_else(|error| panic!("{error}"));
-    let mut run = Run::begin(&start.system, start.event, &start.point, start.limits).unwrap();
+    let mut run = CurveRun::begin(&start.system, start.event, &start.point, start.limits).unwrap();
     while run.step().unwrap().is_some() {}
     run.curve()
 }

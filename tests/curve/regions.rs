@@ -1,12 +1,12 @@
 //! Names beside a curve against what branches find at their places.
 
 use brakewave::branch::EventType;
-use brakewave::branch::run::Runner;
-use brakewave::curve::{Curve, Region};
+use brakewave::branch::run::WaveRunner;
+use brakewave::curve::{Region, WholeCurve};
 use brakewave::orbit::legs::Run as _;
 use brakewave::problem::{Problem, parse};
 use brakewave::tube::stability::characteristic::Characteristic;
-use brakewave::tube::stability::spectrum::{Request, spectrum};
+use brakewave::tube::stability::spectrum::{SpectrumRequest, spectrum};
 
 use crate::curve::curve;
 
@@ -21,7 +21,8 @@ fn problem(mode: u32, start: &str, model: &str, sections: &str) -> Problem {
 
 /// The waves of a branch at the one value it is asked to stop at.
 fn passages(problem: &Problem) -> Vec<String> {
-    let mut branch = Runner::begin(problem, problem.continuation.as_ref().unwrap(), None).unwrap();
+    let mut branch =
+        WaveRunner::begin(problem, problem.continuation.as_ref().unwrap(), None).unwrap();
     let mut found = Vec::new();
     while branch.progress().end.is_none() {
         for item in branch.step() {
@@ -34,7 +35,7 @@ fn passages(problem: &Problem) -> Vec<String> {
 }
 
 /// Names to compare: from every stretch and side the first few, among which the picture chooses.
-fn chosen(curve: &Curve, most: usize) -> Vec<&Region> {
+fn chosen(curve: &WholeCurve, most: usize) -> Vec<&Region> {
     let mut sides: Vec<((usize, bool), usize)> = Vec::new();
     let mut found = Vec::new();
     for region in &curve.regions {
@@ -96,7 +97,7 @@ fn in_the_plane_of_mismatch_and_friction(event: &str, least: usize) {
                 ),
             ] {
                 let across = problem(4, start, &model, &sections);
-                if Runner::begin(&across, across.continuation.as_ref().unwrap(), None).is_ok() {
+                if WaveRunner::begin(&across, across.continuation.as_ref().unwrap(), None).is_ok() {
                     met.extend(passages(&across));
                 }
             }
@@ -245,7 +246,7 @@ fn pairs_grow_and_decay_where_it_is_written() {
             let [mismatch, friction] = region.place;
             // the pair's frequency on the curve, at the nearest point
             let near = curve.points.iter().min_by(|one, other| {
-                let way = |point: &brakewave::curve::Point| {
+                let way = |point: &brakewave::curve::CurvePoint| {
                     ((point.parameters[0] - mismatch) / 0.29)
                         .hypot((point.parameters[1] - friction) / 1.1)
                 };
@@ -263,10 +264,10 @@ fn pairs_grow_and_decay_where_it_is_written() {
                 ),
             );
             let mut branch =
-                Runner::begin(&there, there.continuation.as_ref().unwrap(), None).unwrap();
+                WaveRunner::begin(&there, there.continuation.as_ref().unwrap(), None).unwrap();
             let item = branch.step().remove(0);
             let (wave, point) = item.wave();
-            let request = Request {
+            let request = SpectrumRequest {
                 sectors: vec![sector],
                 eigenvalues: 40,
                 max_frequency: 14.0,

@@ -1,6 +1,6 @@
 //! A curve that goes on from saved steps takes the same steps as one that was never interrupted.
 
-use brakewave::curve::{Head, Run, Step};
+use brakewave::curve::{CurveHead, CurveRun, CurveStep};
 use brakewave::problem::{Problem, parse};
 use serde::de::DeserializeOwned;
 
@@ -21,20 +21,20 @@ fn copied<T: serde::Serialize + DeserializeOwned>(value: &T) -> T {
 /// bit.
 fn resumes_after_its_steps(problem: &Problem) {
     let start = start(problem).unwrap();
-    let begin = || Run::begin(&start.system, start.event, &start.point, start.limits);
+    let begin = || CurveRun::begin(&start.system, start.event, &start.point, start.limits);
     let mut run = begin().unwrap();
-    let head: Head = copied(run.head());
+    let head: CurveHead = copied(run.head());
     assert_eq!(&head, run.head());
-    let mut steps: Vec<Step> = Vec::new();
+    let mut steps: Vec<CurveStep> = Vec::new();
     while let Some(step) = run.step().unwrap() {
         steps.push(step);
     }
     let whole = run.curve();
     assert!(steps.len() > 10, "{}", steps.len());
-    let saved: Vec<Step> = copied(&steps);
+    let saved: Vec<CurveStep> = copied(&steps);
     let counts = 0..=steps.len();
     for count in counts.filter(|count| count % 17 == 0 || *count == steps.len()) {
-        let mut run = Run::resume(head.clone(), saved[..count].to_vec()).unwrap();
+        let mut run = CurveRun::resume(head.clone(), saved[..count].to_vec()).unwrap();
         for next in 0..2 {
             let expected = steps.get(count + next);
             assert_eq!(run.step().unwrap().as_ref(), expected, "{count} + {next}");
@@ -75,7 +75,7 @@ fn a_curve_of_hopf_points_resumed_after_its_steps_takes_the_same_steps() {
 #[test]
 fn steps_that_do_not_fit_are_refused() {
     let start = start(&problem("mode4_curve")).unwrap();
-    let mut run = Run::begin(&start.system, start.event, &start.point, start.limits).unwrap();
+    let mut run = CurveRun::begin(&start.system, start.event, &start.point, start.limits).unwrap();
     let head = run.head().clone();
     let step = run.step().unwrap().unwrap();
     let text = ron::to_string(&step).unwrap();
@@ -84,11 +84,14 @@ fn steps_that_do_not_fit_are_refused() {
         ("tangent:[", "tangent:[NaN,"),
     ] {
         assert!(text.contains(list));
-        let damaged: Step = ron::from_str(&text.replace(list, damage)).unwrap();
-        assert!(Run::resume(head.clone(), vec![damaged]).is_err(), "{list}");
+        let damaged: CurveStep = ron::from_str(&text.replace(list, damage)).unwrap();
+        assert!(
+            CurveRun::resume(head.clone(), vec![damaged]).is_err(),
+            "{list}"
+        );
     }
-    assert!(Run::resume(head.clone(), vec![step]).is_ok());
+    assert!(CurveRun::resume(head.clone(), vec![step]).is_ok());
     let text = ron::to_string(&head).unwrap();
-    let short: Head = ron::from_str(&text.replace("tangent:[", "tangent:[0.5,")).unwrap();
-    assert!(Run::resume(short, Vec::new()).is_err());
+    let short: CurveHead = ron::from_str(&text.replace("tangent:[", "tangent:[0.5,")).unwrap();
+    assert!(CurveRun::resume(short, Vec::new()).is_err());
 }

@@ -1,7 +1,7 @@
 //! Curves of events of cycles that end where the cycles shrink to a point.
 
 use brakewave::EventType;
-use brakewave::curve::{Curve, Orbits, Point, PointType};
+use brakewave::curve::{CurvePoint, OrbitsInPlane, PointType, WholeCurve};
 use brakewave::problem::{Any, parse_any};
 
 use crate::curve::systems::curve;
@@ -39,11 +39,16 @@ const BESIDE: &str = r#"(
 
 /// The curve of a problem, all points of which solve an equation to the tolerance of curves, and whose only points of
 /// codimension two are of this type at the origin.
-fn ends_at_the_origin(text: &str, equation: impl Fn(&Point) -> f64, kind: PointType, most: f64) {
+fn ends_at_the_origin(
+    text: &str,
+    equation: impl Fn(&CurvePoint) -> f64,
+    kind: PointType,
+    most: f64,
+) {
     let Ok(Any::System(problem)) = parse_any(text, "test") else {
         panic!("a system");
     };
-    let found: Curve<Orbits> = curve(&problem);
+    let found: WholeCurve<OrbitsInPlane> = curve(&problem);
     assert!(!found.failed, "{} | {}", found.end(0), found.end(1));
     let mut ends = 0;
     for point in &found.points {
@@ -67,21 +72,21 @@ fn ends_at_the_origin(text: &str, equation: impl Fn(&Point) -> f64, kind: PointT
 #[test]
 fn a_graze_ends_where_a_hopf_point_is_on_the_guard() {
     let kind = PointType::Two(EventType::HB, EventType::BE);
-    let equation = |point: &Point| point.parameters[0] - point.parameters[1].powi(2);
+    let equation = |point: &CurvePoint| point.parameters[0] - point.parameters[1].powi(2);
     ends_at_the_origin(GRAZING, equation, kind, 1e-12);
 }
 
 /// μ = −b²/4. Of a fold beside the origin b is known to rounding divided by the cube of its size, 1e-15 / 6e-3³.
 #[test]
 fn a_fold_ends_at_a_degenerate_hopf_point() {
-    let equation = |point: &Point| point.parameters[0] + 0.25 * point.parameters[1].powi(2);
+    let equation = |point: &CurvePoint| point.parameters[0] + 0.25 * point.parameters[1].powi(2);
     ends_at_the_origin(FOLDING, equation, PointType::GH, 5e-9);
 }
 
 /// On the way the second oscillator is at rest but for numbers as small as there are, which have no digits for its multipliers.
 #[test]
 fn a_torus_ends_where_its_cycle_does() {
-    let equation = |point: &Point| point.parameters[0] - 1.5 * point.parameters[1];
+    let equation = |point: &CurvePoint| point.parameters[0] - 1.5 * point.parameters[1];
     let kind = PointType::Two(EventType::NS, EventType::HB);
     ends_at_the_origin(BESIDE, equation, kind, 1e-11);
 }

@@ -4,9 +4,10 @@ use std::f64::consts::TAU;
 
 use brakewave::EventType;
 use brakewave::continuation::newton::System as _;
-use brakewave::curve::start::{NoCurve, Start, find_of_system};
-use brakewave::curve::{Curve, Orbits, Point, PointType, Region, Run};
-use brakewave::hybrid::Runner;
+use brakewave::curve::search::find_of_system;
+use brakewave::curve::start::{CurveStart, NoCurve};
+use brakewave::curve::{CurvePoint, CurveRun, OrbitsInPlane, PointType, Region, WholeCurve};
+use brakewave::hybrid::OrbitRunner;
 use brakewave::linalg::{Matrix, Vector, null_spaces};
 use brakewave::problem::{Any, SystemProblem, parse_any};
 
@@ -47,18 +48,18 @@ fn problem(
     *problem
 }
 
-fn start(problem: &SystemProblem) -> Result<Start<Orbits>, NoCurve<Orbits>> {
+fn start(problem: &SystemProblem) -> Result<CurveStart<OrbitsInPlane>, NoCurve<OrbitsInPlane>> {
     let (Some(continuation), Some(curve)) = (&problem.continuation, &problem.curve) else {
         panic!("the problem has no curve");
     };
-    let begin = |problem: &SystemProblem| Runner::begin(problem, continuation, None);
+    let begin = |problem: &SystemProblem| OrbitRunner::begin(problem, continuation, None);
     find_of_system(problem, curve, begin, &mut |_| ())
 }
 
 /// The curve of a problem, with nothing named beside it.
-pub(super) fn curve(problem: &SystemProblem) -> Curve<Orbits> {
+pub(super) fn curve(problem: &SystemProblem) -> WholeCurve<OrbitsInPlane> {
     let start = start(problem).unwrap();
-    let mut run = Run::begin(&start.system, start.event, &start.point, start.limits).unwrap();
+    let mut run = CurveRun::begin(&start.system, start.event, &start.point, start.limits).unwrap();
     while run.step().unwrap().is_some() {}
     run.unnamed()
 }
@@ -66,14 +67,14 @@ pub(super) fn curve(problem: &SystemProblem) -> Curve<Orbits> {
 /// Names beside the curve of a problem.
 fn named(problem: &SystemProblem) -> Vec<Region> {
     let start = start(problem).unwrap();
-    let run = Run::begin(&start.system, start.event, &start.point, start.limits);
+    let run = CurveRun::begin(&start.system, start.event, &start.point, start.limits);
     let mut run = run.unwrap();
     while run.step().unwrap().is_some() {}
     run.curve().regions
 }
 
 /// Points of a type of codimension two.
-fn of(curve: &Curve<Orbits>, kind: PointType) -> Vec<&Point> {
+fn of(curve: &WholeCurve<OrbitsInPlane>, kind: PointType) -> Vec<&CurvePoint> {
     let points = curve.points.iter();
     points.filter(|point| point.kind == Some(kind)).collect()
 }
@@ -116,7 +117,7 @@ fn two_multipliers_that_pass_together_are_told() {
         .points
         .iter()
         .filter(|point| point.what.contains("pass the unit circle together"));
-    let told: Vec<&Point> = told.collect();
+    let told: Vec<&CurvePoint> = told.collect();
     assert_eq!(
         told.len(),
         1,
@@ -255,7 +256,7 @@ fn fold_doubling_and_graze_meet() {
         );
         curve(&problem)
     };
-    let met = |curve: &Curve<Orbits>, kind: PointType| {
+    let met = |curve: &WholeCurve<OrbitsInPlane>, kind: PointType| {
         let points = of(curve, kind);
         assert_eq!(
             points.len(),
@@ -278,7 +279,7 @@ fn fold_doubling_and_graze_meet() {
     observed("folds of the impact oscillator in (A, w)", worst);
     observed("their meeting with the graze", meets);
     assert!(worst < 1e-9 && meets < 1e-6, "{worst:e} {meets:e}");
-    let edge = |curve: &Curve<Orbits>| {
+    let edge = |curve: &WholeCurve<OrbitsInPlane>| {
         let ends = [curve.points.first(), curve.points.last()];
         let mut ends = ends.into_iter().flatten();
         let end = ends.find(|end| end.kind == Some(PointType::One(EventType::EP)));
@@ -316,7 +317,7 @@ fn a_torus_between_its_resonances() {
     );
     let curve = curve(&problem);
     let expected = 2.0 * 0.8_f64.ln() / TAU;
-    let off = |point: &Point| (point.parameters[1] / expected - 1.0).abs();
+    let off = |point: &CurvePoint| (point.parameters[1] / expected - 1.0).abs();
     let worst = curve.points.iter().map(off).fold(0.0, f64::max);
     observed(
         "Neimark-Sacker points of the impact oscillator in (A, c)",
@@ -379,7 +380,7 @@ fn derivatives_of_a_torus_are_slopes_of_its_equation() {
         "event: NS, parameters: (\"A\", \"c\"), range: ((0.01, 4.0), (-0.2, 0.1))",
     );
     for problem in [*forced, impact] {
-        let Start { system, point, .. } = start(&problem).unwrap();
+        let CurveStart { system, point, .. } = start(&problem).unwrap();
         let last = system.unknowns() - 2;
         let evaluate = |point: &Vector| {
             let mut residual = Vector::zeros(last + 1);
@@ -415,20 +416,20 @@ fn curves_of_systems_are_resumed() {
         "event: PD, parameters: (\"G\", \"e\"), range: ((1.2, 1.8), (0.4, 0.6))",
     );
     let start = start(&problem).unwrap();
-    let begin = || Run::begin(&start.system, start.event, &start.point, start.limits);
+    let begin = || CurveRun::begin(&start.system, start.event, &start.point, start.limits);
     let mut run = begin().unwrap();
     let head = ron::from_str(&ron::to_string(run.head()).unwrap()).unwrap();
     let mut steps = Vec::new();
     while let Some(step) = run.step().unwrap() {
         steps.push(ron::to_string(&step).unwrap());
     }
-    let points = |run: Run<Orbits>| run.unnamed().points;
+    let points = |run: CurveRun<OrbitsInPlane>| run.unnamed().points;
     let whole = points(run);
     for count in [0, 3, steps.len() / 2 + 2, steps.len()] {
         let saved = steps[..count]
             .iter()
             .map(|step| ron::from_str(step).unwrap());
-        let mut run = Run::resume(Clone::clone(&head), saved.collect()).unwrap();
+        let mut run = CurveRun::resume(Clone::clone(&head), saved.collect()).unwrap();
         while run.step().unwrap().is_some() {}
         assert_eq!(points(run), whole, "{count}");
     }
@@ -583,7 +584,7 @@ fn an_image_may_keep_a_sign() {
     let found = start(&symmetric(&clock, plane)).unwrap();
     let [alpha, _] = found.system.values(&found.point);
     assert!((alpha - 13.728_817_274_033_318).abs() < 1e-11, "{alpha}");
-    let run = Run::begin(&found.system, found.event, &found.point, found.limits);
+    let run = CurveRun::begin(&found.system, found.event, &found.point, found.limits);
     assert!(run.is_ok());
 }
 

@@ -1,7 +1,7 @@
 //! What stands in the cells.
 
 use brakewave::branch::{BranchPoint, Stability};
-use brakewave::map::{Cell, CellPoint, Missing, Plane, Rows};
+use brakewave::map::{Cell, CellPoint, MapPlane, Missing, Rows};
 use brakewave::problem::{self, Map, Problem};
 use brakewave::tube::model::{Model, Parameter};
 use brakewave::tube::wave::start::{Which, least_mismatch, slip_stick};
@@ -17,7 +17,7 @@ fn parse(sections: &str) -> (Problem, Map) {
 
 fn cells(problem: &Problem, map: &Map) -> Vec<Cell> {
     let rows = Rows::new(problem, map, &mut |_| {}).unwrap();
-    (0..Plane::new(map).rows())
+    (0..MapPlane::new(map).rows())
         .flat_map(|index| rows.row(index).unwrap())
         .collect()
 }

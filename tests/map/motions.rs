@@ -6,7 +6,7 @@ use std::fs;
 
 use brakewave::branch::Stability;
 use brakewave::hybrid::OrbitPoint;
-use brakewave::map::{Motions, Outcome, Settled};
+use brakewave::map::{MotionOutcome, Motions, Settled};
 use brakewave::problem::{self, Any, SystemProblem};
 
 use crate::map::{run, succeed};
@@ -62,13 +62,13 @@ fn system(text: &str) -> SystemProblem {
     }
 }
 
-fn outcomes(text: &str, rows: usize) -> Vec<Outcome> {
+fn outcomes(text: &str, rows: usize) -> Vec<MotionOutcome> {
     let problem = system(text);
     let motions = Motions::new(&problem).unwrap();
     (0..rows).flat_map(|row| motions.row(row)).collect()
 }
 
-fn orbit(outcome: &Outcome) -> Option<(&OrbitPoint, Option<u32>)> {
+fn orbit(outcome: &MotionOutcome) -> Option<(&OrbitPoint, Option<u32>)> {
     match &outcome.found {
         Settled::Orbit { point, periods } => Some((point, *periods)),
         Settled::Nothing(_) => None,
@@ -79,7 +79,7 @@ fn orbit(outcome: &Outcome) -> Option<(&OrbitPoint, Option<u32>)> {
 /// modulus exp(−πc/ω). Where A|G| exceeds d there is none. Where even the transient stays below, the motion settles on
 /// it: from rest |x| ≤ A|G|(1 + √(1 + ((ω + c/2)/Ω)²)) with Ω² = 1 − c²/4.
 #[track_caller]
-fn meets_the_graze(outcomes: &[Outcome]) -> [usize; 2] {
+fn meets_the_graze(outcomes: &[MotionOutcome]) -> [usize; 2] {
     let (mut silent, mut touching) = (0, 0);
     for outcome in outcomes {
         let [c, force, w] = [0, 1, 2].map(|index| outcome.parameters[index]);

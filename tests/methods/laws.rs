@@ -1,6 +1,6 @@
 //! Friction laws beyond Coulomb's.
 
-use brakewave::orbit::sign::Verdict;
+use brakewave::orbit::sign::SignVerdict;
 use brakewave::tube::flow::method::Method;
 use brakewave::tube::model::FrictionLaw;
 use brakewave::tube::stability::characteristic::Characteristic;
@@ -65,7 +65,7 @@ fn static_friction() {
         let (wave, exact) = fast(&tube(0.4, mismatch, law));
         assert_eq!(wave.method, Method::Exact);
         let verdict = examine(&wave, &exact).expect("an examination").verdict;
-        assert_eq!(verdict, Verdict::Positive);
+        assert_eq!(verdict, SignVerdict::Positive);
         let shot = by_method(&wave, &exact, Method::Shooting { tolerance: 1e-13 });
         let error = difference(&wave, &exact, &shot);
         observed(&format!("static friction at δ = {mismatch}"), error);
@@ -91,7 +91,7 @@ fn regularised_friction_tends_to_coulomb() {
                 let law = FrictionLaw::Regularised { epsilon };
                 let (smooth, point) = fast(&tube(0.5, mismatch, law));
                 let verdict = examine(&smooth, &point).expect("an examination").verdict;
-                assert_eq!(verdict, Verdict::Positive);
+                assert_eq!(verdict, SignVerdict::Positive);
                 assert_eq!(smooth.zones(), zones, "{}", smooth.signature);
                 (smooth.speed_at(&point) / speed - 1.0).abs()
             })

@@ -1,7 +1,7 @@
 //! Observed orders of convergence.
 
 use brakewave::tube::flow::numeric::collocation::Mesh;
-use brakewave::tube::flow::numeric::shooting::Steps;
+use brakewave::tube::flow::numeric::shooting::ShootingSteps;
 use brakewave::tube::flow::numeric::{Integrator, NumericalContact};
 use brakewave::tube::model::FrictionLaw;
 use brakewave::tube::model::signature::Regime;
@@ -63,7 +63,7 @@ fn shooting_is_of_order_eight() {
     let errors: Vec<f64> = [4.0, 8.0]
         .into_iter()
         .map(|steps: f64| {
-            error(Integrator::Shooting(Steps {
+            error(Integrator::Shooting(ShootingSteps {
                 tolerance: 1e3,
                 longest: 1.0 / steps,
             }))

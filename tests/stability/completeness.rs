@@ -4,7 +4,7 @@
 //! and without derivatives.
 
 use brakewave::tube::stability::characteristic::Characteristic;
-use brakewave::tube::stability::spectrum::{Request, spectrum};
+use brakewave::tube::stability::spectrum::{SpectrumRequest, spectrum};
 use brakewave::tube::wave::start::Which;
 
 use crate::stability::observed;
@@ -56,7 +56,7 @@ fn found_are_as_many_as_counted() {
     let mut total = 0;
     for mismatch in [0.2, 0.02] {
         let characteristic = linearised(&mode4(mismatch), 4, Which::Fast);
-        let request = Request {
+        let request = SpectrumRequest {
             sectors: vec![0, 1, 2, 3],
             eigenvalues: 6,
             max_frequency: 60.0,
@@ -105,7 +105,7 @@ fn found_are_as_many_as_counted() {
 fn the_largest_number_of_eigenvalues_is_a_number_like_others() {
     let characteristic = linearised(&mode4(0.2), 4, Which::Fast);
     let listed = |eigenvalues| {
-        let request = Request {
+        let request = SpectrumRequest {
             sectors: vec![0],
             eigenvalues,
             max_frequency: 3.0,

@@ -1,7 +1,7 @@
 //! The equations are real: sectors j and k − j are conjugate.
 
 use brakewave::tube::model::Model;
-use brakewave::tube::stability::spectrum::{Request, spectrum};
+use brakewave::tube::stability::spectrum::{SpectrumRequest, spectrum};
 use brakewave::tube::wave::start::Which;
 
 use crate::stability::observed;
@@ -12,7 +12,7 @@ const BOUND: f64 = 1e-12;
 
 fn check(model: &Model, mode: u32) -> f64 {
     let characteristic = linearised(model, mode, Which::Fast);
-    let all = Request {
+    let all = SpectrumRequest {
         sectors: (0..mode as usize).collect(),
         eigenvalues: 4,
         max_frequency: 12.0,

@@ -6,9 +6,9 @@
 //! It may jump where the spectrum does, as the event then says, and change where an eigenvalue
 //! enters or leaves the window through its upper edge, as the row then says.
 
-use brakewave::branch::run::Item;
+use brakewave::branch::run::WaveItem;
 use brakewave::branch::special::{OfWaves, Special};
-use brakewave::branch::{Event, EventType, Reason};
+use brakewave::branch::{Event, EventType, VerdictReason};
 use brakewave::problem::Expectation;
 use brakewave::tube::stability::spectrum::Spectrum;
 use brakewave::tube::stability::track::Remark;
@@ -89,7 +89,7 @@ fn on_axis(name: &str, rows: &Rows) {
 }
 
 /// The jump of the count on the full circle that an event tells of.
-fn announced(item: &Item, mode: usize) -> i64 {
+fn announced(item: &WaveItem, mode: usize) -> i64 {
     let Some(Special::Change(change)) = &item.special else {
         return 0;
     };
@@ -153,7 +153,8 @@ fn accounted(name: &str, rows: &Rows, mode: usize) -> usize {
             let left = count - old - crossed - jump;
             // the row says so, and no other row does
             let mut reasons = item.point.why.iter();
-            let said = reasons.any(|reason| matches!(reason, Reason::Count { is_lost: false, .. }));
+            let said =
+                reasons.any(|reason| matches!(reason, VerdictReason::Count { is_lost: false, .. }));
             assert_eq!(said, left != 0, "{name}: point {}", item.point.point);
             if left != 0 {
                 let near = [before, index]

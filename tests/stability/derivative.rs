@@ -5,7 +5,7 @@
 //! rounding by ε(1 + |λ|τ_max)/(hτ_max) of it.
 
 use brakewave::tube::stability::asymptotic::HighFrequency;
-use brakewave::tube::stability::characteristic::{Characteristic, Scaled};
+use brakewave::tube::stability::characteristic::{Characteristic, ScaledComplex};
 use brakewave::tube::wave::start::Which;
 
 use crate::stability::observed;
@@ -29,8 +29,8 @@ fn check(name: &str, characteristic: &Characteristic) {
             let mut lambda = C64::from_polar(size, angle);
             lambda.re = lambda.re.clamp(-3.0 / delay, 3.0 / delay);
             for pick in [
-                |value: (Scaled, Scaled)| value.0,
-                |value: (Scaled, Scaled)| value.1,
+                |value: (ScaledComplex, ScaledComplex)| value.0,
+                |value: (ScaledComplex, ScaledComplex)| value.1,
             ] {
                 let at = |lambda: C64| {
                     let value = characteristic.evaluate(lambda);

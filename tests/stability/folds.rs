@@ -5,10 +5,10 @@
 //! changes its sign at each of them; the translation mode is divided out.
 
 use brakewave::branch::EventType;
-use brakewave::branch::run::Item;
+use brakewave::branch::run::WaveItem;
 use brakewave::problem;
 use brakewave::tube::stability::characteristic::Characteristic;
-use brakewave::tube::stability::spectrum::{Request, spectrum};
+use brakewave::tube::stability::spectrum::{SpectrumRequest, spectrum};
 
 use crate::stability::observed;
 use crate::stability::waves::{C64, Rows, follow, follow_from};
@@ -18,7 +18,7 @@ fn run(text: &str) -> Rows {
     follow(&problem, text)
 }
 
-fn linearised(item: &Item) -> Characteristic {
+fn linearised(item: &WaveItem) -> Characteristic {
     let (wave, point) = item.wave();
     Characteristic::new(wave, point).expect("a linear law")
 }
@@ -46,8 +46,8 @@ fn positive(characteristic: &Characteristic, sector: usize, right: f64) -> usize
     changes
 }
 
-fn request(sector: usize) -> Request {
-    Request {
+fn request(sector: usize) -> SpectrumRequest {
+    SpectrumRequest {
         sectors: vec![sector],
         eigenvalues: 3,
         max_frequency: 1.0,
@@ -114,7 +114,7 @@ fn a_real_eigenvalue_that_crosses_is_found() {
          stop_at: [0.51], stop_after: [(event: UZ, count: 2)]), \
          stability: (sectors: Only([3]), eigenvalues: 2, max_frequency: 0.5))",
     );
-    let at_zero = |item: &Item| real(&linearised(item), 3, 0.0).0;
+    let at_zero = |item: &WaveItem| real(&linearised(item), 3, 0.0).0;
     let mut changes = 0;
     let mut last: Option<(usize, f64)> = None;
     let mut events = Vec::new();
@@ -150,8 +150,8 @@ fn a_real_eigenvalue_that_crosses_is_found() {
 /// From the first BP of the sector k/2 of mode 6 a wave of mode 3 branches off, with twice the wavelength and the regimes
 /// twice. Its branch ends where it has come to another BP of that kind, traversed twice. Beside the first the
 /// friction moves by the square of what the halves differ by.
-fn doubled(items: &[Item]) {
-    let at: Vec<&Item> = items
+fn doubled(items: &[WaveItem]) {
+    let at: Vec<&WaveItem> = items
         .iter()
         .filter(|item| item.point.kind == Some(EventType::BP))
         .collect();
@@ -160,7 +160,7 @@ fn doubled(items: &[Item]) {
          continuation: (parameter: Friction, range: (0.2, 2.0), ds: 0.002))";
     let problem = problem::parse(text, "doubled").expect("a problem");
     let rows = follow_from(&problem, text, at[0].saved.as_ref());
-    let friction = |item: &Item| {
+    let friction = |item: &WaveItem| {
         let (wave, point) = item.wave();
         wave.parameter_at(point)
     };

@@ -10,7 +10,7 @@
 use brakewave::tube::model::Model;
 use brakewave::tube::stability::asymptotic::HighFrequency;
 use brakewave::tube::stability::characteristic::Characteristic;
-use brakewave::tube::stability::spectrum::{Request, spectrum};
+use brakewave::tube::stability::spectrum::{SpectrumRequest, spectrum};
 use brakewave::tube::wave::start::Which;
 
 use crate::stability::observed;
@@ -83,7 +83,7 @@ fn slip_stick_in_closed_form() {
 
 /// Largest Re λ with |Im λ| in a range, all sectors.
 fn largest(characteristic: &Characteristic, low: f64, high: f64) -> f64 {
-    let request = Request {
+    let request = SpectrumRequest {
         sectors: (0..=characteristic.mode as usize / 2).collect(),
         eigenvalues: 1,
         max_frequency: high,

@@ -7,7 +7,7 @@ use brakewave::problem;
 use brakewave::tube::model::signature::Regime;
 use brakewave::tube::model::{Impact, Parameter};
 use brakewave::tube::stability::characteristic::Characteristic;
-use brakewave::tube::wave::{Scales, Wave};
+use brakewave::tube::wave::{Wave, WaveScales};
 use nalgebra::{DMatrix, DVector};
 
 use crate::stability::material::{eigenfunction_defects, leading};
@@ -39,7 +39,7 @@ fn undamped_of(tube: &str, mode: u32, mismatch: f64) -> (Wave, Vector) {
         Parameter::StiffnessDamping,
         found.mode,
         found.signature.clone(),
-        Scales {
+        WaveScales {
             parameter: 0.01,
             ..found.scales
         },

@@ -2,14 +2,14 @@
 //! collocation of the boundary-value problem, eigenfunctions, and a wave that is stable on the full
 //! circle.
 
-use brakewave::branch::run::Item;
+use brakewave::branch::run::WaveItem;
 use brakewave::branch::{EventType, Stability};
 use brakewave::linalg::Vector;
 use brakewave::problem;
 use brakewave::tube::model::{Damping, Model};
 use brakewave::tube::stability::characteristic::Characteristic;
 use brakewave::tube::stability::eigenfunction::eigenfunction;
-use brakewave::tube::stability::spectrum::{Eigenvalue, Spectrum};
+use brakewave::tube::stability::spectrum::{Spectrum, WaveEigenvalue};
 use brakewave::tube::wave::Wave;
 use brakewave::tube::wave::start::Which;
 use nalgebra::{DMatrix, DVector};
@@ -280,7 +280,7 @@ fn real_eigenvalues_are_listed() {
 fn reached(text: &str) -> Spectrum {
     let problem = problem::parse(text, "damped").expect("a problem");
     let rows = follow(&problem, text);
-    let user = |item: &Item| item.point.kind == Some(EventType::UZ);
+    let user = |item: &WaveItem| item.point.kind == Some(EventType::UZ);
     let item = rows.items.iter().find(|item| user(item)).expect("a point");
     let (wave, point) = item.wave();
     window(&Characteristic::new(wave, point).expect("Coulomb's law"))
@@ -291,7 +291,7 @@ fn reached(text: &str) -> Spectrum {
 fn has(spectrum: &Spectrum, known: f64, expected: &[(usize, [f64; 2])]) {
     for &(sector, [re, im]) in expected {
         let value = C64::new(re, im);
-        let near = |one: &Eigenvalue| (one.value() - value).norm();
+        let near = |one: &WaveEigenvalue| (one.value() - value).norm();
         let all = spectrum.sectors[sector].eigenvalues.iter();
         let error = all.map(near).fold(f64::INFINITY, f64::min);
         observed(&format!("eigenvalue of sector {sector}"), error);

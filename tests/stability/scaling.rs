@@ -2,7 +2,7 @@
 //! eigenvalue by s: an exact symmetry of the model. The whole answer follows it, and bit by bit where
 //! s is a power of two, since then no number is rounded otherwise.
 
-use brakewave::branch::{Reason, Stability};
+use brakewave::branch::{Stability, VerdictReason};
 use brakewave::problem;
 
 use crate::stability::observed;
@@ -83,8 +83,10 @@ fn answers(rows: &Rows, s: f64) -> (Vec<String>, Vec<f64>) {
         let mut rates = Vec::new();
         for reason in &point.why {
             match reason {
-                Reason::BeyondWindow { re, im, .. } => rates.extend([*re, *im]),
-                Reason::HighFrequency(limit) | Reason::Unsettled(limit) => rates.push(*limit),
+                VerdictReason::BeyondWindow { re, im, .. } => rates.extend([*re, *im]),
+                VerdictReason::HighFrequency(limit) | VerdictReason::Unsettled(limit) => {
+                    rates.push(*limit)
+                }
                 _ => {}
             }
         }

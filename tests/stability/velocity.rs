@@ -188,7 +188,7 @@ fn errors_contain_those_of_the_wave() {
         for (one, other) in fine.sectors.iter().zip(&found.sectors) {
             for exact in one.eigenvalues.iter().filter(|one| one.re > -0.3) {
                 let all = other.eigenvalues.iter();
-                let error = |known: &&brakewave::tube::stability::spectrum::Eigenvalue| {
+                let error = |known: &&brakewave::tube::stability::spectrum::WaveEigenvalue| {
                     (known.value() - exact.value()).norm()
                 };
                 let near = all

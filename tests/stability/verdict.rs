@@ -1,6 +1,6 @@
 //! A wave is called stable only when that is proven.
 
-use brakewave::branch::{Reason, Stability};
+use brakewave::branch::{Stability, VerdictReason};
 use brakewave::tube::wave::start::Which;
 
 use crate::stability::waves::{C64, damped, follow, linearised, mode4, window};
@@ -41,8 +41,8 @@ fn undamped_wave_is_unstable_beyond_the_window() {
         }
         quiet += 1;
         match spectrum.reasons[..] {
-            [Reason::HighFrequency(limit)] => assert_eq!(limit, spectrum.limit),
-            [Reason::BeyondWindow { re, im, sector }] => {
+            [VerdictReason::HighFrequency(limit)] => assert_eq!(limit, spectrum.limit),
+            [VerdictReason::BeyondWindow { re, im, sector }] => {
                 assert!(re > 0.0 && im.abs() > spectrum.max_frequency);
                 let lambda = C64::new(re, im);
                 let z = characteristic.multiplier(sector);
@@ -75,7 +75,7 @@ fn growth_beyond_a_narrow_window_is_named() {
             (point.stable, point.unstable),
             (Some(Stability::No), Some(0))
         );
-        let [Reason::BeyondWindow { re, im, sector }] = point.why[..] else {
+        let [VerdictReason::BeyondWindow { re, im, sector }] = point.why[..] else {
             panic!("{:?}", point.why);
         };
         // the leading one of the table of reference figures at α = 0.2

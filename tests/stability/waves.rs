@@ -5,15 +5,15 @@ use std::path::PathBuf;
 
 use brakewave::branch::SavedWave;
 use brakewave::branch::first_wave::first_wave;
-use brakewave::branch::run::{End, Item, Runner};
-use brakewave::branch::special::Note;
+use brakewave::branch::run::{End, WaveItem, WaveRunner};
+use brakewave::branch::special::WaveNote;
 use brakewave::continuation;
 use brakewave::linalg::Vector;
 use brakewave::problem::{self, Any, Problem};
 use brakewave::tube::model::coefficients::Geometry;
 use brakewave::tube::model::{Damping, Impact, Model, Parameter};
 use brakewave::tube::stability::characteristic::Characteristic;
-use brakewave::tube::stability::spectrum::{Request, Spectrum, spectrum};
+use brakewave::tube::stability::spectrum::{Spectrum, SpectrumRequest, spectrum};
 use brakewave::tube::wave::Wave;
 use brakewave::tube::wave::start::Which;
 use nalgebra::Complex;
@@ -69,8 +69,8 @@ pub fn linearised(model: &Model, mode: u32, which: Which) -> Characteristic {
 }
 
 /// What the problems ask for: sectors 0 to k/2, |Im λ| up to 12.
-pub fn request(mode: u32) -> Request {
-    Request {
+pub fn request(mode: u32) -> SpectrumRequest {
+    SpectrumRequest {
         sectors: (0..=mode as usize / 2).collect(),
         eigenvalues: 6,
         max_frequency: 12.0,
@@ -111,11 +111,11 @@ pub fn problems() -> Vec<String> {
 /// Rows of a branch, each with the spectrum at the point its step reached.
 pub struct Rows {
     /// Rows, step by step.
-    pub items: Vec<Item>,
+    pub items: Vec<WaveItem>,
     /// Spectrum at the end of the step of each row.
     pub spectra: Vec<Option<Spectrum>>,
     /// What could not be settled.
-    pub notes: Vec<Note>,
+    pub notes: Vec<WaveNote>,
 }
 
 /// Follows the branch of a problem to its end.
@@ -128,7 +128,7 @@ pub fn follow_from(problem: &Problem, text: &str, first: Option<&SavedWave>) -> 
     let continuation = problem
         .continuation(text, "problem")
         .expect("there is a branch");
-    let mut branch = Runner::begin(problem, continuation, first).expect("the branch begins");
+    let mut branch = WaveRunner::begin(problem, continuation, first).expect("the branch begins");
     let mut rows = Rows {
         items: Vec::new(),
         spectra: Vec::new(),

@@ -5,7 +5,7 @@ use brakewave::tube::model::coefficients::Geometry;
 use brakewave::tube::model::{Damping, FrictionLaw};
 use brakewave::tube::steady::growth::stiffness_at;
 use brakewave::tube::steady::radial::Radial;
-use brakewave::tube::steady::{Mode, Settings, Sliding, mode};
+use brakewave::tube::steady::{SteadyFriction, SteadyMode, SteadySettings, mode};
 use faer::{Mat, c64};
 
 use crate::steady::bessel::{LARGEST_ARGUMENT, determinant, root};
@@ -45,8 +45,14 @@ fn slope(law: FrictionLaw) -> f64 {
     (8.0 * (at(1.0) - at(-1.0)) - (at(2.0) - at(-2.0))) / (12.0 * step)
 }
 
-fn solve(geometry: &Geometry, k: u32, friction: f64, law: FrictionLaw, damping: Damping) -> Mode {
-    let settings = Settings {
+fn solve(
+    geometry: &Geometry,
+    k: u32,
+    friction: f64,
+    law: FrictionLaw,
+    damping: Damping,
+) -> SteadyMode {
+    let settings = SteadySettings {
         friction,
         law,
         mismatch: MISMATCH,
@@ -148,7 +154,7 @@ fn order_one_is_the_reduced_model_under_every_law() {
     for law in LAWS {
         let geometry = tube(0.3, 1.5);
         let coefficients = geometry.coefficients();
-        let sliding = Sliding::new(law, coefficients.g * MISMATCH);
+        let sliding = SteadyFriction::new(law, coefficients.g * MISMATCH);
         let radial = Radial::new(&geometry, 4, 1);
         let mut pair = radial.lowest(0.5 * sliding.strength, 1).unwrap().remove(0);
         let lambda = radial.leading(&mut pair, 0.5, sliding, with).unwrap();

@@ -1,10 +1,10 @@
 //! The radial problem against itself: orders, symmetries, limits, its Hopf points.
 
 use brakewave::tube::model::{Damping, FrictionLaw};
-use brakewave::tube::steady::growth::Wave;
+use brakewave::tube::steady::growth::SteadyWave;
 use brakewave::tube::steady::radial::Radial;
 use brakewave::tube::steady::reduced::Reduced;
-use brakewave::tube::steady::{Settings, Sliding, mode};
+use brakewave::tube::steady::{SteadyFriction, SteadySettings, mode};
 
 use crate::steady::{damping, observed, tube};
 
@@ -57,7 +57,7 @@ fn orders_converge_geometrically() {
 /// The order chosen by itself keeps the promise, up to short waves in thick tubes.
 #[test]
 fn the_order_chosen_is_converged() {
-    let settings = |order| Settings {
+    let settings = |order| SteadySettings {
         friction: 0.5,
         law: FrictionLaw::Coulomb,
         mismatch: 0.2,
@@ -148,7 +148,7 @@ fn time_scales_out() {
     ] {
         let of = |geometry, damping| {
             Radial::new(geometry, 4, 24)
-                .hopf(3, damping, Sliding::COULOMB)
+                .hopf(3, damping, SteadyFriction::COULOMB)
                 .unwrap()
         };
         let (fast, slow) = (of(&tube(0.3, 1.5), one), of(&slow, other));
@@ -170,7 +170,7 @@ fn hopf_points_are_on_the_imaginary_axis() {
             for k in [2, 8] {
                 let radial = Radial::new(&tube(nu, xi), k, 28);
                 for hopf in radial
-                    .hopf(2, damping, Sliding::COULOMB)
+                    .hopf(2, damping, SteadyFriction::COULOMB)
                     .unwrap()
                     .into_iter()
                     .flatten()
@@ -179,10 +179,10 @@ fn hopf_points_are_on_the_imaginary_axis() {
                         let pairs = radial.lowest(friction, 6).unwrap();
                         let waves = pairs
                             .iter()
-                            .map(|pair| Wave::fastest(pair.kappa, k, damping));
+                            .map(|pair| SteadyWave::fastest(pair.kappa, k, damping));
                         waves
                             .min_by(|one, other| {
-                                let distance = |wave: &Wave| (wave.omega - hopf.omega).abs();
+                                let distance = |wave: &SteadyWave| (wave.omega - hopf.omega).abs();
                                 distance(one).total_cmp(&distance(other))
                             })
                             .unwrap()
@@ -215,7 +215,7 @@ fn the_growing_wave_runs_where_the_reduced_one_does() {
         (0.49, 1.5, 1, 1.0),
     ] {
         let geometry = tube(nu, xi);
-        let settings = Settings {
+        let settings = SteadySettings {
             friction: 0.5,
             law: FrictionLaw::Coulomb,
             mismatch: 0.2,

@@ -1,7 +1,7 @@
 //! The reduced model: closed form against a companion matrix, and its limits.
 
 use brakewave::tube::model::Damping;
-use brakewave::tube::steady::growth::{Wave, eigenvalues};
+use brakewave::tube::steady::growth::{SteadyWave, eigenvalues};
 use brakewave::tube::steady::reduced::Reduced;
 use faer::{Mat, c64};
 
@@ -169,7 +169,8 @@ fn small_friction() {
         for mode in [1, 4, 32] {
             let reduced = Reduced::new(&coefficients, mode);
             for friction in [1e-7, 1e-9, 1e-12] {
-                let wave = Wave::fastest(reduced.stiffness(friction), mode, damping(0.0, 0.0));
+                let wave =
+                    SteadyWave::fastest(reduced.stiffness(friction), mode, damping(0.0, 0.0));
                 let k = f64::from(mode);
                 let growth = friction * reduced.coupling.abs() / (2.0 * reduced.elastic.sqrt());
                 let speed = sign * (coefficients.a + coefficients.h / (k * k)).sqrt();

@@ -10,9 +10,9 @@ use brakewave::branch::polish;
 use brakewave::branch::{EventType, ProfileSample};
 use brakewave::continuation::newton::System;
 use brakewave::linalg::{Matrix, Vector};
-use brakewave::orbit::sign::Verdict;
+use brakewave::orbit::sign::SignVerdict;
 use brakewave::tube::wave::Wave;
-use brakewave::tube::wave::admissibility::{Watch, examine};
+use brakewave::tube::wave::admissibility::{WaveWatch, examine};
 use brakewave::tube::wave::profile::sample;
 
 use crate::waves::branches::{
@@ -111,7 +111,7 @@ fn check(name: &str, run: &Run) {
     let mut worst = 0.0_f64;
     for found in &run.points {
         if found.kind().is_none() {
-            assert_eq!(found.examination.verdict, Verdict::Positive);
+            assert_eq!(found.examination.verdict, SignVerdict::Positive);
         }
         worst = worst.max(violation(&found.orbit, &found.node.point));
     }
@@ -154,10 +154,13 @@ fn beyond(found: &Found, value: f64) -> Vector {
 fn planted_violations_are_refused() {
     let run = fast_in_mismatch().follow(&[]);
     let planted = [
-        (EventType::RV, vec![Watch::LowerForce]),
-        (EventType::GR, vec![Watch::Pressure]),
+        (EventType::RV, vec![WaveWatch::LowerForce]),
+        (EventType::GR, vec![WaveWatch::Pressure]),
         // V̇ = 1 at both ends of the slip zone after landing
-        (EventType::CO, vec![Watch::Duration, Watch::LandingRate]),
+        (
+            EventType::CO,
+            vec![WaveWatch::Duration, WaveWatch::LandingRate],
+        ),
     ];
     for (kind, watches) in planted {
         let found = run
@@ -170,10 +173,10 @@ fn planted_violations_are_refused() {
             let examination = examine(&found.orbit, &point).expect("an examination");
             assert_eq!(
                 examination.verdict,
-                Verdict::Negative,
+                SignVerdict::Negative,
                 "{kind} at {distance}"
             );
-            let broken: Vec<Watch> = examination
+            let broken: Vec<WaveWatch> = examination
                 .margins
                 .iter()
                 .filter(|margin| margin.jet.value <= 0.0)
@@ -183,7 +186,7 @@ fn planted_violations_are_refused() {
             // and on the other side of the event it is accepted
             let point = beyond(found, found.parameter * (1.0 + distance));
             let examination = examine(&found.orbit, &point).expect("an examination");
-            assert_eq!(examination.verdict, Verdict::Positive);
+            assert_eq!(examination.verdict, SignVerdict::Positive);
         }
     }
 }

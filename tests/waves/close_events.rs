@@ -5,7 +5,7 @@ use brakewave::branch::special::{Close, WaveMargin};
 use brakewave::continuation::walk::End;
 use brakewave::tube::model::signature::Regime;
 use brakewave::tube::model::{Model, Parameter};
-use brakewave::tube::wave::admissibility::Watch;
+use brakewave::tube::wave::admissibility::WaveWatch;
 use brakewave::tube::wave::start::{Which, least_mismatch, slip_stick};
 
 use crate::waves::branches::{Case, Run, fast_in_mismatch, regimes, tube};
@@ -109,7 +109,7 @@ fn a_margin_that_only_touches_zero() {
         close,
         [Close::Margin(WaveMargin {
             regime: Regime::Reverse,
-            watch: Watch::Duration
+            watch: WaveWatch::Duration
         })]
     );
 }

@@ -1,7 +1,7 @@
 //! The vertical family at the Hopf point of steady sliding, and the branch that leaves it.
 
 use brakewave::branch::EventType;
-use brakewave::branch::run::{End, Runner};
+use brakewave::branch::run::{End, WaveRunner};
 use brakewave::continuation::newton::{System, relative_residual};
 use brakewave::linalg::Matrix;
 use brakewave::orbit::legs::Run as _;
@@ -76,7 +76,7 @@ fn the_branch_begins_at_steady_sliding() {
     )";
     let problem = parse(text, "hopf").expect("a problem");
     let continuation = problem.continuation(text, "hopf").expect("a branch");
-    let mut branch = Runner::begin(&problem, continuation, None).expect("the branch begins");
+    let mut branch = WaveRunner::begin(&problem, continuation, None).expect("the branch begins");
     let mut points = Vec::new();
     while branch.progress().end.is_none() {
         points.extend(branch.step().into_iter().map(|item| item.point));

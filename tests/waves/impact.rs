@@ -6,7 +6,7 @@ use brakewave::continuation::walk::End;
 use brakewave::tube::wave::profile::sample;
 
 use brakewave::tube::model::coefficients::Geometry;
-use brakewave::tube::model::signature::Entry;
+use brakewave::tube::model::signature::ZoneEntry;
 use brakewave::tube::model::{Impact, Model, Parameter};
 use brakewave::tube::wave::start::{Which, fold_in_friction};
 use proptest::prelude::*;
@@ -105,7 +105,7 @@ fn a_touch_obeys_the_law_of_the_impact() {
         let flows = wave.flows(point).expect("a frame");
         let at = &flows.frame.at;
         for zone in 0..wave.zones() {
-            if wave.signature.zone(zone).entry != Entry::Touch {
+            if wave.signature.zone(zone).entry != ZoneEntry::Touch {
                 continue;
             }
             let before = zone + wave.zones() - 1;

@@ -12,8 +12,8 @@ use brakewave::continuation::newton::System;
 use brakewave::linalg::{Matrix, Vector};
 use brakewave::tube::model::signature::Regime;
 use brakewave::tube::model::{Damping, Model, Parameter};
-use brakewave::tube::wave::Scales;
 use brakewave::tube::wave::Wave;
+use brakewave::tube::wave::WaveScales;
 use brakewave::tube::wave::start::Which;
 
 use crate::waves::branches::{
@@ -130,7 +130,7 @@ fn in_parameter(wave: &Wave, point: &Vector, parameter: Parameter) -> (Wave, Vec
         parameter,
         wave.mode,
         wave.signature.clone(),
-        Scales::new(&model, wave.mode, excess, 1.0, width),
+        WaveScales::new(&model, wave.mode, excess, 1.0, width),
     );
     let other_point = other.pack(&wave.unpack(point), excess, value);
     (other, other_point)

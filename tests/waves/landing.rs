@@ -9,12 +9,12 @@ use brakewave::branch::special::{OfWaves, Special};
 use brakewave::continuation::walk::End;
 use brakewave::linalg::Vector;
 use brakewave::orbit::follow::Limits;
-use brakewave::tube::model::signature::{Entry, Regime};
+use brakewave::tube::model::signature::{Regime, ZoneEntry};
 use brakewave::tube::model::{Damping, Impact, Model, Parameter};
-use brakewave::tube::wave::admissibility::{Watch, examine};
+use brakewave::tube::wave::admissibility::{WaveWatch, examine};
 use brakewave::tube::wave::profile::sample;
 use brakewave::tube::wave::start::Which;
-use brakewave::tube::wave::{Scales, Wave};
+use brakewave::tube::wave::{Wave, WaveScales};
 
 use crate::waves::branches::{
     Case, Run, STEPS, mode4, regimes, speed, to_the_end, tube, with_coulomb_impact,
@@ -36,7 +36,7 @@ fn undamped_limit(mismatch: f64) -> Solved {
         Parameter::StiffnessDamping,
         case.mode,
         found.orbit.signature.clone(),
-        Scales {
+        WaveScales {
             parameter: 0.01,
             ..found.orbit.scales
         },
@@ -256,7 +256,7 @@ fn integrated_backwards(wave: &Wave, point: &Vector) -> f64 {
             x = std::array::from_fn(|i| x[i] + h / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]));
         }
         let mut expected = at_end((zone + wave.zones() - 1) % wave.zones());
-        if wave.signature.zone(zone).entry == Entry::Touch {
+        if wave.signature.zone(zone).entry == ZoneEntry::Touch {
             assert!(0.0 < x[2] && x[2] < expected[2], "{x:?} {expected:?}");
             expected[5] += model.friction * c.b / c.a * (x[2] - expected[2]);
             expected[2] = x[2];
@@ -407,7 +407,7 @@ fn landings_obey_their_law() {
             assert!(pressure > 0.0 && before > 0.0);
             let largest = model.friction * c.b / c.a * before;
             let next = wave.signature.zone(zone + 1);
-            if next.entry == Entry::ArrestedLanding {
+            if next.entry == ZoneEntry::ArrestedLanding {
                 assert!((dragged - after).abs() <= largest);
                 arrested += 1;
             } else {
@@ -460,7 +460,7 @@ fn separation_opens_like_a_square_root() {
         let margin = examination
             .margins
             .into_iter()
-            .find(|margin| margin.watch == Watch::Pressure)
+            .find(|margin| margin.watch == WaveWatch::Pressure)
             .expect("a least pressure");
         (point, margin)
     };

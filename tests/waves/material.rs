@@ -6,7 +6,7 @@ use brakewave::branch::orbit::{Follower, Found};
 use brakewave::linalg::Vector;
 use brakewave::orbit::follow::Limits;
 use brakewave::tube::model::coefficients::Geometry;
-use brakewave::tube::model::{Damping, Model, Parameter, Source, signature::Regime};
+use brakewave::tube::model::{CoefficientSource, Damping, Model, Parameter, signature::Regime};
 use brakewave::tube::wave::Wave;
 use brakewave::tube::wave::profile::sample;
 use nalgebra::{DMatrix, DVector};
@@ -205,7 +205,7 @@ fn friction_force_at_the_ends_of_stick() {
 fn scaled_waves_are_the_same() {
     let scaled = |s: f64| Case {
         model: Model {
-            source: Source::from(Geometry {
+            source: CoefficientSource::from(Geometry {
                 nu: 0.3,
                 xi: 1.5,
                 gamma: s * s,

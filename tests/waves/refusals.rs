@@ -1,9 +1,9 @@
 //! Where there is no slip-stick wave, the library says why, with the number that decides.
 
 use brakewave::branch::first_wave::first_wave;
-use brakewave::branch::wanted::NoStart;
+use brakewave::branch::wanted::NoFirstWave;
 use brakewave::tube::model::coefficients::Coefficients;
-use brakewave::tube::model::{Model, Parameter, Source};
+use brakewave::tube::model::{CoefficientSource, Model, Parameter};
 use brakewave::tube::wave::start::{NoWave, Which, slip_stick};
 
 use crate::waves::branches::{STEPS, mode4};
@@ -15,7 +15,7 @@ fn refusal(model: &Model) -> NoWave {
     let slow = slip_stick(model, 4, Which::Slow).expect_err("there is no wave");
     assert_eq!(fast, slow);
     let start = first_wave(model, Parameter::Mismatch, 4, Which::Fast, 1.0, STEPS);
-    assert_eq!(start.expect_err("no wave"), NoStart::NoWave(fast));
+    assert_eq!(start.expect_err("no wave"), NoFirstWave::NoWave(fast));
     fast
 }
 
@@ -77,7 +77,7 @@ fn without_friction_or_coupling() {
     let model = mode4(0.2).with(Parameter::Friction, 0.0);
     assert_eq!(refusal(&model), NoWave::Frictionless);
     let model = Model {
-        source: Source::from(Coefficients {
+        source: CoefficientSource::from(Coefficients {
             coupling: 0.0,
             ..mode4(0.2).constants().coefficients
         }),

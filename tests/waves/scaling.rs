@@ -4,7 +4,7 @@
 
 use brakewave::continuation::walk::End;
 use brakewave::tube::model::coefficients::Geometry;
-use brakewave::tube::model::{Damping, Model, Parameter, Source};
+use brakewave::tube::model::{CoefficientSource, Damping, Model, Parameter};
 
 use crate::waves::branches::{
     Case, Run, fast_in_mismatch, lengths, regimes, speed, tube, with_material_damping,
@@ -22,7 +22,7 @@ fn in_units(case: Case, s: f64) -> Case {
                 mass: model.damping.mass / s,
                 stiffness: model.damping.stiffness * s,
             },
-            source: Source::from(Geometry {
+            source: CoefficientSource::from(Geometry {
                 gamma: s * s * geometry.gamma,
                 ..geometry
             }),

@@ -20,7 +20,7 @@
 use brakewave::continuation::newton::System;
 use brakewave::linalg::Matrix;
 use brakewave::tube::flow::jet::{DURATION, ENTRY_W, ENTRY_Y, Jet};
-use brakewave::tube::model::signature::{Entry, Regime};
+use brakewave::tube::model::signature::{Regime, ZoneEntry};
 use brakewave::tube::wave::Wave;
 
 use crate::waves::branches::{
@@ -68,7 +68,7 @@ fn check(name: &str, case: &Case) {
                     (acceleration, -at.kappa * acceleration / at.mb)
                 }
             };
-            if zone.entry == Entry::Touch {
+            if zone.entry == ZoneEntry::Touch {
                 continue;
             }
             zones += 1;
@@ -186,10 +186,12 @@ fn dropped(wave: &Wave, index: usize, acceleration: f64, jerk: f64, duration: f6
     match (zone.regime, zone.entry) {
         (Regime::Stick, _) => (0.0, false),
         (Regime::Separation, _) => (time * time * jerk / (2.0 * duration), true),
-        _ if next == Entry::TakeOff => (0.0, false),
-        (_, Entry::Reversal | Entry::ArrestedLanding) => (time * acceleration / duration, true),
+        _ if next == ZoneEntry::TakeOff => (0.0, false),
+        (_, ZoneEntry::Reversal | ZoneEntry::ArrestedLanding) => {
+            (time * acceleration / duration, true)
+        }
         // V̈ = 0 at a release, but for rounding
-        (_, Entry::Release) => (
+        (_, ZoneEntry::Release) => (
             time * time * (acceleration / (duration * duration) + jerk / duration),
             true,
         ),

@@ -11,7 +11,7 @@ use crate::continuation::Node;
 use crate::continuation::locate::{Place, zero_along};
 use crate::continuation::newton;
 use crate::linalg::{Matrix, Vector};
-use crate::orbit::monitor::Measured;
+use crate::orbit::monitor::MonitorValue;
 use crate::orbit::{Candidate, EventType, Examined, Orbit};
 
 /// A state is the one that a reset leaves alone where they differ by no more than this part of their size: an equilibrium
@@ -262,7 +262,7 @@ impl Orbit for EquilibriumCurve {
         &self,
         monitor: usize,
         point: &Vector,
-    ) -> Result<Option<Measured>, EquilibriumFailure> {
+    ) -> Result<Option<MonitorValue>, EquilibriumFailure> {
         Ok(self.observed_at(monitor, point))
     }
 

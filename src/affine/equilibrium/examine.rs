@@ -7,7 +7,7 @@ use super::spectrum::{bordered, eigenvalues, growths, is_told, sums};
 use super::{EquilibriumGuard, VirtualEquilibrium};
 use crate::continuation::Node;
 use crate::linalg::{Eigenvalue, Vector};
-use crate::orbit::sign::Verdict;
+use crate::orbit::sign::SignVerdict;
 use crate::orbit::{Examined, Growth};
 
 /// A guard of the mode at an equilibrium, scaled to order one.
@@ -41,10 +41,10 @@ impl Examined for EquilibriumExamination {
         &self.margins
     }
 
-    fn verdict(&self) -> Verdict {
+    fn verdict(&self) -> SignVerdict {
         match self.margins.iter().all(|margin| margin.value > 0.0) {
-            true => Verdict::Positive,
-            false => Verdict::Negative,
+            true => SignVerdict::Positive,
+            false => SignVerdict::Negative,
         }
     }
 

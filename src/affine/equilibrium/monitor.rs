@@ -4,11 +4,11 @@ use super::curve::EquilibriumCurve;
 use super::field::LocalField;
 use crate::affine::monitor::MonitorSource;
 use crate::linalg::Vector;
-use crate::orbit::monitor::Measured;
+use crate::orbit::monitor::MonitorValue;
 
 impl EquilibriumCurve {
     /// A monitor at scaled unknowns: an extreme or a mean is the value. `None` where it has none.
-    pub(super) fn observed_at(&self, number: usize, point: &Vector) -> Option<Measured> {
+    pub(super) fn observed_at(&self, number: usize, point: &Vector) -> Option<MonitorValue> {
         let observed = self.observed.as_ref()?;
         let mode = self.signature.mode;
         let form = observed.forms.get(&mode)?.get(number)?;
@@ -32,7 +32,7 @@ impl EquilibriumCurve {
         };
         let gradient: Vec<f64> = linear.by.iter().map(|by| sign * by).collect();
         let is_finite = linear.value.is_finite() && gradient.iter().all(|by| by.is_finite());
-        is_finite.then_some(Measured {
+        is_finite.then_some(MonitorValue {
             value: sign * linear.value,
             gradient,
         })

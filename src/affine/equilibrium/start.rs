@@ -7,7 +7,7 @@ use crate::affine::system::{System, SystemError};
 use crate::continuation::newton::{self, Settings};
 use crate::linalg::Vector;
 use crate::orbit::Examined;
-use crate::orbit::sign::Verdict;
+use crate::orbit::sign::SignVerdict;
 
 /// Where an equilibrium is looked for.
 #[derive(Clone, Debug, PartialEq)]
@@ -191,5 +191,6 @@ impl EquilibriumCurve {
 /// Whether every guard is positive by more than rounding.
 fn is_told(examination: &EquilibriumExamination) -> bool {
     let mut margins = examination.margins.iter();
-    examination.verdict() == Verdict::Positive && margins.all(|margin| margin.value > margin.error)
+    examination.verdict() == SignVerdict::Positive
+        && margins.all(|margin| margin.value > margin.error)
 }

@@ -10,7 +10,7 @@ use crate::affine::flow::{Expansion, FlowPiece, MOST_PIECES, ModeFlow};
 use crate::affine::mode::{Guard, Row};
 use crate::linalg::{Vector, product};
 use crate::orbit::located::AT_ZERO;
-use crate::orbit::sign::Verdict;
+use crate::orbit::sign::SignVerdict;
 use crate::orbit::{Examined, Growth};
 
 /// What an examination found.
@@ -19,7 +19,7 @@ pub struct Examination {
     /// All margins, in the order of the zones.
     pub margins: Vec<Margin>,
     /// Whether every inequality holds everywhere.
-    pub verdict: Verdict,
+    pub verdict: SignVerdict,
     /// Least and largest value of every state.
     pub extremes: Vec<(f64, f64)>,
     /// ẋ at the first entry, in units of the states.
@@ -34,7 +34,7 @@ pub struct Examination {
 
 impl Examination {
     /// Takes the sign of one more inequality into account.
-    fn judge(&mut self, one: Verdict) {
+    fn judge(&mut self, one: SignVerdict) {
         self.verdict = self.verdict.and(one);
     }
 }
@@ -46,7 +46,7 @@ impl Examined for Examination {
         &self.margins
     }
 
-    fn verdict(&self) -> Verdict {
+    fn verdict(&self) -> SignVerdict {
         self.verdict
     }
 
@@ -270,7 +270,7 @@ impl OrbitAt<'_> {
         let parts = self.all_parts()?;
         let mut examination = Examination {
             margins: Vec::new(),
-            verdict: Verdict::Positive,
+            verdict: SignVerdict::Positive,
             extremes: self.extremes_of_ends(&passages, &parts),
             rate: self.first_rate(&passages[0]),
             tests: Vec::new(),
@@ -347,8 +347,8 @@ impl OrbitAt<'_> {
             let margin = self.edge(watch, zone, passage);
             let is_positive = margin.as_ref().is_some_and(|margin| margin.value > 0.0);
             examination.judge(match is_positive {
-                true => Verdict::Positive,
-                false => Verdict::Negative,
+                true => SignVerdict::Positive,
+                false => SignVerdict::Negative,
             });
             examination.margins.extend(margin);
         }

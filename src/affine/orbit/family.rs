@@ -5,7 +5,7 @@ use super::layout::AffineOrbit;
 use super::{Margin, OrbitStop};
 use crate::continuation::newton::{self, Fixed, Settings};
 use crate::linalg::Vector;
-use crate::orbit::sign::Verdict;
+use crate::orbit::sign::SignVerdict;
 use crate::orbit::{Examined as _, Orbit as _};
 
 /// How far beside the member of the branch another one is looked at, in units of the states: far above what an event is
@@ -24,7 +24,7 @@ impl AffineOrbit {
             let moved = |by: f64| self.member(point, *state, by * units[*state]);
             [BESIDE, -BESIDE]
                 .into_iter()
-                .any(|by| moved(by).is_some_and(|verdict| verdict == Verdict::Positive))
+                .any(|by| moved(by).is_some_and(|verdict| verdict == SignVerdict::Positive))
         };
         let names = &self.setting.system.source.states;
         let states: Vec<String> = (0..names.len())
@@ -38,7 +38,7 @@ impl AffineOrbit {
     }
 
     /// Whether the orbit of the family is admissible that keeps another value of a state, at the same parameter.
-    fn member(&self, point: &Vector, state: usize, by: f64) -> Option<Verdict> {
+    fn member(&self, point: &Vector, state: usize, by: f64) -> Option<SignVerdict> {
         let mut kept = self.sequence.kept().to_vec();
         *kept.get_mut(state)? += by;
         let sequence = self.sequence.clone().keeping(&kept);

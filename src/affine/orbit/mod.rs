@@ -60,7 +60,7 @@ use crate::continuation::locate::Place;
 use crate::continuation::newton;
 use crate::continuation::walk::Segment;
 use crate::linalg::{Matrix, Vector};
-use crate::orbit::monitor::Measured;
+use crate::orbit::monitor::MonitorValue;
 use crate::orbit::{Candidate, EventType, Examined, Limit, Orbit, Shrinking};
 
 pub use bifurcation::SlidingBifurcation;
@@ -493,7 +493,11 @@ impl Orbit for AffineOrbit {
         })
     }
 
-    fn measured(&self, monitor: usize, point: &Vector) -> Result<Option<Measured>, OrbitFailure> {
+    fn measured(
+        &self,
+        monitor: usize,
+        point: &Vector,
+    ) -> Result<Option<MonitorValue>, OrbitFailure> {
         AffineOrbit::measured(self, monitor, point)
     }
 

@@ -22,7 +22,7 @@ use crate::affine::monitor::MonitorSource;
 use crate::affine::series::Field;
 use crate::affine::stiff::STIFF;
 use crate::linalg::Vector;
-use crate::orbit::monitor::Measured;
+use crate::orbit::monitor::MonitorValue;
 
 /// An orbit with the system in which its monitors are laid out.
 struct Observer<'a> {
@@ -81,7 +81,7 @@ impl AffineOrbit {
         &self,
         number: usize,
         point: &Vector,
-    ) -> Result<Option<Measured>, OrbitFailure> {
+    ) -> Result<Option<MonitorValue>, OrbitFailure> {
         self.observer(point)?.measured(number)
     }
 
@@ -108,7 +108,7 @@ impl AffineOrbit {
 }
 
 impl Observer<'_> {
-    fn measured(&self, number: usize) -> Result<Option<Measured>, OrbitFailure> {
+    fn measured(&self, number: usize) -> Result<Option<MonitorValue>, OrbitFailure> {
         let orbit = self.at.orbit;
         Ok(match &orbit.setting.system.monitors()[number].source {
             MonitorSource::Max(_) => Some(self.extreme(number, Extreme::Largest)?),
@@ -125,7 +125,7 @@ impl Observer<'_> {
                     let duration = orbit.width() * zone + orbit.states();
                     gradient[duration] -= mean * orbit.setting.scales.time / period;
                 }
-                Some(Measured {
+                Some(MonitorValue {
                     value: mean,
                     gradient,
                 })
@@ -178,8 +178,8 @@ impl Observer<'_> {
     }
 
     /// A monitor of a jet of a zone.
-    fn spread(&self, zone: usize, jet: &Jet) -> Measured {
-        let mut measured = Measured {
+    fn spread(&self, zone: usize, jet: &Jet) -> MonitorValue {
+        let mut measured = MonitorValue {
             value: 0.0,
             gradient: vec![0.0; self.at.orbit.count()],
         };
@@ -187,7 +187,7 @@ impl Observer<'_> {
         measured
     }
 
-    fn add(&self, zone: usize, jet: &Jet, sum: &mut Measured) {
+    fn add(&self, zone: usize, jet: &Jet, sum: &mut MonitorValue) {
         sum.value += jet.value;
         let mut add = |index: usize, by: f64| sum.gradient[index] += by;
         self.at.spread(zone, jet, 1.0, &mut add);
@@ -225,8 +225,8 @@ impl Observer<'_> {
     }
 
     /// The integral of the form of a monitor over the period.
-    fn integral(&self, number: usize) -> Result<Measured, OrbitFailure> {
-        let mut sum = Measured {
+    fn integral(&self, number: usize) -> Result<MonitorValue, OrbitFailure> {
+        let mut sum = MonitorValue {
             value: 0.0,
             gradient: vec![0.0; self.at.orbit.count()],
         };
@@ -284,7 +284,7 @@ impl Observer<'_> {
     }
 
     /// The largest or least value of the form of a monitor.
-    fn extreme(&self, number: usize, which: Extreme) -> Result<Measured, OrbitFailure> {
+    fn extreme(&self, number: usize, which: Extreme) -> Result<MonitorValue, OrbitFailure> {
         let [least, largest] = self.extrema(number)?;
         let (found, sign) = match which {
             Extreme::Largest => (largest, 1.0),

@@ -1,7 +1,7 @@
 //! Signs and turning points of a smooth function over a short piece: by its Taylor coefficients where these fall so
 //! fast that the first of them decide, by its Bernstein polynomial where they do not.
 
-use crate::orbit::sign::{Bernstein, COEFFICIENTS, DEGREE, Verdict};
+use crate::orbit::sign::{Bernstein, COEFFICIENTS, DEGREE, SignVerdict};
 
 /// Steps of Newton's method to a turning point at most: they converge quadratically.
 const STEPS: usize = 12;
@@ -100,13 +100,13 @@ impl<'a> Smooth<'a> {
         at_start: usize,
         at_end: usize,
         falling: &mut bool,
-    ) -> (Verdict, Vec<f64>) {
+    ) -> (SignVerdict, Vec<f64>) {
         let kept = self.kept();
         let mut bernstein = None;
         let verdict = if at_start + at_end == 0 && kept[0] > self.noise() {
             match self.taylor[0] > 0.0 {
-                true => Verdict::Positive,
-                false => Verdict::Negative,
+                true => SignVerdict::Positive,
+                false => SignVerdict::Negative,
             }
         } else {
             bernstein

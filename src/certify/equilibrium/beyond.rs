@@ -7,20 +7,20 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::guard::{Guard, are_one};
+use super::guard::{ProvenGuard, are_one};
 use super::resting::{Resting, are_opposite, formulas};
-use super::system::{Condition, EquilibriumSystem, Near, Posed};
-use super::{Open, place};
+use super::system::{EquilibriumCondition, EquilibriumSystem, NearEquilibrium, PosedEquilibrium};
+use super::{OpenEquilibrium, place};
 use crate::affine::expression::{Algebra, Operation};
 use crate::affine::system::System;
 use crate::certify::krawczyk::LinearEquations;
-use crate::certify::orbit::exact::Exact;
+use crate::certify::orbit::exact::NamePolynomial;
 use crate::interval::Interval;
 
 /// The mode beyond a boundary equilibrium, as it is proven.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Beyond {
+pub struct ModeBeyond {
     /// Its name.
     pub mode: String,
     /// The guard of it that vanishes there.
@@ -31,12 +31,12 @@ pub struct Beyond {
 
 /// A state and the formula that it is equal to wherever another one is zero: of a formula that is ± a state and what
 /// has nothing to do with it.
-fn expressed(system: &System, zero: [usize; 2]) -> Option<(usize, Exact)> {
+fn expressed(system: &System, zero: [usize; 2]) -> Option<(usize, NamePolynomial)> {
     let place = formulas(system, None);
     let whole = place.zero(zero)?;
     let of_state = |state: usize| {
-        let rest = formulas(system, Some((state, Exact::default()))).zero(zero)?;
-        let name = Exact::named(system.source.states.get(state)?.clone());
+        let rest = formulas(system, Some((state, NamePolynomial::default()))).zero(zero)?;
+        let name = NamePolynomial::named(system.source.states.get(state)?.clone());
         let alone = whole.clone().operate(Operation::Minus, rest.clone()).ok()?;
         let formula = if are_opposite(&alone, &name) {
             rest
@@ -73,34 +73,36 @@ fn leads(system: &System, [mode, switch]: [usize; 2], to: usize) -> bool {
 /// Whether the equilibrium of one mode at which a guard is zero is one of another at which a guard of that is zero, by formulas.
 fn is_one_of(
     system: &System,
-    (own, guard): (&Resting, Guard),
-    (beyond, other): (&Resting, Guard),
+    (own, guard): (&Resting, ProvenGuard),
+    (beyond, other): (&Resting, ProvenGuard),
 ) -> bool {
     let holds =
-        |sliding: &Resting, push: Guard, mode: usize, zero: [usize; 2]| match (sliding, push) {
-            (Resting::Sliding(surface), Guard::FirstPush) => {
+        |sliding: &Resting, push: ProvenGuard, mode: usize, zero: [usize; 2]| match (sliding, push)
+        {
+            (Resting::Sliding(surface), ProvenGuard::FirstPush) => {
                 surface.sides[0] == mode && are_one(system, zero, surface.zero)
             }
-            (Resting::Sliding(surface), Guard::SecondPush) => {
+            (Resting::Sliding(surface), ProvenGuard::SecondPush) => {
                 surface.sides[1] == mode && are_one(system, zero, surface.back)
             }
             _ => false,
         };
     match ((own, guard), (beyond, other)) {
-        ((Resting::Mode(mode), Guard::Zero(zero)), (sliding @ Resting::Sliding(_), push))
-        | ((sliding @ Resting::Sliding(_), push), (Resting::Mode(mode), Guard::Zero(zero))) => {
+        ((Resting::Mode(mode), ProvenGuard::Zero(zero)), (sliding @ Resting::Sliding(_), push))
+        | ((sliding @ Resting::Sliding(_), push), (Resting::Mode(mode), ProvenGuard::Zero(zero))) => {
             holds(sliding, push, *mode, zero)
         }
-        ((Resting::Mode(_), Guard::Zero(zero)), (Resting::Mode(to), Guard::Zero(back))) => {
-            leads(system, zero, *to) && rest_alike(system, zero, back) == Some(true)
-        }
+        (
+            (Resting::Mode(_), ProvenGuard::Zero(zero)),
+            (Resting::Mode(to), ProvenGuard::Zero(back)),
+        ) => leads(system, zero, *to) && rest_alike(system, zero, back) == Some(true),
         _ => false,
     }
 }
 
 impl EquilibriumSystem<'_> {
     /// ∂/∂p of a guard along the equilibria of the mode, which have the parameter as their coordinate.
-    fn guard_slope(&self, guard: &Guard, x: &[Interval]) -> Option<Interval> {
+    fn guard_slope(&self, guard: &ProvenGuard, x: &[Interval]) -> Option<Interval> {
         let mut matrix = self.slopes(x)?;
         let last = |row: &mut Vec<Interval>| row.pop().map(|by| -by);
         let side: Vec<Interval> = matrix.iter_mut().map(last).collect::<Option<_>>()?;
@@ -121,25 +123,25 @@ pub fn persists(
     own: &EquilibriumSystem,
     x: &[Interval],
     (mode, guard): (&str, usize),
-) -> Result<bool, Open> {
-    let Condition::Boundary { guard: vanishing } = own.condition else {
-        return Err(Open::System);
+) -> Result<bool, OpenEquilibrium> {
+    let EquilibriumCondition::Boundary { guard: vanishing } = own.condition else {
+        return Err(OpenEquilibrium::System);
     };
-    let near = Near {
+    let near = NearEquilibrium {
         mode: mode.to_owned(),
         ..own.near.clone()
     };
-    let condition = Condition::Boundary { guard };
+    let condition = EquilibriumCondition::Boundary { guard };
     let (other, _) = EquilibriumSystem::new(own.posed, &near, &condition)?;
     let (own_guard, other_guard) = (own.guards[*vanishing], other.guards[guard]);
     let of_own = (&own.resting, own_guard);
     if !is_one_of(own.system, of_own, (&other.resting, other_guard)) {
-        return Err(Open::Beyond);
+        return Err(OpenEquilibrium::Beyond);
     }
     let share = match other_guard {
-        Guard::FirstPush => Some(Interval::ZERO),
-        Guard::SecondPush => Some(Interval::ONE),
-        Guard::Zero(_) => None,
+        ProvenGuard::FirstPush => Some(Interval::ZERO),
+        ProvenGuard::SecondPush => Some(Interval::ONE),
+        ProvenGuard::Zero(_) => None,
     };
     let states = x[..own.states()].iter().copied();
     let there = states.chain(share).chain([x[own.parameter()]]);
@@ -148,23 +150,28 @@ pub fn persists(
     let slopes = own
         .guard_slope(&own_guard, x)
         .zip(other.guard_slope(&other_guard, &there));
-    let (one, two) = slopes.ok_or(Open::NotEnclosed)?;
+    let (one, two) = slopes.ok_or(OpenEquilibrium::NotEnclosed)?;
     let product = one * two;
     match (product.is_negative(), product.is_positive()) {
         (true, _) => Ok(true),
         (_, true) => Ok(false),
-        _ => Err(Open::Beyond),
+        _ => Err(OpenEquilibrium::Beyond),
     }
 }
 
 /// The mode of a name beyond a boundary equilibrium, by whatever guard of it is zero there; `None` where that is not proven.
-pub fn found(posed: &Posed, near: &Near, condition: &Condition, mode: &str) -> Option<Beyond> {
+pub fn found(
+    posed: &PosedEquilibrium,
+    near: &NearEquilibrium,
+    condition: &EquilibriumCondition,
+    mode: &str,
+) -> Option<ModeBeyond> {
     let (system, _, zero) = super::enclosed(posed, near, condition).ok()?;
     let resting = Resting::new(system.system, mode).ok()?;
     let guards = super::guard::guards(system.system, &resting).len();
     (0..guards).find_map(|guard| {
         let persists = persists(&system, &zero.at, (mode, guard)).ok()?;
-        Some(Beyond {
+        Some(ModeBeyond {
             mode: mode.to_owned(),
             guard,
             persists,

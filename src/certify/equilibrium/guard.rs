@@ -6,7 +6,7 @@ use crate::affine::system::System;
 
 /// What is positive at an equilibrium of a mode.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Guard {
+pub enum ProvenGuard {
     /// λ of a sliding mode: the field of its first mode pushes to the surface.
     FirstPush,
     /// 1 − λ: that of its second mode does.
@@ -15,7 +15,7 @@ pub enum Guard {
     Zero([usize; 2]),
 }
 
-impl Guard {
+impl ProvenGuard {
     /// In words, as the messages of a run have it.
     pub fn name(self, system: &System, resting: &Resting) -> String {
         let push = |side: usize| match resting {
@@ -25,9 +25,9 @@ impl Guard {
             Resting::Mode(_) => String::new(),
         };
         match self {
-            Guard::FirstPush => push(0),
-            Guard::SecondPush => push(1),
-            Guard::Zero([mode, switch]) => {
+            ProvenGuard::FirstPush => push(0),
+            ProvenGuard::SecondPush => push(1),
+            ProvenGuard::Zero([mode, switch]) => {
                 let known = system.source.modes.0.get(mode);
                 let known = known.and_then(|(_, mode)| mode.until.get(switch));
                 format!("`{}`", known.map_or("", |switch| switch.zero.as_str()))
@@ -51,12 +51,12 @@ pub fn switches(system: &System, resting: &Resting) -> Vec<[usize; 2]> {
 
 /// The guards of a mode, those of one formula once. A sliding mode has, beside the pushes that hold it, those of the modes on its sides
 /// but its surface.
-pub fn guards(system: &System, resting: &Resting) -> Vec<Guard> {
+pub fn guards(system: &System, resting: &Resting) -> Vec<ProvenGuard> {
     let place = formulas(system, None);
     let (mut found, surface) = match resting {
         Resting::Mode(_) => (Vec::new(), None),
         Resting::Sliding(surface) => (
-            vec![Guard::FirstPush, Guard::SecondPush],
+            vec![ProvenGuard::FirstPush, ProvenGuard::SecondPush],
             place.zero(surface.zero),
         ),
     };
@@ -71,7 +71,7 @@ pub fn guards(system: &System, resting: &Resting) -> Vec<Guard> {
         let is_known = |one: &_| minus.as_ref().is_some_and(|minus| are_opposite(one, minus));
         if !known.iter().any(is_known) {
             known.extend(formula);
-            found.push(Guard::Zero(at));
+            found.push(ProvenGuard::Zero(at));
         }
     }
     found

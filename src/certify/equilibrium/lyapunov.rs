@@ -22,7 +22,7 @@ use crate::interval::{Gradient, Interval, Number};
 /// The first Lyapunov coefficient.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub enum Lyapunov {
+pub enum ProvenLyapunov {
     /// It lies in here.
     Within(Interval),
     /// The rates are affine, so that it is zero: all cycles around the equilibrium belong to this value of the parameter.
@@ -68,13 +68,13 @@ fn solved(matrix: &[Rows; 2], [re, im]: Complexes) -> Option<Complexes> {
 }
 
 /// The equations of an equilibrium next to it.
-struct Curvature<'a, 'b> {
+struct LocalEquations<'a, 'b> {
     system: &'b EquilibriumSystem<'a>,
     state: &'b [Interval],
     parameter: Interval,
 }
 
-impl Curvature<'_, '_> {
+impl LocalEquations<'_, '_> {
     /// B(v, w) of real vectors.
     fn second(&self, v: &[Interval], w: &[Interval]) -> Option<Vec<Interval>> {
         let zero = Interval::ZERO;
@@ -147,11 +147,11 @@ impl EquilibriumSystem<'_> {
     }
 
     /// The coefficient of a Hopf point; `None` where it is not enclosed, or zero for a reason that is not told.
-    pub fn lyapunov(&self, x: &[Interval]) -> Option<Lyapunov> {
+    pub fn lyapunov(&self, x: &[Interval]) -> Option<ProvenLyapunov> {
         if let Resting::Mode(mode) = self.resting
             && is_affine(self.system, mode)
         {
-            return Some(Lyapunov::Vertical);
+            return Some(ProvenLyapunov::Vertical);
         }
         let (n, omega) = (self.size, *x.last()?);
         let zero = Interval::ZERO;
@@ -160,7 +160,7 @@ impl EquilibriumSystem<'_> {
         let q: Complexes = [a.to_vec(), b.to_vec()];
         let conjugate: Complexes = [a.to_vec(), b.iter().map(|b| -*b).collect()];
         let p = self.adjoint(&slopes, omega, &q)?;
-        let at = Curvature {
+        let at = LocalEquations {
             system: self,
             state: &x[..n],
             parameter: x[self.parameter()],
@@ -186,6 +186,6 @@ impl EquilibriumSystem<'_> {
         let length = square(&a[..self.states()]) + square(&b[..self.states()]);
         let found = terms / (Interval::point(2.0) * omega * length);
         let known = found.is_finite() && found != zero;
-        known.then_some(Lyapunov::Within(found))
+        known.then_some(ProvenLyapunov::Within(found))
     }
 }

@@ -23,15 +23,15 @@ mod system;
 
 use serde::{Deserialize, Serialize};
 
-pub use beyond::Beyond;
-pub use lyapunov::Lyapunov;
-pub use open::Open;
+pub use beyond::ModeBeyond;
+pub use lyapunov::ProvenLyapunov;
+pub use open::OpenEquilibrium;
 #[cfg(feature = "cli")]
-pub(crate) use requested::Requested;
-pub use system::{Condition, Near, Posed};
+pub(crate) use requested::RequestedEquilibria;
+pub use system::{EquilibriumCondition, NearEquilibrium, PosedEquilibrium};
 
 use super::arc::Broken;
-use super::certificate::{Point, Provable, Refused, Tally};
+use super::certificate::{CertifiedPoint, GrowthTally, Provable, RefusedProof};
 use super::orbit::decimals;
 use super::{krawczyk, wider};
 use crate::affine::equilibrium::{EquilibriumBifurcation, EquilibriumCurve};
@@ -41,7 +41,7 @@ use crate::interval::Interval;
 use crate::orbit::special::Special;
 use crate::orbit::{EventType, Orbit};
 use crate::problem::decimal_of;
-use guard::Guard;
+use guard::ProvenGuard;
 use system::EquilibriumSystem;
 
 /// Stated intervals are wider than proven by this share of their unit, 2⁻⁶⁰, which is less than a rounding of it.
@@ -53,7 +53,7 @@ type Rows = Vec<Vec<Interval>>;
 /// What is proven of a point.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Statement {
+pub struct EquilibriumStatement {
     /// The continuation parameter lies in here.
     pub parameter: Interval,
     /// The states.
@@ -68,7 +68,7 @@ pub struct Statement {
     pub omega: Option<Interval>,
     /// The first Lyapunov coefficient there, where it is enclosed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub lyapunov: Option<Lyapunov>,
+    pub lyapunov: Option<ProvenLyapunov>,
     /// Eigenvalues with a positive real part, where no other than the critical ones has the real part zero and that is proven.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub growing: Option<usize>,
@@ -77,33 +77,37 @@ pub struct Statement {
 /// A statement, and what it takes to check it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Proof {
+pub struct EquilibriumProof {
     /// The system and its equations.
-    pub posed: Posed,
+    pub posed: PosedEquilibrium,
     /// What singles out the point.
-    pub condition: Condition,
+    pub condition: EquilibriumCondition,
     /// The equilibrium in doubles.
-    pub near: Near,
+    pub near: NearEquilibrium,
     /// The mode beyond a boundary equilibrium, where that is proven.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub beyond: Option<Beyond>,
+    pub beyond: Option<ModeBeyond>,
     /// What is proven.
-    pub statement: Statement,
+    pub statement: EquilibriumStatement,
 }
 
-impl Provable for Proof {
+impl Provable for EquilibriumProof {
     type Parameter = String;
-    type Unproven = Open;
-    type Beyond = Open;
+    type Unproven = OpenEquilibrium;
+    type Beyond = OpenEquilibrium;
 
-    fn arc(_: &Proof, _: &Proof) -> Result<(), Broken<Open, Open>> {
-        Err(Broken::Beyond(Open::Arcs))
+    fn arc(
+        _: &EquilibriumProof,
+        _: &EquilibriumProof,
+    ) -> Result<(), Broken<OpenEquilibrium, OpenEquilibrium>> {
+        Err(Broken::Beyond(OpenEquilibrium::Arcs))
     }
 
-    fn is_event_of(&self, other: &Proof) -> bool {
+    fn is_event_of(&self, other: &EquilibriumProof) -> bool {
         let meet = |a: Interval, b: Interval| !a.intersection(b).is_empty();
         let (first, second) = (&self.statement, &other.statement);
-        let is_value = |proof: &Proof| matches!(proof.condition, Condition::Value(_));
+        let is_value =
+            |proof: &EquilibriumProof| matches!(proof.condition, EquilibriumCondition::Value(_));
         let mut states = first.states.iter().zip(&second.states);
         let frequencies = first.omega.zip(second.omega);
         !is_value(self)
@@ -113,8 +117,8 @@ impl Provable for Proof {
             && frequencies.is_none_or(|(a, b)| meet(a, b))
     }
 
-    fn tally(_: &Point<Proof>) -> Tally {
-        Tally::Unknown
+    fn tally(_: &CertifiedPoint<EquilibriumProof>) -> GrowthTally {
+        GrowthTally::Unknown
     }
 
     fn take_system(&mut self) -> Option<System> {
@@ -126,10 +130,10 @@ impl Provable for Proof {
     }
 }
 
-impl Proof {
+impl EquilibriumProof {
     /// In words, the guard that vanishes at a boundary equilibrium.
     pub fn vanishing(&self, system: &System) -> Option<String> {
-        let Condition::Boundary { guard } = self.condition else {
+        let EquilibriumCondition::Boundary { guard } = self.condition else {
             return None;
         };
         let resting = resting::Resting::new(system, &self.near.mode).ok()?;
@@ -140,12 +144,12 @@ impl Proof {
 
 /// Proves a special point of a branch; `None` for points without an event, and for failures. `text` is that of the
 /// problem file, whose decimals are taken as they are written.
-pub fn certify(item: &EquilibriumItem, text: &str) -> Option<Point<Proof>> {
+pub fn certify(item: &EquilibriumItem, text: &str) -> Option<CertifiedPoint<EquilibriumProof>> {
     let (event, (curve, special)) = (item.event.as_ref()?, item.special.as_ref()?);
     if event.kind == EventType::MX {
         return None;
     }
-    Some(Point {
+    Some(CertifiedPoint {
         label: event.label,
         kind: event.kind,
         parameter: curve.parameter(),
@@ -160,23 +164,23 @@ fn prepared(
     item: &EquilibriumItem,
     (curve, special): (&EquilibriumCurve, &Special<EquilibriumCurve>),
     text: &str,
-) -> Result<Proof, Open> {
+) -> Result<EquilibriumProof, OpenEquilibrium> {
     let setting = &curve.setting;
     let at = setting.parameter;
     let system = setting.system.clone().with_monitors(Vec::new());
     if system.products.is_some() {
-        return Err(Open::Contacts);
+        return Err(OpenEquilibrium::Contacts);
     }
     let names = system.source.parameters.names();
     let values = decimals(names.zip(setting.values.iter().copied()), text);
     let value = item.point.parameters.get(at).copied().unwrap_or(f64::NAN);
-    let near = Near {
+    let near = NearEquilibrium {
         mode: item.point.mode.clone(),
         state: item.point.state.clone(),
         parameter: value,
     };
     let condition = singled_out(&system, &near, (curve, special), text)?;
-    let posed = Posed {
+    let posed = PosedEquilibrium {
         system: Some(system),
         values,
         parameter: at,
@@ -189,42 +193,46 @@ fn prepared(
 /// What singles out a special point.
 fn singled_out(
     system: &System,
-    near: &Near,
+    near: &NearEquilibrium,
     (curve, special): (&EquilibriumCurve, &Special<EquilibriumCurve>),
     text: &str,
-) -> Result<Condition, Open> {
+) -> Result<EquilibriumCondition, OpenEquilibrium> {
     let setting = &curve.setting;
     Ok(match special {
         Special::User(..) | Special::Edge(..) => {
-            Condition::Value(decimal_of(text, "continuation", near.parameter))
+            EquilibriumCondition::Value(decimal_of(text, "continuation", near.parameter))
         }
-        Special::Monitor(..) => return Err(Open::Monitor),
+        Special::Monitor(..) => return Err(OpenEquilibrium::Monitor),
         Special::Start | Special::Closed => {
             let path = format!("system.parameters.{}", curve.parameter());
             // scaled unknowns know it to rounding
-            Condition::Value(decimal_of(text, &path, setting.values[setting.parameter]))
+            EquilibriumCondition::Value(decimal_of(text, &path, setting.values[setting.parameter]))
         }
-        Special::Fold(_) => Condition::Fold,
+        Special::Fold(_) => EquilibriumCondition::Fold,
         Special::Own(EquilibriumBifurcation::Hopf { omega, .. }) => {
-            Condition::Hopf { omega: *omega }
+            EquilibriumCondition::Hopf { omega: *omega }
         }
-        Special::Own(EquilibriumBifurcation::Branching) => return Err(Open::Branching),
+        Special::Own(EquilibriumBifurcation::Branching) => return Err(OpenEquilibrium::Branching),
         Special::Own(
             EquilibriumBifurcation::Several { .. } | EquilibriumBifurcation::Unlocated { .. },
-        ) => return Err(Open::Several),
+        ) => return Err(OpenEquilibrium::Several),
         Special::Change(change) => {
             let resting = resting::Resting::new(system, &near.mode)?;
-            let is_vanishing = |guard: &Guard| match (curve.written_guard(&change.margin), guard) {
-                (None, Guard::FirstPush) => change.margin.guard == 0,
-                (None, Guard::SecondPush) => change.margin.guard == 1,
-                (Some(at), Guard::Zero(own)) => guard::are_one(system, at, *own),
-                _ => false,
-            };
+            let is_vanishing =
+                |guard: &ProvenGuard| match (curve.written_guard(&change.margin), guard) {
+                    (None, ProvenGuard::FirstPush) => change.margin.guard == 0,
+                    (None, ProvenGuard::SecondPush) => change.margin.guard == 1,
+                    (Some(at), ProvenGuard::Zero(own)) => guard::are_one(system, at, *own),
+                    _ => false,
+                };
             let guards = guard::guards(system, &resting);
-            let guard = guards.iter().position(is_vanishing).ok_or(Open::System)?;
-            Condition::Boundary { guard }
+            let guard = guards
+                .iter()
+                .position(is_vanishing)
+                .ok_or(OpenEquilibrium::System)?;
+            EquilibriumCondition::Boundary { guard }
         }
-        Special::Failed(_) => return Err(Open::System),
+        Special::Failed(_) => return Err(OpenEquilibrium::System),
     })
 }
 
@@ -234,19 +242,19 @@ fn singled_out(
 /// # Errors
 /// It is not covered, or not proven.
 pub fn prove(
-    posed: Posed,
-    near: Near,
-    condition: Condition,
+    posed: PosedEquilibrium,
+    near: NearEquilibrium,
+    condition: EquilibriumCondition,
     after: Option<&str>,
-) -> Result<Proof, Open> {
+) -> Result<EquilibriumProof, OpenEquilibrium> {
     let (system, guess) = EquilibriumSystem::new(&posed, &near, &condition)?;
     let equations = |x: &[Interval]| system.evaluate(x);
-    let found = krawczyk::refined(&equations, &guess).ok_or(Open::NotEnclosed)?;
+    let found = krawczyk::refined(&equations, &guess).ok_or(OpenEquilibrium::NotEnclosed)?;
     let (near, condition) = system.refined(&found);
     // from what is stored, as a check does it
     let statement = statement(&posed, &near, &condition, None)?;
     let beyond = after.and_then(|mode| beyond::found(&posed, &near, &condition, mode));
-    Ok(Proof {
+    Ok(EquilibriumProof {
         posed,
         condition,
         near,
@@ -257,38 +265,39 @@ pub fn prove(
 
 /// The equations of the point next to an equilibrium in doubles, their unknowns in doubles, and their zero.
 fn enclosed<'a>(
-    posed: &'a Posed,
-    near: &'a Near,
-    condition: &'a Condition,
-) -> Result<(EquilibriumSystem<'a>, Vec<f64>, krawczyk::Zero), Open> {
+    posed: &'a PosedEquilibrium,
+    near: &'a NearEquilibrium,
+    condition: &'a EquilibriumCondition,
+) -> Result<(EquilibriumSystem<'a>, Vec<f64>, krawczyk::ProvenZero), OpenEquilibrium> {
     /// The equilibrium in doubles is known to this share of its units, or it is not that of the point.
     const KNOWN: f64 = 1e-7;
     let (system, middle) = EquilibriumSystem::new(posed, near, condition)?;
     let units = system.units(&middle);
     let equations = |x: &[Interval]| system.evaluate(x);
-    let zero = krawczyk::known(&equations, &middle, &units, KNOWN).ok_or(Open::NotIsolated)?;
+    let zero =
+        krawczyk::known(&equations, &middle, &units, KNOWN).ok_or(OpenEquilibrium::NotIsolated)?;
     Ok((system, middle, zero))
 }
 
 /// What is proven of the point next to an equilibrium. The distance of uniqueness is looked for, or that of a stored statement, which is
 /// 0 where it does not hold.
 fn statement(
-    posed: &Posed,
-    near: &Near,
-    condition: &Condition,
+    posed: &PosedEquilibrium,
+    near: &NearEquilibrium,
+    condition: &EquilibriumCondition,
     stored: Option<f64>,
-) -> Result<Statement, Open> {
+) -> Result<EquilibriumStatement, OpenEquilibrium> {
     let (system, middle, zero) = enclosed(posed, near, condition)?;
     let units = system.units(&middle);
     let equations = |x: &[Interval]| system.evaluate(x);
     let parameter = system.parameter();
     let omega = match condition {
-        Condition::Hopf { .. } => zero.at.last().copied(),
+        EquilibriumCondition::Hopf { .. } => zero.at.last().copied(),
         _ => None,
     };
     // two real eigenvalues with the sum zero have no ω, and at ω = 0 any multiple of one vector is a pair
     if omega.is_some_and(|omega| !omega.is_positive()) {
-        return Err(Open::Frequency);
+        return Err(OpenEquilibrium::Frequency);
     }
     let inequalities = system.inequalities(&zero.at)?;
     let lyapunov = omega.and_then(|_| system.lyapunov(&zero.at));
@@ -297,9 +306,9 @@ fn statement(
         let room = units[index] * ROOM;
         wider(zero.at[index]) + Interval::new(-room, room)
     };
-    Ok(Statement {
+    Ok(EquilibriumStatement {
         parameter: match condition {
-            Condition::Value(value) => value.interval(),
+            EquilibriumCondition::Value(value) => value.interval(),
             _ => told(parameter),
         },
         states: (0..system.states()).map(told).collect(),
@@ -307,8 +316,8 @@ fn statement(
         inequalities,
         omega: omega.map(wider),
         lyapunov: lyapunov.map(|lyapunov| match lyapunov {
-            Lyapunov::Within(interval) => Lyapunov::Within(wider(interval)),
-            Lyapunov::Vertical => Lyapunov::Vertical,
+            ProvenLyapunov::Within(interval) => ProvenLyapunov::Within(wider(interval)),
+            ProvenLyapunov::Vertical => ProvenLyapunov::Vertical,
         }),
         growing: system.growing(&zero.at),
     })
@@ -317,9 +326,9 @@ fn statement(
 impl EquilibriumSystem<'_> {
     /// Proves that every guard but the one that vanishes is positive; returns how many there are. Of a sliding mode ∇h·(F₊ − F₋) > 0 is
     /// one more.
-    fn inequalities(&self, x: &[Interval]) -> Result<usize, Open> {
+    fn inequalities(&self, x: &[Interval]) -> Result<usize, OpenEquilibrium> {
         let vanishing = match self.condition {
-            Condition::Boundary { guard } => Some(*guard),
+            EquilibriumCondition::Boundary { guard } => Some(*guard),
             _ => None,
         };
         let y: Vec<_> = x[..self.size].iter().map(|x| place::still(*x)).collect();
@@ -328,23 +337,29 @@ impl EquilibriumSystem<'_> {
         let at = self.place(&y[..self.states()], parameter);
         let mut zeros = guard::switches(self.system, &self.resting).into_iter();
         if !zeros.all(|zero| at.zero(zero).is_some()) {
-            return Err(Open::NotEnclosed);
+            return Err(OpenEquilibrium::NotEnclosed);
         }
         let mut proven = 0;
         for (index, guard) in self.guards.iter().enumerate() {
             if vanishing == Some(index) {
                 continue;
             }
-            let value = self.guard(guard, &y, parameter).ok_or(Open::NotEnclosed)?;
+            let value = self
+                .guard(guard, &y, parameter)
+                .ok_or(OpenEquilibrium::NotEnclosed)?;
             if !value.value.is_positive() {
-                return Err(Open::Guard(guard.name(self.system, &self.resting)));
+                return Err(OpenEquilibrium::Guard(
+                    guard.name(self.system, &self.resting),
+                ));
             }
             proven += 1;
         }
         if self.resting.is_sliding() {
-            let [below, above] = self.pushes(x).ok_or(Open::NotEnclosed)?;
+            let [below, above] = self.pushes(x).ok_or(OpenEquilibrium::NotEnclosed)?;
             if !(above - below).is_positive() {
-                return Err(Open::Guard("what holds the sliding mode".to_owned()));
+                return Err(OpenEquilibrium::Guard(
+                    "what holds the sliding mode".to_owned(),
+                ));
             }
             proven += 1;
         }
@@ -353,13 +368,13 @@ impl EquilibriumSystem<'_> {
 }
 
 /// The type of a point by what singles it out; of a value the certificate does not say who asked for it.
-fn kind(condition: &Condition, said: EventType) -> EventType {
+fn kind(condition: &EquilibriumCondition, said: EventType) -> EventType {
     match condition {
-        Condition::Value(_) if said == EventType::EP => EventType::EP,
-        Condition::Value(_) => EventType::UZ,
-        Condition::Fold => EventType::LP,
-        Condition::Hopf { .. } => EventType::HB,
-        Condition::Boundary { .. } => EventType::BE,
+        EquilibriumCondition::Value(_) if said == EventType::EP => EventType::EP,
+        EquilibriumCondition::Value(_) => EventType::UZ,
+        EquilibriumCondition::Fold => EventType::LP,
+        EquilibriumCondition::Hopf { .. } => EventType::HB,
+        EquilibriumCondition::Boundary { .. } => EventType::BE,
     }
 }
 
@@ -367,7 +382,10 @@ fn kind(condition: &Condition, said: EventType) -> EventType {
 ///
 /// # Errors
 /// The proof fails, or it proves something else.
-pub fn verify(point: &Point<Proof>, proof: &Proof) -> Result<(), Refused> {
+pub fn verify(
+    point: &CertifiedPoint<EquilibriumProof>,
+    proof: &EquilibriumProof,
+) -> Result<(), RefusedProof> {
     proven_again(point, proof).map(|_| ())
 }
 
@@ -375,8 +393,11 @@ pub fn verify(point: &Point<Proof>, proof: &Proof) -> Result<(), Refused> {
 ///
 /// # Errors
 /// The proof fails, or it proves something else.
-pub(crate) fn proven_again(point: &Point<Proof>, proof: &Proof) -> Result<Proof, Refused> {
-    let Proof {
+pub(crate) fn proven_again(
+    point: &CertifiedPoint<EquilibriumProof>,
+    proof: &EquilibriumProof,
+) -> Result<EquilibriumProof, RefusedProof> {
+    let EquilibriumProof {
         posed,
         condition,
         near,
@@ -384,23 +405,23 @@ pub(crate) fn proven_again(point: &Point<Proof>, proof: &Proof) -> Result<Proof,
         statement: said,
     } = proof;
     if point.growth.is_some() {
-        return Err(Refused::Statement("what grows"));
+        return Err(RefusedProof::Statement("what grows"));
     }
     if posed.name() != Some(&point.parameter) {
-        return Err(Refused::Statement("the parameter"));
+        return Err(RefusedProof::Statement("the parameter"));
     }
     let (said_kind, found) = (point.kind, kind(condition, point.kind));
     if found != said_kind {
-        return Err(Refused::Kind {
+        return Err(RefusedProof::Kind {
             said: said_kind,
             found,
         });
     }
-    let open = |open: Open| Refused::NoProof(open.to_string());
+    let open = |open: OpenEquilibrium| RefusedProof::NoProof(open.to_string());
     let proven = statement(posed, near, condition, Some(said.unique)).map_err(open)?;
     super::compared("the parameter", said.parameter, proven.parameter)?;
     if said.states.len() != proven.states.len() {
-        return Err(Refused::Statement("the number of states"));
+        return Err(RefusedProof::Statement("the number of states"));
     }
     for (said, proven) in said.states.iter().zip(&proven.states) {
         super::compared("a state", *said, *proven)?;
@@ -408,28 +429,21 @@ pub(crate) fn proven_again(point: &Point<Proof>, proof: &Proof) -> Result<Proof,
     match (said.omega, proven.omega) {
         (Some(said), Some(proven)) => super::compared("ω", said, proven)?,
         (None, None) => {}
-        _ => return Err(Refused::Statement("ω")),
+        _ => return Err(RefusedProof::Statement("ω")),
     }
-    match (said.lyapunov, proven.lyapunov) {
-        (Some(Lyapunov::Within(said)), Some(Lyapunov::Within(proven))) => {
-            super::compared("the first Lyapunov coefficient", said, proven)?;
-        }
-        (None, _) => {}
-        (said, proven) if said == proven => {}
-        _ => return Err(Refused::Statement("the first Lyapunov coefficient")),
-    }
+    compare_lyapunov(said.lyapunov, proven.lyapunov)?;
     super::compared_unique(said.unique, proven.unique)?;
     if said.inequalities != proven.inequalities {
-        return Err(Refused::Statement("the number of inequalities"));
+        return Err(RefusedProof::Statement("the number of inequalities"));
     }
     if said.growing.is_some() && said.growing != proven.growing {
-        return Err(Refused::Statement("the number of growing eigenvalues"));
+        return Err(RefusedProof::Statement("the number of growing eigenvalues"));
     }
     if let Some(said) = beyond {
         let (system, _, zero) = enclosed(posed, near, condition).map_err(open)?;
         let found = beyond::persists(&system, &zero.at, (&said.mode, said.guard)).map_err(open)?;
         if found != said.persists {
-            return Err(Refused::Statement("on which sides equilibria lie"));
+            return Err(RefusedProof::Statement("on which sides equilibria lie"));
         }
     }
     let mut again = proof.clone();
@@ -437,10 +451,25 @@ pub(crate) fn proven_again(point: &Point<Proof>, proof: &Proof) -> Result<Proof,
     statement.parameter = super::narrowed(said.parameter, proven.parameter);
     let frequencies = said.omega.zip(proven.omega);
     statement.omega = frequencies.map(|(said, proven)| super::narrowed(said, proven));
-    if let (Some(Lyapunov::Within(said)), Some(Lyapunov::Within(proven))) =
+    if let (Some(ProvenLyapunov::Within(said)), Some(ProvenLyapunov::Within(proven))) =
         (said.lyapunov, proven.lyapunov)
     {
-        statement.lyapunov = Some(Lyapunov::Within(super::narrowed(said, proven)));
+        statement.lyapunov = Some(ProvenLyapunov::Within(super::narrowed(said, proven)));
     }
     Ok(again)
+}
+
+/// Whether the first Lyapunov coefficient that is proven is the one that is stated, if one is.
+fn compare_lyapunov(
+    said: Option<ProvenLyapunov>,
+    proven: Option<ProvenLyapunov>,
+) -> Result<(), RefusedProof> {
+    match (said, proven) {
+        (Some(ProvenLyapunov::Within(said)), Some(ProvenLyapunov::Within(proven))) => {
+            super::compared("the first Lyapunov coefficient", said, proven)
+        }
+        (None, _) => Ok(()),
+        (said, proven) if said == proven => Ok(()),
+        _ => Err(RefusedProof::Statement("the first Lyapunov coefficient")),
+    }
 }

@@ -2,7 +2,7 @@
 
 /// Why an equilibrium is not proven.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum Open {
+pub enum OpenEquilibrium {
     /// Modes that contacts make.
     #[error("not covered: systems with `contacts`")]
     Contacts,

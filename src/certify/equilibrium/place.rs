@@ -5,7 +5,7 @@ use crate::affine::system::System;
 use crate::interval::{Gradient, Interval, Number};
 
 /// What the names of a system stand for.
-pub struct Place<'a, A> {
+pub struct NameValues<'a, A> {
     system: &'a System,
     states: Vec<A>,
     parameters: Vec<A>,
@@ -14,10 +14,10 @@ pub struct Place<'a, A> {
     abbreviations: Vec<Option<A>>,
 }
 
-impl<'a, A: Algebra> Place<'a, A> {
+impl<'a, A: Algebra> NameValues<'a, A> {
     /// Where states, parameters and π are these.
-    pub fn new(system: &'a System, states: Vec<A>, parameters: Vec<A>, pi: A) -> Place<'a, A> {
-        let mut place = Place {
+    pub fn new(system: &'a System, states: Vec<A>, parameters: Vec<A>, pi: A) -> NameValues<'a, A> {
+        let mut place = NameValues {
             system,
             states,
             parameters,
@@ -104,7 +104,7 @@ impl Algebra for Dependence {
 pub fn is_affine(system: &System, mode: usize) -> bool {
     let states = vec![Dependence::Affine; system.source.states.len()];
     let parameters = vec![Dependence::Fixed; system.source.parameters.0.len()];
-    let place = Place::new(system, states, parameters, Dependence::Fixed);
+    let place = NameValues::new(system, states, parameters, Dependence::Fixed);
     let rates = place
         .rates(mode)
         .unwrap_or_else(|| vec![Dependence::Beyond]);

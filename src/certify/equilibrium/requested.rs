@@ -1,21 +1,21 @@
 //! What a problem file says of the statements on its branch of equilibria.
 
-use super::{Condition, Proof, Refused};
-use crate::certify::Point;
+use super::{EquilibriumCondition, EquilibriumProof, RefusedProof};
+use crate::certify::CertifiedPoint;
 use crate::certify::requested_system::RequestedSystem;
 use crate::problem::{EquilibriumStart, SystemProblem};
 
 /// What the branch of a problem file is about.
-pub(crate) struct Requested(RequestedSystem);
+pub(crate) struct RequestedEquilibria(RequestedSystem);
 
-impl Requested {
+impl RequestedEquilibria {
     /// Of a problem with its text; `None` where no branch of equilibria is followed.
-    pub(crate) fn new(problem: &SystemProblem, text: &str) -> Option<Requested> {
+    pub(crate) fn new(problem: &SystemProblem, text: &str) -> Option<RequestedEquilibria> {
         let restarted = match problem.equilibrium.as_ref()?.start {
             EquilibriumStart::Given { .. } | EquilibriumStart::Steady { .. } => false,
             EquilibriumStart::Restart { .. } | EquilibriumStart::Switch { .. } => true,
         };
-        RequestedSystem::new(problem, text, restarted).map(Requested)
+        RequestedSystem::new(problem, text, restarted).map(RequestedEquilibria)
     }
 
     /// Whether the units in which uniqueness is measured are the same at all points, and not smaller than half the equilibrium
@@ -23,23 +23,26 @@ impl Requested {
     ///
     /// # Errors
     /// They are others.
-    pub(crate) fn check_units(&self, points: &[Point<Proof>]) -> Result<(), Refused> {
-        let mut proofs = points.iter().filter_map(Point::proof);
+    pub(crate) fn check_units(
+        &self,
+        points: &[CertifiedPoint<EquilibriumProof>],
+    ) -> Result<(), RefusedProof> {
+        let mut proofs = points.iter().filter_map(CertifiedPoint::proof);
         let Some(first) = proofs.next() else {
             return Ok(());
         };
         let units = &first.posed.units;
         let alike = proofs.all(|proof| proof.posed.units == *units);
         let is_first = match &first.condition {
-            Condition::Value(value) => {
-                points.first().is_some_and(Point::is_proven) && self.0.begins(value)
+            EquilibriumCondition::Value(value) => {
+                points.first().is_some_and(CertifiedPoint::is_proven) && self.0.begins(value)
             }
             _ => false,
         };
         let mut states = first.near.state.iter().zip(units);
         match alike && (!is_first || states.all(|(x, unit)| x.abs() <= 2.0 * unit)) {
             true => Ok(()),
-            false => Err(Refused::Problem("the unit of a state")),
+            false => Err(RefusedProof::Problem("the unit of a state")),
         }
     }
 
@@ -47,13 +50,17 @@ impl Requested {
     ///
     /// # Errors
     /// Its equations, or the value of its parameter, are not those of the problem.
-    pub(crate) fn check(&self, point: &Point<Proof>, proof: &Proof) -> Result<(), Refused> {
+    pub(crate) fn check(
+        &self,
+        point: &CertifiedPoint<EquilibriumProof>,
+        proof: &EquilibriumProof,
+    ) -> Result<(), RefusedProof> {
         let posed = &proof.posed;
         let unit = posed.units.last().copied().unwrap_or(f64::NAN);
         let of = (posed.parameter, unit);
         self.0.check(posed.system.as_ref(), &posed.values, of)?;
         let value = match &proof.condition {
-            Condition::Value(value) => Some(value),
+            EquilibriumCondition::Value(value) => Some(value),
             _ => None,
         };
         self.0.check_value(point.kind, value)

@@ -1,10 +1,10 @@
 //! The mode that an equilibrium is one of.
 
-use super::Open;
-use super::place::Place;
+use super::OpenEquilibrium;
+use super::place::NameValues;
 use crate::affine::expression::{Algebra, Operation};
 use crate::affine::system::System;
-use crate::certify::orbit::exact::Exact;
+use crate::certify::orbit::exact::NamePolynomial;
 
 /// The mode that an equilibrium is one of.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -12,12 +12,12 @@ pub enum Resting {
     /// One of the file.
     Mode(usize),
     /// A sliding mode.
-    Sliding(Surface),
+    Sliding(SlidingSurface),
 }
 
 /// The surface of a sliding mode.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Surface {
+pub struct SlidingSurface {
     /// The modes on its two sides.
     pub sides: [usize; 2],
     /// The switch of the first whose `zero` is its form h, positive in the first, as mode and index.
@@ -27,19 +27,22 @@ pub struct Surface {
 }
 
 /// The names of a system as formulas, but for a state that stands for another.
-pub fn formulas(system: &System, replaced: Option<(usize, Exact)>) -> Place<'_, Exact> {
-    let named = |name: &str| Exact::named(name.to_owned());
+pub fn formulas(
+    system: &System,
+    replaced: Option<(usize, NamePolynomial)>,
+) -> NameValues<'_, NamePolynomial> {
+    let named = |name: &str| NamePolynomial::named(name.to_owned());
     let states = system.source.states.iter().map(|name| named(name));
-    let mut states: Vec<Exact> = states.collect();
+    let mut states: Vec<NamePolynomial> = states.collect();
     if let Some((state, formula)) = replaced {
         states[state] = formula;
     }
     let parameters = system.source.parameters.names().map(named).collect();
-    Place::new(system, states, parameters, named("pi"))
+    NameValues::new(system, states, parameters, named("pi"))
 }
 
 /// Whether two formulas add up to zero.
-pub fn are_opposite(one: &Exact, other: &Exact) -> bool {
+pub fn are_opposite(one: &NamePolynomial, other: &NamePolynomial) -> bool {
     let sum = one.clone().operate(Operation::Plus, other.clone());
     sum.is_ok_and(|sum| sum.is_zero())
 }
@@ -49,12 +52,12 @@ impl Resting {
     ///
     /// # Errors
     /// There is none, or its surface is not known.
-    pub fn new(system: &System, name: &str) -> Result<Resting, Open> {
-        let mode = system.mode(name).ok_or(Open::System)?;
+    pub fn new(system: &System, name: &str) -> Result<Resting, OpenEquilibrium> {
+        let mode = system.mode(name).ok_or(OpenEquilibrium::System)?;
         let Some(index) = mode.checked_sub(system.modes.len()) else {
             return Ok(Resting::Mode(mode));
         };
-        let sides = *system.sliding.get(index).ok_or(Open::System)?;
+        let sides = *system.sliding.get(index).ok_or(OpenEquilibrium::System)?;
         let place = formulas(system, None);
         let leading = |from: usize, to: usize| {
             let switches = system.modes[from].switches.iter().enumerate();
@@ -68,8 +71,8 @@ impl Resting {
             let both = place.zero(*zero).zip(place.zero(*back));
             both.is_some_and(|(zero, back)| are_opposite(&zero, &back))
         };
-        let (zero, back) = pairs.find(is_surface).ok_or(Open::Sliding)?;
-        Ok(Resting::Sliding(Surface { sides, zero, back }))
+        let (zero, back) = pairs.find(is_surface).ok_or(OpenEquilibrium::Sliding)?;
+        Ok(Resting::Sliding(SlidingSurface { sides, zero, back }))
     }
 
     /// Whether it is a sliding mode.

@@ -10,7 +10,7 @@
 use nalgebra::Complex;
 
 use super::Rows;
-use super::system::{Condition, EquilibriumSystem};
+use super::system::{EquilibriumCondition, EquilibriumSystem};
 use crate::certify::orbit::flow::{dot, product, sum};
 use crate::certify::orbit::multipliers::{self, Complexes, negative, part};
 use crate::interval::Interval;
@@ -139,9 +139,9 @@ impl EquilibriumSystem<'_> {
     pub fn growing(&self, x: &[Interval]) -> Option<usize> {
         let states = self.states();
         let critical = match self.condition {
-            Condition::Value(_) | Condition::Boundary { .. } => 0,
-            Condition::Fold => 1,
-            Condition::Hopf { .. } => 2,
+            EquilibriumCondition::Value(_) | EquilibriumCondition::Boundary { .. } => 0,
+            EquilibriumCondition::Fold => 1,
+            EquilibriumCondition::Hopf { .. } => 2,
         };
         let vectors = (0..critical).map(|which| self.vector(x, which)[..states].to_vec());
         let vectors: Rows = vectors.collect();

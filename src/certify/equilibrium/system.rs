@@ -19,10 +19,10 @@
 use nalgebra::{Complex, DMatrix};
 use serde::{Deserialize, Serialize};
 
-use super::guard::{Guard, guards};
-use super::place::Place;
+use super::guard::{ProvenGuard, guards};
+use super::place::NameValues;
 use super::resting::Resting;
-use super::{Open, Rows};
+use super::{OpenEquilibrium, Rows};
 use crate::affine::system::System;
 use crate::certify::analytic::Analytic;
 use crate::certify::equations::Evaluated;
@@ -32,7 +32,7 @@ use crate::linalg::{self, Matrix};
 /// What is asked.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Posed {
+pub struct PosedEquilibrium {
     /// The system as it is written; of the values of its parameters those below count. In a certificate it stands once, for all
     /// points.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -45,13 +45,13 @@ pub struct Posed {
     pub units: Vec<f64>,
 }
 
-impl Posed {
+impl PosedEquilibrium {
     /// The system.
     ///
     /// # Errors
     /// There is none.
-    pub fn system(&self) -> Result<&System, Open> {
-        self.system.as_ref().ok_or(Open::System)
+    pub fn system(&self) -> Result<&System, OpenEquilibrium> {
+        self.system.as_ref().ok_or(OpenEquilibrium::System)
     }
 
     /// Name of the continuation parameter.
@@ -64,7 +64,7 @@ impl Posed {
 /// An equilibrium in doubles.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Near {
+pub struct NearEquilibrium {
     /// Name of its mode.
     pub mode: String,
     /// The states.
@@ -76,7 +76,7 @@ pub struct Near {
 /// What singles out a point.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub enum Condition {
+pub enum EquilibriumCondition {
     /// The parameter has this value.
     Value(Decimal),
     /// The parameter is stationary.
@@ -101,13 +101,13 @@ type Seeded = Gradient<Interval, SEEDS>;
 
 /// The equations of a point.
 pub struct EquilibriumSystem<'a> {
-    pub posed: &'a Posed,
+    pub posed: &'a PosedEquilibrium,
     pub system: &'a System,
-    pub near: &'a Near,
-    pub condition: &'a Condition,
+    pub near: &'a NearEquilibrium,
+    pub condition: &'a EquilibriumCondition,
     pub resting: Resting,
     /// What is positive at an equilibrium of the mode.
-    pub guards: Vec<Guard>,
+    pub guards: Vec<ProvenGuard>,
     /// Length of y.
     pub size: usize,
     /// ℓ.
@@ -117,13 +117,13 @@ pub struct EquilibriumSystem<'a> {
 impl<'a> EquilibriumSystem<'a> {
     /// The equations, and their unknowns in doubles.
     pub fn new(
-        posed: &'a Posed,
-        near: &'a Near,
-        condition: &'a Condition,
-    ) -> Result<(EquilibriumSystem<'a>, Vec<f64>), Open> {
+        posed: &'a PosedEquilibrium,
+        near: &'a NearEquilibrium,
+        condition: &'a EquilibriumCondition,
+    ) -> Result<(EquilibriumSystem<'a>, Vec<f64>), OpenEquilibrium> {
         let system = posed.system()?;
         if system.products.is_some() {
-            return Err(Open::Contacts);
+            return Err(OpenEquilibrium::Contacts);
         }
         let states = system.source.states.len();
         let usable = |unit: &f64| unit.is_finite() && *unit > 0.0;
@@ -136,7 +136,7 @@ impl<'a> EquilibriumSystem<'a> {
             && posed.units.len() == states + 1
             && posed.units.iter().all(usable);
         if !fits {
-            return Err(Open::System);
+            return Err(OpenEquilibrium::System);
         }
         let resting = Resting::new(system, &near.mode)?;
         let mut equations = EquilibriumSystem {
@@ -150,21 +150,23 @@ impl<'a> EquilibriumSystem<'a> {
             normal: Vec::new(),
         };
         match condition {
-            Condition::Boundary { guard } if *guard >= equations.guards.len() => {
-                return Err(Open::System);
+            EquilibriumCondition::Boundary { guard } if *guard >= equations.guards.len() => {
+                return Err(OpenEquilibrium::System);
             }
-            Condition::Hopf { omega } if !(omega.is_finite() && *omega > 0.0) => {
-                return Err(Open::Frequency);
+            EquilibriumCondition::Hopf { omega } if !(omega.is_finite() && *omega > 0.0) => {
+                return Err(OpenEquilibrium::Frequency);
             }
             _ => {}
         }
         let mut guess = near.state.clone();
         if equations.resting.is_sliding() {
-            let share = equations.share().ok_or(Open::NotEnclosed)?;
+            let share = equations.share().ok_or(OpenEquilibrium::NotEnclosed)?;
             guess.push(share);
         }
         guess.push(near.parameter);
-        let critical = equations.critical(&guess).ok_or(Open::NotEnclosed)?;
+        let critical = equations
+            .critical(&guess)
+            .ok_or(OpenEquilibrium::NotEnclosed)?;
         guess.extend(critical);
         Ok((equations, guess))
     }
@@ -184,14 +186,14 @@ impl<'a> EquilibriumSystem<'a> {
         &self,
         states: &[Gradient<N, D>],
         parameter: Gradient<N, D>,
-    ) -> Place<'a, Gradient<N, D>> {
+    ) -> NameValues<'a, Gradient<N, D>> {
         let values = self.posed.values.iter().enumerate();
         let values = values.map(|(index, value)| match index == self.posed.parameter {
             true => parameter,
             false => Gradient::constant(value.interval()),
         });
         let pi = Gradient::constant(PI);
-        Place::new(self.system, states.to_vec(), values.collect(), pi)
+        NameValues::new(self.system, states.to_vec(), values.collect(), pi)
     }
 
     /// E(y, p).
@@ -219,15 +221,15 @@ impl<'a> EquilibriumSystem<'a> {
     /// The value of a guard.
     pub fn guard<N: Analytic, const D: usize>(
         &self,
-        guard: &Guard,
+        guard: &ProvenGuard,
         y: &[Gradient<N, D>],
         parameter: Gradient<N, D>,
     ) -> Option<Gradient<N, D>> {
         let states = self.states();
         match guard {
-            Guard::FirstPush => Some(y[states]),
-            Guard::SecondPush => Some(Gradient::double(1.0) - y[states]),
-            Guard::Zero(at) => self.place(&y[..states], parameter).zero(*at),
+            ProvenGuard::FirstPush => Some(y[states]),
+            ProvenGuard::SecondPush => Some(Gradient::double(1.0) - y[states]),
+            ProvenGuard::Zero(at) => self.place(&y[..states], parameter).zero(*at),
         }
     }
 
@@ -318,9 +320,11 @@ impl<'a> EquilibriumSystem<'a> {
     /// What follows the parameter among the unknowns, in doubles, with ℓ.
     fn critical(&mut self, guess: &[f64]) -> Option<Vec<f64>> {
         let omega = match self.condition {
-            Condition::Value(_) | Condition::Boundary { .. } => return Some(Vec::new()),
-            Condition::Fold => 0.0,
-            Condition::Hopf { omega } => *omega,
+            EquilibriumCondition::Value(_) | EquilibriumCondition::Boundary { .. } => {
+                return Some(Vec::new());
+            }
+            EquilibriumCondition::Fold => 0.0,
+            EquilibriumCondition::Hopf { omega } => *omega,
         };
         let points: Vec<Interval> = guess.iter().map(|x| Interval::point(*x)).collect();
         let matrix = self.matrix(&points)?;
@@ -338,7 +342,7 @@ impl<'a> EquilibriumSystem<'a> {
             false => 0.0,
         };
         let vector: Vec<Complex<f64>> = match self.condition {
-            Condition::Fold => {
+            EquilibriumCondition::Fold => {
                 let right = linalg::least(&scaled)?.right;
                 right.iter().map(|x| Complex::from(*x)).collect()
             }
@@ -363,7 +367,7 @@ impl<'a> EquilibriumSystem<'a> {
         let longer = vector.iter().zip(&units);
         self.normal = longer.map(|(q, unit)| q.re / (length * unit)).collect();
         let mut found = part(|q| q.re);
-        if let Condition::Hopf { .. } = self.condition {
+        if let EquilibriumCondition::Hopf { .. } = self.condition {
             found.extend(part(|q| q.im));
             found.push(omega);
         }
@@ -376,12 +380,12 @@ impl<'a> EquilibriumSystem<'a> {
         let mut units = own.clone();
         units.extend(self.posed.units.last());
         let vectors = match self.condition {
-            Condition::Value(_) | Condition::Boundary { .. } => 0,
-            Condition::Fold => 1,
-            Condition::Hopf { .. } => 2,
+            EquilibriumCondition::Value(_) | EquilibriumCondition::Boundary { .. } => 0,
+            EquilibriumCondition::Fold => 1,
+            EquilibriumCondition::Hopf { .. } => 2,
         };
         (0..vectors).for_each(|_| units.extend(&own));
-        if let Condition::Hopf { .. } = self.condition {
+        if let EquilibriumCondition::Hopf { .. } = self.condition {
             units.extend(guess.last().map(|omega| omega.abs()));
         }
         units
@@ -404,7 +408,7 @@ impl<'a> EquilibriumSystem<'a> {
             })
         };
         let parts = match self.condition {
-            Condition::Value(_) | Condition::Boundary { .. } => {
+            EquilibriumCondition::Value(_) | EquilibriumCondition::Boundary { .. } => {
                 let y = still(&x[..size]);
                 let mut rows: Vec<Seeded> = self
                     .rest(&y, plain_one(p))?
@@ -412,16 +416,16 @@ impl<'a> EquilibriumSystem<'a> {
                     .map(|value| value.value)
                     .collect();
                 rows.push(match self.condition {
-                    Condition::Boundary { guard } => {
+                    EquilibriumCondition::Boundary { guard } => {
                         self.guard(&self.guards[*guard], &y, plain_one(p))?.value
                     }
-                    Condition::Value(value) => p - Seeded::constant(value.interval()),
+                    EquilibriumCondition::Value(value) => p - Seeded::constant(value.interval()),
                     _ => return None,
                 });
                 return Some(rows);
             }
-            Condition::Fold => 1,
-            Condition::Hopf { .. } => 2,
+            EquilibriumCondition::Fold => 1,
+            EquilibriumCondition::Hopf { .. } => 2,
         };
         // one evaluation has E, E_y a and E_y b
         let zero = Seeded::double(0.0);
@@ -443,7 +447,7 @@ impl<'a> EquilibriumSystem<'a> {
         )?;
         let mut rows: Vec<Seeded> = values.iter().map(|value| value.value).collect();
         match self.condition {
-            Condition::Hopf { .. } => {
+            EquilibriumCondition::Hopf { .. } => {
                 let omega = *x.last()?;
                 let [a, b] = [0, 1].map(|which| self.vector(x, which));
                 let turned = |row: usize, v: &[Seeded]| match self.is_rate(row) {
@@ -469,14 +473,16 @@ impl<'a> EquilibriumSystem<'a> {
     }
 
     /// The equilibrium and what singles it out, in doubles.
-    pub fn refined(&self, x: &[f64]) -> (Near, Condition) {
-        let near = Near {
+    pub fn refined(&self, x: &[f64]) -> (NearEquilibrium, EquilibriumCondition) {
+        let near = NearEquilibrium {
             mode: self.near.mode.clone(),
             state: x[..self.states()].to_vec(),
             parameter: x[self.parameter()],
         };
         let condition = match (self.condition, x.last()) {
-            (Condition::Hopf { .. }, Some(omega)) => Condition::Hopf { omega: *omega },
+            (EquilibriumCondition::Hopf { .. }, Some(omega)) => {
+                EquilibriumCondition::Hopf { omega: *omega }
+            }
             (condition, _) => condition.clone(),
         };
         (near, condition)

@@ -1,19 +1,19 @@
 //! Arcs of orbits, between two special points of a branch.
 
-use super::beyond::{self, Seen};
-use super::open::{NotBeyond, Unproven};
-use super::system::{Condition, Near, OrbitSystem, Posed};
-use super::{Proof, Sequence};
-use crate::certify::arc::{self, Broken, Curve, Joint, Moving, Way};
+use super::beyond::{self, SequenceOrbit};
+use super::open::{OrbitNotBeyond, UnprovenOrbit};
+use super::system::{NearOrbit, OrbitCondition, OrbitSystem, PosedOrbit};
+use super::{OrbitProof, Sequence};
+use crate::certify::arc::{self, ArcDirection, ArcEquations, Broken, Joint, Moving};
 use crate::certify::equations::Evaluated;
 use crate::certify::krawczyk::{self, LinearEquations};
 use crate::interval::{Decimal, Interval};
 
 /// Why an arc of orbits is not proven.
-pub type Undecided = Broken<Unproven, NotBeyond>;
+pub type Undecided = Broken<UnprovenOrbit, OrbitNotBeyond>;
 
 /// An end of an arc.
-struct Ending {
+struct OrbitArcEnd {
     joint: Joint,
     /// Stretches that have no duration there.
     closed: Vec<usize>,
@@ -21,25 +21,25 @@ struct Ending {
     is_fold: bool,
 }
 
-struct Arc<'a> {
+struct OrbitArc<'a> {
     system: OrbitSystem<'a>,
     units: Vec<f64>,
-    ends: [Ending; 2],
+    ends: [OrbitArcEnd; 2],
 }
 
 /// A point in the sequence of an arc.
 #[derive(Clone, Copy)]
-struct Place<'a> {
-    proof: &'a Proof,
-    near: &'a Near,
-    condition: &'a Condition,
+struct OrbitArcPoint<'a> {
+    proof: &'a OrbitProof,
+    near: &'a NearOrbit,
+    condition: &'a OrbitCondition,
     /// The point in this sequence, where it is proven in another.
-    seen: Option<&'a Seen>,
+    seen: Option<&'a SequenceOrbit>,
 }
 
-impl<'a> Place<'a> {
+impl<'a> OrbitArcPoint<'a> {
     /// A point, at a change of the sequence in that before or in that beyond; `None` where it is not known.
-    fn new(proof: &'a Proof, beyond: bool) -> Option<Place<'a>> {
+    fn new(proof: &'a OrbitProof, beyond: bool) -> Option<OrbitArcPoint<'a>> {
         let changed = proof.changed.as_ref();
         let sequence = changed.map_or(Some(&proof.near.sequence), |changed| match beyond {
             true => changed.after.as_ref(),
@@ -52,10 +52,10 @@ impl<'a> Place<'a> {
             false => Some(others.find(|seen| seen.near.sequence == *sequence)?),
         };
         let (near, condition) = match seen {
-            Some(Seen { near, condition }) => (near, condition),
+            Some(SequenceOrbit { near, condition }) => (near, condition),
             None => (&proof.near, &proof.condition),
         };
-        Some(Place {
+        Some(OrbitArcPoint {
             proof,
             near,
             condition,
@@ -64,7 +64,7 @@ impl<'a> Place<'a> {
     }
 
     /// The point in the unknowns of an arc.
-    fn ending(&self, arc: &OrbitSystem) -> Result<Ending, Undecided> {
+    fn ending(&self, arc: &OrbitSystem) -> Result<OrbitArcEnd, Undecided> {
         let closed = match self.seen {
             Some(seen) => beyond::prove(self.proof, seen).map_err(Broken::Beyond)?,
             None => beyond::closed(self.proof).ok_or(Broken::End)?,
@@ -75,9 +75,9 @@ impl<'a> Place<'a> {
             let equations = |x: &[Interval]| system.evaluate(x);
             let zero = krawczyk::enclosed(&equations, &middle, &system.units(&middle))?;
             let mut opens = system.closed.iter();
-            Some(Ending {
+            Some(OrbitArcEnd {
                 joint: system.carried(&zero.at, arc).map(Joint::new)?,
-                is_fold: *self.condition == Condition::Fold
+                is_fold: *self.condition == OrbitCondition::Fold
                     || opens.any(|index| system.is_stationary(*index)),
                 closed: closed.clone(),
             })
@@ -87,8 +87,8 @@ impl<'a> Place<'a> {
 }
 
 /// Whether two points are of one system and one sequence.
-fn are_alike([one, other]: [&Place; 2]) -> bool {
-    let but = |posed: &Posed| {
+fn are_alike([one, other]: [&OrbitArcPoint; 2]) -> bool {
+    let but = |posed: &PosedOrbit| {
         let values = posed.values.iter().cloned().enumerate();
         let values = values.filter(|(index, _)| *index != posed.parameter);
         values.collect::<Vec<(usize, Decimal)>>()
@@ -105,14 +105,14 @@ fn are_alike([one, other]: [&Place; 2]) -> bool {
 ///
 /// # Errors
 /// It is not proven.
-pub fn prove(from: &Proof, to: &Proof) -> Result<(), Undecided> {
-    let places = Place::new(from, true).zip(Place::new(to, false));
+pub fn prove(from: &OrbitProof, to: &OrbitProof) -> Result<(), Undecided> {
+    let places = OrbitArcPoint::new(from, true).zip(OrbitArcPoint::new(to, false));
     let (from, to) = places.ok_or(Broken::Apart)?;
     if !are_alike([&from, &to]) {
         return Err(Broken::Apart);
     }
     let posed = &from.proof.posed;
-    let value = Condition::Value(Decimal::of(from.near.parameter));
+    let value = OrbitCondition::Value(Decimal::of(from.near.parameter));
     let layout = |near| OrbitSystem::new(posed, near, &value).map(|(system, _)| system.layout());
     let both = [from.near, to.near].map(|near| layout(near).map_err(|_| Broken::End));
     let [one, other] = both;
@@ -121,13 +121,13 @@ pub fn prove(from: &Proof, to: &Proof) -> Result<(), Undecided> {
     let (system, guess) = laid_out.map_err(|_| Broken::End)?;
     let (first, last) = (from.ending(&system)?, to.ending(&system)?);
     let way = match (first.closed.first(), from.condition) {
-        (Some(stretch), _) => Way::Grows(system.duration(*stretch)),
-        (None, Condition::Fold) => Way::Fold(None),
+        (Some(stretch), _) => ArcDirection::Grows(system.duration(*stretch)),
+        (None, OrbitCondition::Fold) => ArcDirection::Fold(None),
         // a margin may grow either way
-        (None, Condition::Margin { .. }) => Way::Fold(Some(system.parameter())),
-        _ => Way::Parameter,
+        (None, OrbitCondition::Margin { .. }) => ArcDirection::Fold(Some(system.parameter())),
+        _ => ArcDirection::Parameter,
     };
-    let arc = Arc {
+    let arc = OrbitArc {
         units: system.units(&guess),
         ends: [first, last],
         system,
@@ -135,7 +135,7 @@ pub fn prove(from: &Proof, to: &Proof) -> Result<(), Undecided> {
     arc::prove(&arc, arc.ends.each_ref().map(|end| &end.joint), way)
 }
 
-impl Arc<'_> {
+impl OrbitArc<'_> {
     /// Whether the parameter is stationary at one point of a piece at most. With v from Fₓv + bβ = 0, v_κ = 1 and a constant b, it is
     /// so where β = 0; and β′, from Fₓv′ + bβ′ = −∂(Fₓ)v, v′_κ = 0, is not zero.
     fn turns_once(&self, coordinate: usize, x: &[Interval], tangent: &[Interval]) -> Option<bool> {
@@ -168,9 +168,9 @@ impl Arc<'_> {
     }
 }
 
-impl Curve for Arc<'_> {
-    type Unproven = Unproven;
-    type Beyond = NotBeyond;
+impl ArcEquations for OrbitArc<'_> {
+    type Unproven = UnprovenOrbit;
+    type Beyond = OrbitNotBeyond;
 
     fn units(&self) -> &[f64] {
         &self.units
@@ -194,10 +194,10 @@ impl Curve for Arc<'_> {
         self.system.evaluate(x)
     }
 
-    fn hold(&self, x: &[Moving], next_to: Option<usize>) -> Result<(), Unproven> {
+    fn hold(&self, x: &[Moving], next_to: Option<usize>) -> Result<(), UnprovenOrbit> {
         let hull: Vec<Interval> = x.iter().map(|x| x.value).collect();
         // that the numbers of the system are not finite over so much of the parameter is seen at its first zone
-        let unknown = |_| Unproven::Duration(0);
+        let unknown = |_| UnprovenOrbit::Duration(0);
         let modes = self
             .system
             .enclosed(hull[self.parameter()])

@@ -10,12 +10,13 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::exact::Exact;
+use super::carry::SmoothSpan;
+use super::exact::NamePolynomial;
 use super::modes::{Row, through};
-use super::open::NotBeyond;
-use super::system::{Condition, End, Near, OrbitSystem, Span, Stretch};
-use super::zeros::{Vanishing, less, unit, whole};
-use super::{Open, Proof, VANISHES, near};
+use super::open::OrbitNotBeyond;
+use super::system::{NearOrbit, OrbitCondition, OrbitSegment, OrbitSystem, SegmentEnd};
+use super::zeros::{VanishingForm, less, unit, whole};
+use super::{OpenOrbit, OrbitProof, VANISHES, near};
 use crate::affine::orbit::candidates::candidates;
 use crate::affine::orbit::{AffineOrbit, Margin, Sequence};
 use crate::certify::arc::Moving;
@@ -27,11 +28,11 @@ use crate::orbit::{Examined, Orbit};
 /// An orbit in a sequence of zones.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Seen {
+pub struct SequenceOrbit {
     /// What vanishes there.
-    pub condition: Condition,
+    pub condition: OrbitCondition,
     /// The orbit in doubles.
-    pub near: Near,
+    pub near: NearOrbit,
 }
 
 /// So many zones at most begin or end at one event: in both halves of a symmetric orbit.
@@ -44,7 +45,7 @@ pub(super) fn seen(
     point: &Vector,
     margin: &Margin,
     sequence: &Sequence,
-) -> Vec<Seen> {
+) -> Vec<SequenceOrbit> {
     let mut open = vec![(orbit.clone(), point.clone(), margin.clone())];
     for _ in 0..INSTANTS {
         let mut next = Vec::new();
@@ -54,9 +55,9 @@ pub(super) fn seen(
                 let zeros = zeros(&orbit, &point);
                 if orbit.sequence == *sequence {
                     let nascent = candidate.nascent.iter();
-                    let nascent = nascent.map(|zone| Condition::closed(*zone));
+                    let nascent = nascent.map(|zone| OrbitCondition::closed(*zone));
                     return nascent
-                        .chain(zeros.iter().map(Condition::from))
+                        .chain(zeros.iter().map(OrbitCondition::from))
                         .flat_map(|condition| seen_at(&orbit, &point, condition))
                         .collect();
                 }
@@ -70,16 +71,24 @@ pub(super) fn seen(
 }
 
 /// The orbit at the zero of a margin, with that and with each of what vanishes there, too.
-pub(super) fn seen_here(orbit: &AffineOrbit, point: &Vector, margin: &Margin) -> Vec<Seen> {
+pub(super) fn seen_here(
+    orbit: &AffineOrbit,
+    point: &Vector,
+    margin: &Margin,
+) -> Vec<SequenceOrbit> {
     let zeros = zeros(orbit, point);
     let all = [margin].into_iter().chain(&zeros);
     all.flat_map(|zero| seen_at(orbit, point, zero.into()))
         .collect()
 }
 
-fn seen_at(orbit: &AffineOrbit, point: &Vector, condition: Condition) -> Option<Seen> {
+fn seen_at(
+    orbit: &AffineOrbit,
+    point: &Vector,
+    condition: OrbitCondition,
+) -> Option<SequenceOrbit> {
     let near = near(orbit, point).ok()?;
-    Some(Seen { condition, near })
+    Some(SequenceOrbit { condition, near })
 }
 
 /// The margins that may vanish at an event.
@@ -95,14 +104,19 @@ fn zeros(orbit: &AffineOrbit, point: &Vector) -> Vec<Margin> {
 ///
 /// # Errors
 /// It is not proven.
-pub(super) fn prove(proof: &Proof, seen: &Seen) -> Result<Vec<usize>, NotBeyond> {
-    let (posed, open) = (&proof.posed, |reason: Open| NotBeyond::Open(reason));
+pub(super) fn prove(
+    proof: &OrbitProof,
+    seen: &SequenceOrbit,
+) -> Result<Vec<usize>, OrbitNotBeyond> {
+    let (posed, open) = (&proof.posed, |reason: OpenOrbit| {
+        OrbitNotBeyond::Open(reason)
+    });
     let enclosed = |near, condition| {
         let (system, middle) = OrbitSystem::new(posed, near, condition).map_err(open)?;
         let equations = |x: &[Interval]| system.evaluate(x);
         let zero = krawczyk::enclosed(&equations, &middle, &system.units(&middle));
-        let zero = zero.ok_or(NotBeyond::Open(Open::NotIsolated))?.at;
-        Ok::<_, NotBeyond>((system, middle, zero))
+        let zero = zero.ok_or(OrbitNotBeyond::Open(OpenOrbit::NotIsolated))?.at;
+        Ok::<_, OrbitNotBeyond>((system, middle, zero))
     };
     let (mut system, middle, zero) = enclosed(&seen.near, &seen.condition)?;
     let modes = system.enclosed(zero[system.parameter()]).map_err(open)?;
@@ -140,8 +154,8 @@ type Pair<'a> = (
 );
 
 /// Proves that two orbits are one, by formulas that lead from either of them to the other.
-fn are_one(both: [Pair; 2]) -> Result<(), NotBeyond> {
-    let mut refused = NotBeyond::Laws;
+fn are_one(both: [Pair; 2]) -> Result<(), OrbitNotBeyond> {
+    let mut refused = OrbitNotBeyond::Laws;
     for (from, x, to, guess, other) in both {
         // at the event of a symmetric orbit it may be cut open at either of two instants
         for shift in 0..to.stretches.len() {
@@ -154,14 +168,14 @@ fn are_one(both: [Pair; 2]) -> Result<(), NotBeyond> {
             if krawczyk::is_only_zero(&equations, guess, &hull) {
                 return Ok(());
             }
-            refused = NotBeyond::Another;
+            refused = OrbitNotBeyond::Another;
         }
     }
     Err(refused)
 }
 
 /// The stretches that have no duration at an event in the sequence in which that is proven.
-pub(super) fn closed(proof: &Proof) -> Option<Vec<usize>> {
+pub(super) fn closed(proof: &OrbitProof) -> Option<Vec<usize>> {
     let (mut system, middle) =
         OrbitSystem::new(&proof.posed, &proof.near, &proof.condition).ok()?;
     if !system.closed.is_empty() {
@@ -191,22 +205,26 @@ impl OrbitSystem<'_> {
                 Some(leg) if goes_on => leg.push(index),
                 _ => legs.push(vec![index]),
             }
-            goes_on = !matches!(self.stretches[index].end, End::Exit { .. });
+            goes_on = !matches!(self.stretches[index].end, SegmentEnd::Exit { .. });
         }
         Some(legs)
     }
 
     /// The states at the entry of a stretch as forms at the end of one before it, between which are none but such without duration;
     /// and likewise what is zero where these end.
-    fn led(&self, last: usize, next: usize) -> (Vec<Row<Exact>>, Vec<Row<Exact>>) {
+    fn led(
+        &self,
+        last: usize,
+        next: usize,
+    ) -> (Vec<Row<NamePolynomial>>, Vec<Row<NamePolynomial>>) {
         let (states, size) = (self.exact.states, self.exact.size());
         let mut led: Vec<_> = (0..states).map(|state| unit(state, size)).collect();
         let mut closing = Vec::new();
         let mut at = last;
         loop {
             let before = whole(&led, size);
-            let Stretch { mode, end, .. } = self.stretches[at];
-            if let (End::Exit { guard, .. }, true) = (end, at != last) {
+            let OrbitSegment { mode, end, .. } = self.stretches[at];
+            if let (SegmentEnd::Exit { guard, .. }, true) = (end, at != last) {
                 let mode = &self.exact.modes[mode];
                 let row = mode.derivative(&mode.guards[guard].row, self.divisor(at));
                 closing.push(through(&row, &before));
@@ -234,8 +252,8 @@ impl OrbitSystem<'_> {
             let (width, from) = (self.width(), &parts[before]);
             let end = &from[from.len() - 1 - width..from.len() - 1];
             let mut entry = end.to_vec();
-            let Stretch { mode, end: way, .. } = self.stretches[before];
-            if let End::Exit { guard, exit } = way {
+            let OrbitSegment { mode, end: way, .. } = self.stretches[before];
+            if let SegmentEnd::Exit { guard, exit } = way {
                 let z = self.lift(end);
                 let reset = &modes
                     .modes
@@ -271,45 +289,14 @@ impl OrbitSystem<'_> {
         // without a switch a leg has two stretches, between which the forcing begins anew
         let alike = |(own, other): (&Vec<usize>, &Vec<usize>)| {
             let of = to.stretches[other[0]];
-            (other.len() == 1 || other.len() == 2 && of.end == End::Never)
+            (other.len() == 1 || other.len() == 2 && of.end == SegmentEnd::Never)
                 && self.stretches[own[0]].mode == of.mode
         };
         let states = self.exact.states;
         if legs.len() != theirs.len() || !legs.iter().zip(&theirs).all(alike) {
             return None;
         }
-        for (index, leg) in legs.iter().enumerate() {
-            let (last, next) = (*leg.last()?, legs[(index + 1) % legs.len()][0]);
-            let facts = &self.facts[last].end;
-            let (led, _) = self.led(last, next);
-            let (begins, there) = (theirs[index][0], *theirs[index].last()?);
-            let (reset, closing) = to.led(there, theirs[(index + 1) % theirs.len()][0]);
-            let Stretch { mode, end, .. } = to.stretches[there];
-            let mode = &self.exact.modes[mode];
-            let ends = match end {
-                End::Exit { guard, .. } => mode.guards[guard].row.clone(),
-                End::Touch { guard } => mode.derivative(&mode.guards[guard].row, 1),
-                End::Never => return None,
-            };
-            let mut pairs = reset.iter().zip(&led);
-            let about = |one: &&Vanishing| theirs[index].contains(&one.stretch);
-            let mut vanishing = to.vanishing.iter().filter(about);
-            let zero = |one: &Vanishing| {
-                let row = one.source.row(mode);
-                let (place, facts) = match one.at_end {
-                    true => (there, facts),
-                    false => (begins, &self.facts[leg[0]].entry),
-                };
-                one.stretch == place && row.is_some_and(|row| facts.have(&row))
-            };
-            if !(facts.have(&ends)
-                && closing.iter().all(|row| facts.have(row))
-                && pairs.all(|(a, b)| facts.have(&less(a, b)))
-                && vanishing.all(zero))
-            {
-                return None;
-            }
-        }
+        self.solves(to, &legs, &theirs)?;
         let omega = self.enclosed(x[self.parameter()]).ok()?.omega.value;
         let turn = PI * Interval::point(2.0);
         // from the entry of a stretch to the next turn of the forcing
@@ -321,9 +308,9 @@ impl OrbitSystem<'_> {
         let own = |index: usize| {
             let leg = theirs.iter().position(|leg| leg.contains(&index));
             let Some(leg) = leg else {
-                return Span::whole(Vec::new());
+                return SmoothSpan::whole(Vec::new());
             };
-            let mut span = Span::whole(legs[leg].clone());
+            let mut span = SmoothSpan::whole(legs[leg].clone());
             if theirs[leg].len() > 1 {
                 let turn = next_turn(legs[leg][0]);
                 match index == theirs[leg][0] {
@@ -345,5 +332,42 @@ impl OrbitSystem<'_> {
             }
         }
         Some(carried)
+    }
+
+    /// Whether formulas say that this orbit solves every switch and every vanishing form of the other equations, leg by leg.
+    fn solves(&self, to: &OrbitSystem, legs: &[Vec<usize>], theirs: &[Vec<usize>]) -> Option<()> {
+        for (index, leg) in legs.iter().enumerate() {
+            let (last, next) = (*leg.last()?, legs[(index + 1) % legs.len()][0]);
+            let facts = &self.facts[last].end;
+            let (led, _) = self.led(last, next);
+            let (begins, there) = (theirs[index][0], *theirs[index].last()?);
+            let (reset, closing) = to.led(there, theirs[(index + 1) % theirs.len()][0]);
+            let OrbitSegment { mode, end, .. } = to.stretches[there];
+            let mode = &self.exact.modes[mode];
+            let ends = match end {
+                SegmentEnd::Exit { guard, .. } => mode.guards[guard].row.clone(),
+                SegmentEnd::Touch { guard } => mode.derivative(&mode.guards[guard].row, 1),
+                SegmentEnd::Never => return None,
+            };
+            let mut pairs = reset.iter().zip(&led);
+            let about = |one: &&VanishingForm| theirs[index].contains(&one.stretch);
+            let mut vanishing = to.vanishing.iter().filter(about);
+            let zero = |one: &VanishingForm| {
+                let row = one.source.row(mode);
+                let (place, facts) = match one.at_end {
+                    true => (there, facts),
+                    false => (begins, &self.facts[leg[0]].entry),
+                };
+                one.stretch == place && row.is_some_and(|row| facts.have(&row))
+            };
+            if !(facts.have(&ends)
+                && closing.iter().all(|row| facts.have(row))
+                && pairs.all(|(a, b)| facts.have(&less(a, b)))
+                && vanishing.all(zero))
+            {
+                return None;
+            }
+        }
+        Some(())
     }
 }

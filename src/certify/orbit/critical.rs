@@ -4,7 +4,7 @@ use crate::interval::Interval;
 
 /// What is looked for beside the orbit.
 #[derive(Clone, Debug)]
-pub struct Critical {
+pub struct NullVector {
     /// μ in doubles; its angle is an unknown where it is not real.
     pub factor: [f64; 2],
     /// v in doubles: its real part, and its imaginary part where μ is not real.
@@ -15,7 +15,7 @@ pub struct Critical {
     pub orbit: usize,
 }
 
-impl Critical {
+impl NullVector {
     /// Parts of v: one, or a real and an imaginary one.
     pub fn directions(&self) -> usize {
         self.vectors.len()

@@ -6,11 +6,11 @@
 //! A zone of no duration that begins where its guard is zero ends there for any state: there the guard is divided by a power of the
 //! duration.
 
-use super::Open;
+use super::OpenOrbit;
 use super::enclosure::Enclosure;
-use super::flow::{Flow, Timed, dot, product};
-use super::modes::{Modes, Row};
-use super::system::{Condition, End, OrbitSystem, Passing};
+use super::flow::{IntervalFlow, Timed, dot, product};
+use super::modes::{IntervalModes, Row};
+use super::system::{OrbitCondition, OrbitSystem, Passing, SegmentEnd};
 use crate::interval::{Gradient, Interval, Number};
 
 /// A number through a function of another.
@@ -36,13 +36,13 @@ impl<const D: usize> Varying for Gradient<Interval, D> {
 
 /// Residuals and the entries of the Jacobian that are not zero; of those, the entry of the first stretch where the cycle closes,
 /// with its sign.
-pub struct Terms<N> {
+pub struct OrbitResiduals<N> {
     pub residual: Vec<N>,
     pub entries: Vec<(usize, usize, N)>,
     pub wrap: Vec<(usize, usize, f64)>,
 }
 
-impl<N: Varying> Terms<N> {
+impl<N: Varying> OrbitResiduals<N> {
     fn put(&mut self, row: usize, column: usize, value: N) {
         if !value.is_zero() {
             self.entries.push((row, column, value));
@@ -51,7 +51,7 @@ impl<N: Varying> Terms<N> {
 }
 
 /// A place of the orbit: where its y stands among the unknowns, z, and ∂z/∂φ.
-struct Place<N> {
+struct OrbitPlace<N> {
     node: usize,
     z: Vec<N>,
     turned: Vec<N>,
@@ -60,11 +60,11 @@ struct Place<N> {
 impl OrbitSystem<'_> {
     /// The equations of the orbit and, where one is enough, that of the event: over intervals of the unknowns, and
     /// numbers with these values.
-    pub fn terms<N: Varying>(&self, x: &[N]) -> Result<Terms<N>, Open> {
+    pub fn terms<N: Varying>(&self, x: &[N]) -> Result<OrbitResiduals<N>, OpenOrbit> {
         let values: Vec<Interval> = x.iter().map(Number::value).collect();
         let modes = self.enclosed(values[self.parameter()])?;
         let passings = self.passings(&modes, &values);
-        let mut terms = Terms {
+        let mut terms = OrbitResiduals {
             residual: Vec::new(),
             entries: Vec::new(),
             wrap: Vec::new(),
@@ -77,7 +77,7 @@ impl OrbitSystem<'_> {
             let stretch = self.stretches[index];
             let mode = &modes.modes[stretch.mode];
             let reset = match stretch.end {
-                End::Exit { guard, exit } => Some(&mode.guards[guard].exits[exit].reset),
+                SegmentEnd::Exit { guard, exit } => Some(&mode.guards[guard].exits[exit].reset),
                 _ => None,
             };
             let node = self.place(next, false);
@@ -105,21 +105,21 @@ impl OrbitSystem<'_> {
                 self.minus(row, node + modes.states, next == 0, x, &mut terms);
             }
             match stretch.end {
-                End::Exit { guard, .. } => {
+                SegmentEnd::Exit { guard, .. } => {
                     let row = &mode.guards[guard].row;
                     match self.divisor(index) {
                         0 => self.form(row, &end, &mut terms),
                         _ => self.quotient_terms(&passing.flow, index, row, x, &mut terms),
                     }
                 }
-                End::Touch { guard } => {
+                SegmentEnd::Touch { guard } => {
                     self.form(
                         &mode.derivative(&mode.guards[guard].row, 1),
                         &end,
                         &mut terms,
                     );
                 }
-                End::Never => {
+                SegmentEnd::Never => {
                     // the phase at the entry is 0
                     let phase = self.place(0, false) + modes.states;
                     terms.put(terms.residual.len(), phase, N::double(1.0));
@@ -127,9 +127,20 @@ impl OrbitSystem<'_> {
                 }
             }
         }
+        self.event_equation(&modes, x, &mut terms)?;
+        Ok(terms)
+    }
+
+    /// The equation that singles out the event, where one is enough.
+    fn event_equation<N: Varying>(
+        &self,
+        modes: &IntervalModes<Enclosure>,
+        x: &[N],
+        terms: &mut OrbitResiduals<N>,
+    ) -> Result<(), OpenOrbit> {
         let parameter = self.parameter();
         let value = match self.condition {
-            Condition::Value(value) => Some(value.interval()),
+            OrbitCondition::Value(value) => Some(value.interval()),
             _ => self.fixed,
         };
         if let Some(value) = value {
@@ -137,20 +148,20 @@ impl OrbitSystem<'_> {
             terms.residual.push(x[parameter] - N::constant(value));
         } else if let Some(vanishing) = self.vanishing.first() {
             let mode = &modes.modes[self.stretches[vanishing.stretch].mode];
-            let row = vanishing.source.row(mode).ok_or(Open::Sequence)?;
+            let row = vanishing.source.row(mode).ok_or(OpenOrbit::Sequence)?;
             let place = self.at(x, self.place(vanishing.stretch, vanishing.at_end));
-            self.form(&row, &place, &mut terms);
+            self.form(&row, &place, terms);
         } else if let Some(stretch) = self.closed.first() {
             let duration = self.duration(*stretch);
             terms.put(terms.residual.len(), duration, N::double(1.0));
             terms.residual.push(x[duration]);
         }
-        Ok(terms)
+        Ok(())
     }
 
-    fn at<N: Varying>(&self, x: &[N], node: usize) -> Place<N> {
+    fn at<N: Varying>(&self, x: &[N], node: usize) -> OrbitPlace<N> {
         let z = self.lift(&x[node..node + self.width()]);
-        Place {
+        OrbitPlace {
             turned: self.turned(&z),
             node,
             z,
@@ -158,7 +169,12 @@ impl OrbitSystem<'_> {
     }
 
     /// A form at a place as one more equation.
-    fn form<N: Varying>(&self, form: &Row<Enclosure>, place: &Place<N>, terms: &mut Terms<N>) {
+    fn form<N: Varying>(
+        &self,
+        form: &Row<Enclosure>,
+        place: &OrbitPlace<N>,
+        terms: &mut OrbitResiduals<N>,
+    ) {
         let row = terms.residual.len();
         let sum = |z: &[N], part: fn(&Enclosure) -> Interval| {
             let terms = form.iter().zip(z);
@@ -178,11 +194,11 @@ impl OrbitSystem<'_> {
     /// The guard of a stretch as one more equation, divided by a power of its duration: it has a zero of that order at the entry.
     fn quotient_terms<N: Varying>(
         &self,
-        flow: &Flow,
+        flow: &IntervalFlow,
         index: usize,
         form: &Row<Enclosure>,
         x: &[N],
-        terms: &mut Terms<N>,
+        terms: &mut OrbitResiduals<N>,
     ) {
         let row = terms.residual.len();
         let time = x[self.duration(index)];
@@ -217,7 +233,7 @@ impl OrbitSystem<'_> {
         column: usize,
         wraps: bool,
         x: &[N],
-        terms: &mut Terms<N>,
+        terms: &mut OrbitResiduals<N>,
     ) {
         // half an orbit ends at −x
         let sign = match wraps && self.half && column < self.exact.states {
@@ -234,11 +250,11 @@ impl OrbitSystem<'_> {
     /// Every step of a stretch.
     fn flow_terms<N: Varying>(
         &self,
-        modes: &Modes<Enclosure>,
+        modes: &IntervalModes<Enclosure>,
         passing: &Passing,
         index: usize,
         x: &[N],
-        terms: &mut Terms<N>,
+        terms: &mut OrbitResiduals<N>,
     ) {
         let Passing { flow, whole, .. } = passing;
         let states = modes.states;

@@ -18,12 +18,12 @@ const MOST_FACTORS: f64 = 16.0;
 
 /// Factors of products of names, in order.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Exact(BTreeMap<Vec<String>, Fraction>);
+pub struct NamePolynomial(BTreeMap<Vec<String>, Fraction>);
 
-impl Exact {
+impl NamePolynomial {
     /// A name that stands for a number.
-    pub fn named(name: String) -> Exact {
-        Exact(BTreeMap::from([(vec![name], Fraction::ONE)]))
+    pub fn named(name: String) -> NamePolynomial {
+        NamePolynomial(BTreeMap::from([(vec![name], Fraction::ONE)]))
     }
 
     /// Whether it is zero.
@@ -31,9 +31,9 @@ impl Exact {
         self.0.is_empty()
     }
 
-    fn of_fraction(value: Fraction) -> Exact {
+    fn of_fraction(value: Fraction) -> NamePolynomial {
         let terms = (!value.is_zero()).then(|| (Vec::new(), value));
-        Exact(terms.into_iter().collect())
+        NamePolynomial(terms.into_iter().collect())
     }
 
     /// The fraction that it is.
@@ -65,7 +65,7 @@ impl Exact {
     }
 
     /// self + sign·other; `None` beyond the range of fractions.
-    fn plus(&self, sign: Fraction, other: &Exact) -> Option<Exact> {
+    fn plus(&self, sign: Fraction, other: &NamePolynomial) -> Option<NamePolynomial> {
         let mut sum = self.0.clone();
         for (names, factor) in &other.0 {
             let known = sum.get(names).copied().unwrap_or(Fraction::ZERO);
@@ -75,28 +75,28 @@ impl Exact {
                 false => sum.insert(names.clone(), factor),
             };
         }
-        Some(Exact(sum))
+        Some(NamePolynomial(sum))
     }
 
     /// 1 over it: of a single term term by term, of a sum as a name, with 1 as its first factor.
-    fn inverse(&self) -> Option<Exact> {
+    fn inverse(&self) -> Option<NamePolynomial> {
         let (names, factor) = self.0.iter().next()?;
         let by = factor.inverse()?;
         if self.0.len() == 1 {
             let mut names: Vec<String> = names.iter().map(|name| inverted(name)).collect();
             names.sort_unstable();
-            return Some(Exact(BTreeMap::from([(names, by)])));
+            return Some(NamePolynomial(BTreeMap::from([(names, by)])));
         }
-        let sum = self.product(&Exact::of_fraction(by))?;
+        let sum = self.product(&NamePolynomial::of_fraction(by))?;
         let name = format!("1/{}", sum.text());
-        Some(Exact(BTreeMap::from([(vec![name], by)])))
+        Some(NamePolynomial(BTreeMap::from([(vec![name], by)])))
     }
 
-    fn product(&self, other: &Exact) -> Option<Exact> {
+    fn product(&self, other: &NamePolynomial) -> Option<NamePolynomial> {
         if self.0.len().saturating_mul(other.0.len()) > MOST_TERMS {
             return None;
         }
-        let mut product = Exact::default();
+        let mut product = NamePolynomial::default();
         for (one, factor) in &self.0 {
             for (two, by) in &other.0 {
                 let mut names = one.clone();
@@ -108,7 +108,7 @@ impl Exact {
                     }
                 }
                 names.sort_unstable();
-                let term = Exact(BTreeMap::from([(names, factor.times(*by)?)]));
+                let term = NamePolynomial(BTreeMap::from([(names, factor.times(*by)?)]));
                 product = product.plus(Fraction::ONE, &term)?;
             }
         }
@@ -159,27 +159,31 @@ impl Formula {
     }
 }
 
-impl Algebra for Exact {
-    fn number(value: f64) -> Exact {
+impl Algebra for NamePolynomial {
+    fn number(value: f64) -> NamePolynomial {
         match Fraction::of_double(value) {
-            Some(fraction) => Exact::of_fraction(fraction),
+            Some(fraction) => NamePolynomial::of_fraction(fraction),
             // no expression: it has no value
-            None => Exact::named(format!("double {value:?}")),
+            None => NamePolynomial::named(format!("double {value:?}")),
         }
     }
 
-    fn decimal(_: f64, text: &str) -> Exact {
+    fn decimal(_: f64, text: &str) -> NamePolynomial {
         match Fraction::of_decimal(text) {
-            Some(fraction) => Exact::of_fraction(fraction),
-            None => Exact::named(text.to_owned()),
+            Some(fraction) => NamePolynomial::of_fraction(fraction),
+            None => NamePolynomial::named(text.to_owned()),
         }
     }
 
-    fn negative(self) -> Exact {
-        Exact::default().sum(1.0, self, -1.0)
+    fn negative(self) -> NamePolynomial {
+        NamePolynomial::default().sum(1.0, self, -1.0)
     }
 
-    fn operate(self, operation: Operation, other: Exact) -> Result<Exact, Obstacle> {
+    fn operate(
+        self,
+        operation: Operation,
+        other: NamePolynomial,
+    ) -> Result<NamePolynomial, Obstacle> {
         Ok(match operation {
             Operation::Plus => self.sum(1.0, other, 1.0),
             Operation::Minus => self.sum(1.0, other, -1.0),
@@ -187,57 +191,58 @@ impl Algebra for Exact {
             // intervals tell that it is not zero
             Operation::Over => {
                 let inverse = other.inverse();
-                let named = || Exact::named(format!("1/{}", other.text()));
+                let named = || NamePolynomial::named(format!("1/{}", other.text()));
                 self.times(inverse.unwrap_or_else(named))
             }
             Operation::Power => {
                 match Coefficient::whole(&other).filter(|n| (0.0..=MOST_FACTORS).contains(n)) {
                     Some(n) => {
-                        let one = Exact::of_fraction(Fraction::ONE);
+                        let one = NamePolynomial::of_fraction(Fraction::ONE);
                         (0..n as usize).fold(one, |power, _| power.times(self.clone()))
                     }
-                    None => Exact::named(format!("{}^{}", self.text(), other.text())),
+                    None => NamePolynomial::named(format!("{}^{}", self.text(), other.text())),
                 }
             }
         })
     }
 
-    fn apply(self, function: Function) -> Result<Exact, Obstacle> {
+    fn apply(self, function: Function) -> Result<NamePolynomial, Obstacle> {
         use Function::{Abs, Asin, Atan, Cos, Cosh, Exp, Sin, Sinh, Sqrt, Tan, Tanh};
         Ok(match (function, self.is_zero()) {
             (Sin | Tan | Sqrt | Abs | Tanh | Asin | Atan | Sinh, true) => self,
-            (Cos | Exp | Cosh, true) => Exact::of_fraction(Fraction::ONE),
-            _ => Exact::named(format!("{}{}", function.name(), self.text())),
+            (Cos | Exp | Cosh, true) => NamePolynomial::of_fraction(Fraction::ONE),
+            _ => NamePolynomial::named(format!("{}{}", function.name(), self.text())),
         })
     }
 }
 
-impl Coefficient for Exact {
+impl Coefficient for NamePolynomial {
     const TERMS: bool = false;
 
-    fn sum(self, weight: f64, other: Exact, other_weight: f64) -> Exact {
-        let weighted = |x: Exact, weight: f64| match weight {
+    fn sum(self, weight: f64, other: NamePolynomial, other_weight: f64) -> NamePolynomial {
+        let weighted = |x: NamePolynomial, weight: f64| match weight {
             1.0 => x,
-            _ => x.times(<Exact as Algebra>::number(weight)),
+            _ => x.times(<NamePolynomial as Algebra>::number(weight)),
         };
         let (one, other) = (weighted(self, weight), weighted(other, other_weight));
         let sum = one.plus(Fraction::ONE, &other);
-        sum.unwrap_or_else(|| Exact::named(format!("({}+{})", one.text(), other.text())))
+        sum.unwrap_or_else(|| NamePolynomial::named(format!("({}+{})", one.text(), other.text())))
     }
 
-    fn times(self, other: Exact) -> Exact {
+    fn times(self, other: NamePolynomial) -> NamePolynomial {
         if self.is_zero() || other.is_zero() {
-            return Exact::default();
+            return NamePolynomial::default();
         }
         let product = self.product(&other);
-        product.unwrap_or_else(|| Exact::named(format!("({}*{})", self.text(), other.text())))
+        product
+            .unwrap_or_else(|| NamePolynomial::named(format!("({}*{})", self.text(), other.text())))
     }
 
     fn fixed(&self) -> Option<f64> {
         self.number().map(|number| number as f64)
     }
 
-    fn finite(self) -> Result<Exact, Obstacle> {
+    fn finite(self) -> Result<NamePolynomial, Obstacle> {
         Ok(self)
     }
 }
@@ -248,9 +253,11 @@ mod tests {
 
     #[test]
     fn a_quotient_is_a_sum_where_every_term_is_divided() {
-        let number = <Exact as Algebra>::number;
-        let rho = Exact::named("rho".to_owned());
-        let over = |one: &Exact, other: &Exact| one.clone().operate(Operation::Over, other.clone());
+        let number = <NamePolynomial as Algebra>::number;
+        let rho = NamePolynomial::named("rho".to_owned());
+        let over = |one: &NamePolynomial, other: &NamePolynomial| {
+            one.clone().operate(Operation::Over, other.clone())
+        };
         let square = rho.clone().times(rho.clone());
         let sum = square.sum(-4.0, rho.clone(), 6.0);
         assert_eq!(

@@ -6,9 +6,9 @@
 //! v at a pair. A zero is regular exactly where the fold is quadratic, or where a simple multiplier passes
 //! the circle with a speed along the branch that is not zero.
 
-use super::critical::Critical;
-use super::equations::Terms;
-use super::system::{Condition, OrbitSystem};
+use super::critical::NullVector;
+use super::equations::OrbitResiduals;
+use super::system::{OrbitCondition, OrbitSystem};
 use crate::certify::equations::Evaluated;
 use crate::interval::{Gradient, Interval};
 use crate::linalg::{Factors, Matrix, Vector};
@@ -20,11 +20,11 @@ const SHIFTS: [f64; 3] = [1e-15, 4e-15, 16e-15];
 
 impl OrbitSystem<'_> {
     /// The null vector of the equations next to a point, by inverse iteration.
-    pub fn direction(&self, guess: &[f64]) -> Option<Critical> {
+    pub fn direction(&self, guess: &[f64]) -> Option<NullVector> {
         let (factor, directions) = match self.condition {
-            Condition::Fold => ([1.0, 0.0], 1),
-            Condition::Doubling | Condition::Branching => ([-1.0, 0.0], 1),
-            Condition::Torus { angle } => ([angle.cos(), angle.sin()], 2),
+            OrbitCondition::Fold => ([1.0, 0.0], 1),
+            OrbitCondition::Doubling | OrbitCondition::Branching => ([-1.0, 0.0], 1),
+            OrbitCondition::Torus { angle } => ([angle.cos(), angle.sin()], 2),
             _ => return None,
         };
         let points: Vec<Interval> = guess.iter().copied().map(Interval::point).collect();
@@ -79,7 +79,7 @@ impl OrbitSystem<'_> {
                 .map(|index| vector[direction * orbit + index] / units[index])
                 .collect()
         };
-        Some(Critical {
+        Some(NullVector {
             factor,
             vectors: (0..directions).map(part).collect(),
             normals: (0..directions).map(normal).collect(),
@@ -87,7 +87,7 @@ impl OrbitSystem<'_> {
         })
     }
 
-    fn extended<const D: usize>(&self, critical: &Critical, x: &[Interval]) -> Option<Evaluated> {
+    fn extended<const D: usize>(&self, critical: &NullVector, x: &[Interval]) -> Option<Evaluated> {
         let orbit = critical.orbit;
         let numbers: Vec<Gradient<Interval, D>> = (0..=orbit)
             .map(|index| Gradient {
@@ -98,7 +98,7 @@ impl OrbitSystem<'_> {
                 }),
             })
             .collect();
-        let Terms {
+        let OrbitResiduals {
             residual,
             entries,
             wrap,
@@ -145,6 +145,18 @@ impl OrbitSystem<'_> {
                 }
             }
         }
+        Self::normalised::<D>(critical, x, &mut evaluated);
+        Some(evaluated)
+    }
+
+    /// ⟨ℓ, v⟩ = 1.
+    fn normalised<const D: usize>(
+        critical: &NullVector,
+        x: &[Interval],
+        evaluated: &mut Evaluated,
+    ) {
+        let orbit = critical.orbit;
+        let one = |column: usize, value| std::iter::once((Some(column), value));
         // ⟨ℓ, v⟩ = 1
         let first = orbit * (D + 1);
         evaluated.add(first, -Interval::ONE, std::iter::empty());
@@ -161,7 +173,6 @@ impl OrbitSystem<'_> {
                 }
             }
         }
-        Some(evaluated)
     }
 
     /// Residual and derivatives over intervals of the unknowns.

@@ -23,7 +23,7 @@ pub type Rows = Vec<Vec<Interval>>;
 
 /// The flow of a mode.
 #[derive(Clone, Debug)]
-pub struct Flow {
+pub struct IntervalFlow {
     /// M.
     pub matrix: Rows,
     /// ∂M/∂p.
@@ -37,7 +37,7 @@ pub struct Flow {
 
 /// exp(Mt) and its derivative in p.
 #[derive(Clone, Debug)]
-pub struct Exponential {
+pub struct IntervalExponential {
     pub at: Rows,
     pub by: Rows,
 }
@@ -106,8 +106,8 @@ fn norm<N: Number>(scales: &Vector, rows: &[Vec<N>]) -> f64 {
     (0..size).map(column).fold(0.0, f64::max)
 }
 
-impl Flow {
-    pub fn new(matrix: &[Row<Enclosure>]) -> Flow {
+impl IntervalFlow {
+    pub fn new(matrix: &[Row<Enclosure>]) -> IntervalFlow {
         let rows = |part: fn(&Enclosure) -> Interval| -> Rows {
             let row = |row: &Row<Enclosure>| row.iter().map(part).collect();
             matrix.iter().map(row).collect()
@@ -115,7 +115,7 @@ impl Flow {
         let (at, by) = (rows(|entry| entry.value), rows(|entry| entry.by[0]));
         let size = at.len();
         let (scales, _) = balance(&Matrix::from_fn(size, size, |i, j| at[i][j].middle()), 0.0);
-        Flow {
+        IntervalFlow {
             norm: norm(&scales, &at),
             norm_by: norm(&scales, &by),
             matrix: at,
@@ -134,7 +134,7 @@ impl Flow {
     }
 
     /// exp(Mt) over 1/2ⁿ of a time ≥ 0.
-    pub fn part(&self, time: Interval, halvings: u32) -> Exponential {
+    pub fn part(&self, time: Interval, halvings: u32) -> IntervalExponential {
         let size = self.matrix.len();
         let time = time * Interval::point(f64::from(halvings).exp2().recip());
         let (mut at, mut by) = (identity(size), vec![vec![Interval::ZERO; size]; size]);
@@ -162,7 +162,7 @@ impl Flow {
                 }
             }
         }
-        Exponential { at, by }
+        IntervalExponential { at, by }
     }
 
     /// A form after a time t, as a form of z at its beginning, there zero with its derivatives below order m: divided by tᵐ.
@@ -239,14 +239,14 @@ impl Flow {
     }
 
     /// A form along the flow.
-    pub fn along(&self, matrix: &[Vec<Moving>], row: &[Moving]) -> Along {
+    pub fn along(&self, matrix: &[Vec<Moving>], row: &[Moving]) -> GuardCoefficients {
         let mut rows = vec![row.to_vec()];
         for k in 1..=DEGREE {
             let mut next = product(&rows[k - 1..k], matrix);
             scaled(&mut next, Interval::ONE / Interval::point(k as f64));
             rows.append(&mut next);
         }
-        Along {
+        GuardCoefficients {
             rows,
             size: self.size(row),
             norm: norm(&self.scales, matrix),
@@ -254,7 +254,7 @@ impl Flow {
     }
 
     /// The polynomial of a form from z on, for times up to `length` in modulus.
-    pub fn polynomial(&self, along: &Along, z: &[Moving], length: f64) -> Polynomial {
+    pub fn polynomial(&self, along: &GuardCoefficients, z: &[Moving], length: f64) -> Polynomial {
         let terms = z.iter().zip(&self.scales);
         let amplitude = terms.fold(Interval::ZERO, |sum, (z, d)| {
             sum + Interval::point(z.norm()) / Interval::point(*d)
@@ -273,11 +273,11 @@ pub fn moving(value: Interval, by: Interval) -> Moving {
     Moving { value, by: [by] }
 }
 
-impl Exponential {
+impl IntervalExponential {
     /// exp(2Mt).
-    pub fn doubled(&self) -> Exponential {
-        let Exponential { at, by } = self;
-        Exponential {
+    pub fn doubled(&self) -> IntervalExponential {
+        let IntervalExponential { at, by } = self;
+        IntervalExponential {
             by: sum(&product(at, by), &product(by, at)),
             at: product(at, at),
         }
@@ -292,7 +292,7 @@ pub fn dot<N: Number>(one: &[N], other: &[N]) -> N {
 
 /// gMᵏ/k!.
 #[derive(Clone, Debug)]
-pub struct Along {
+pub struct GuardCoefficients {
     rows: Vec<Vec<Moving>>,
     size: f64,
     norm: f64,

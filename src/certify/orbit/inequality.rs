@@ -4,11 +4,11 @@
 //! it is tᵐg(t), and g > 0 is proven by subdivision; elsewhere m = 0.
 
 use super::enclosure::Enclosure;
-use super::flow::{Along, Exponential, Rows, dot, moving, product};
-use super::modes::{Modes, Row};
-use super::open::Unproven;
-use super::system::{End, OrbitSystem, Passing, Stretch};
-use super::zeros::{Source, Vanishing, less};
+use super::flow::{GuardCoefficients, IntervalExponential, Rows, dot, moving, product};
+use super::modes::{IntervalModes, Row};
+use super::open::UnprovenOrbit;
+use super::system::{OrbitSegment, OrbitSystem, Passing, SegmentEnd};
+use super::zeros::{FormSource, VanishingForm, less};
 use crate::certify::arc::Moving;
 use crate::certify::flow::Positive;
 use crate::certify::inequality::bisect;
@@ -34,7 +34,7 @@ fn applied<N: Number>(rows: &[Vec<N>], z: &[N]) -> Vec<N> {
 /// Whether a form is positive within a stretch, with zeros of these orders at its entry and its end.
 fn is_positive(
     passing: &Passing,
-    row: &Along,
+    row: &GuardCoefficients,
     pieces: &[Vec<Moving>],
     [at_start, at_end]: [usize; 2],
 ) -> bool {
@@ -73,7 +73,7 @@ const NO_TIME: f64 = 1e-100;
 /// Whether a form is positive within a stretch that may have no length, with a zero of this order at its entry, or at its end.
 fn is_positive_beside(
     passing: &Passing,
-    row: &Along,
+    row: &GuardCoefficients,
     pieces: &[Vec<Moving>],
     (at_entry, order): (bool, usize),
     duration: Interval,
@@ -102,24 +102,27 @@ impl OrbitSystem<'_> {
     /// `closed` there have nothing to grow from but their duration.
     pub fn inequalities(
         &self,
-        modes: &Modes<Enclosure>,
+        modes: &IntervalModes<Enclosure>,
         passings: &[Passing],
         x: &[Moving],
         closed: &[usize],
-    ) -> Result<usize, Unproven> {
+    ) -> Result<usize, UnprovenOrbit> {
         let rate = x[self.parameter()].by[0];
         let mut proven = 0;
-        let mut hold = |holds: bool, otherwise: Unproven| {
+        let mut hold = |holds: bool, otherwise: UnprovenOrbit| {
             proven += usize::from(holds);
             if holds { Ok(()) } else { Err(otherwise) }
         };
         for (index, passing) in passings.iter().enumerate() {
-            let Stretch { zone, mode, end } = self.stretches[index];
+            let OrbitSegment { zone, mode, end } = self.stretches[index];
             let known = &self.exact.modes[mode];
             let (facts, lasting) = (&self.facts[index], &self.lasting[index]);
             let duration = x[self.duration(index)];
             let at_event = self.closed.contains(&index);
-            hold(at_event || duration.is_positive(), Unproven::Duration(zone))?;
+            hold(
+                at_event || duration.is_positive(),
+                UnprovenOrbit::Duration(zone),
+            )?;
             let mut pieces = self.pieces(passing, index, x);
             // a time that is in the zone all along the piece is so at its beginning
             if duration.value.low * LENGTHENS < duration.value.high {
@@ -132,13 +135,13 @@ impl OrbitSystem<'_> {
                     // in a zone of no duration it may be so at the event only
                     let opens = self.closed.contains(&index)
                         && lasting.entry.order(&formula.row, known).is_some();
-                    hold(opens, Unproven::Zero(zone, guard))?;
+                    hold(opens, UnprovenOrbit::Zero(zone, guard))?;
                     continue;
                 };
                 let at_end = facts.end.order(&formula.row, known).unwrap_or(0);
                 let mut row = along(&modes.modes[mode].guards[guard].row, rate);
                 let closes = closed.contains(&index);
-                let ends = matches!(end, End::Exit { guard: own, .. } if own == guard);
+                let ends = matches!(end, SegmentEnd::Exit { guard: own, .. } if own == guard);
                 let divisor = match ends && closes {
                     true => self.divisor(index),
                     false => 0,
@@ -164,9 +167,9 @@ impl OrbitSystem<'_> {
                     }
                     false => is_positive(passing, &row, &pieces, [at_start, at_end]),
                 };
-                hold(positive, Unproven::Guard(zone, guard))?;
+                hold(positive, UnprovenOrbit::Guard(zone, guard))?;
             }
-            let End::Exit { guard, exit } = end else {
+            let SegmentEnd::Exit { guard, exit } = end else {
                 continue;
             };
             let z = self.lift(&x[self.place(index, true)..][..self.width()]);
@@ -193,18 +196,18 @@ impl OrbitSystem<'_> {
                     conditions.any(fails)
                         || known.to == taken.to && resets.all(|(a, b)| facts.end.have(&less(a, b)))
                 });
-                hold(agree, Unproven::Together(zone, other))?;
+                hold(agree, UnprovenOrbit::Together(zone, other))?;
             }
             for condition in 0..exits[exit].conditions.len() {
                 if !zero(exit, condition) {
                     let holds = at(exit, condition).is_positive();
-                    hold(holds, Unproven::Condition(zone, condition))?;
+                    hold(holds, UnprovenOrbit::Condition(zone, condition))?;
                 }
             }
             for (before, other) in exits.iter().enumerate().take(exit) {
-                let about = |one: &Vanishing| {
+                let about = |one: &VanishingForm| {
                     let earlier =
-                        matches!(one.source, Source::Condition { exit, .. } if exit == before);
+                        matches!(one.source, FormSource::Condition { exit, .. } if exit == before);
                     one.stretch == index && one.at_end && earlier
                 };
                 let conditions = 0..other.conditions.len();
@@ -227,7 +230,7 @@ impl OrbitSystem<'_> {
                     // which of several fails at an end of a curve, and so may grow from there, is not known
                     several => several.iter().any(|one| one.value.is_positive()),
                 };
-                hold(fails, Unproven::Before(zone, before))?;
+                hold(fails, UnprovenOrbit::Before(zone, before))?;
             }
         }
         Ok(proven)
@@ -240,7 +243,7 @@ impl OrbitSystem<'_> {
         let share = Interval::ONE / Interval::point((parts * self.steps[index]) as f64);
         let time = x[self.duration(index)].by[0] * share;
         let rate = x[self.parameter()].by[0];
-        let Exponential { at: whole, by } = &passing.part;
+        let IntervalExponential { at: whole, by } = &passing.part;
         let moved = product(&passing.flow.matrix, whole);
         let part: Vec<Vec<Moving>> = (0..whole.len())
             .map(|i| {
@@ -263,20 +266,20 @@ impl OrbitSystem<'_> {
     /// The linearised return to the first entry, at equal time with a forcing: y there a period later.
     pub fn monodromy(
         &self,
-        modes: &Modes<Enclosure>,
+        modes: &IntervalModes<Enclosure>,
         passings: &[Passing],
         x: &[Interval],
     ) -> Option<Rows> {
         let (states, width) = (modes.states, self.width());
         let mut monodromy = super::flow::identity(width);
         for (index, passing) in passings.iter().enumerate() {
-            let Stretch { mode, end, .. } = self.stretches[index];
+            let OrbitSegment { mode, end, .. } = self.stretches[index];
             for step in 0..self.steps[index] {
                 let z = self.lift(&x[self.node(index, step)..][..width]);
                 monodromy = product(&self.linear(&passing.whole.at[..states], &z), &monodromy);
             }
             let z = self.lift(&x[self.place(index, true)..][..width]);
-            let End::Exit { guard, exit } = end else {
+            let SegmentEnd::Exit { guard, exit } = end else {
                 continue;
             };
             let guard = &modes.modes[mode].guards[guard];
@@ -302,8 +305,9 @@ impl OrbitSystem<'_> {
             let jump = self.linear(&reset, &z);
             monodromy = product(&product(&jump, &onto), &monodromy);
         }
-        if let Some(Stretch {
-            end: End::Never, ..
+        if let Some(OrbitSegment {
+            end: SegmentEnd::Never,
+            ..
         }) = self.stretches.last()
         {
             // the phase and the period are fixed

@@ -10,6 +10,9 @@
 
 mod arc;
 mod beyond;
+mod carry;
+mod changed;
+mod check;
 mod critical;
 mod enclosure;
 mod equations;
@@ -18,6 +21,7 @@ mod extended;
 mod facts;
 pub(super) mod flow;
 mod fraction;
+mod guess;
 mod inequality;
 mod modes;
 pub(super) mod multipliers;
@@ -33,28 +37,27 @@ mod zeros;
 
 use serde::{Deserialize, Serialize};
 
-pub use beyond::Seen;
-pub use open::{NotBeyond, Open, Unproven};
+pub use beyond::SequenceOrbit;
+pub(crate) use check::proven_again;
+pub use check::verify;
+pub use open::{OpenOrbit, OrbitNotBeyond, UnprovenOrbit};
 #[cfg(feature = "cli")]
-pub(crate) use requested::Requested;
-pub use system::{Condition, Near, Posed};
+pub(crate) use requested::RequestedOrbits;
+pub use system::{NearOrbit, OrbitCondition, PosedOrbit};
 
 use super::arc::{Broken, Moving};
-use super::certificate::{Point, Provable, Refused, Tally, begin_alike};
+use super::certificate::{CertifiedPoint, GrowthTally, Provable, RefusedProof, begin_alike};
 use super::{krawczyk, wider};
-use crate::affine::orbit::candidates::candidates;
-use crate::affine::orbit::{
-    AffineOrbit, Critical, Margin, Scales, Sequence, Watch, Zone, ZonePoint,
-};
+use crate::affine::orbit::setting::Setting;
+use crate::affine::orbit::{AffineOrbit, Critical, Scales, Sequence, Watch, ZonePoint};
 use crate::affine::system::System;
-use crate::hybrid::Item;
+use crate::hybrid::OrbitItem;
 use crate::interval::{Decimal, Interval, Number, PI};
 use crate::linalg::Vector;
-use crate::orbit::special::{Change, Special};
-use crate::orbit::{EventType, Examined, Orbit};
+use crate::orbit::special::Special;
+use crate::orbit::{EventType, Orbit};
 use crate::problem::{decimal_at, decimal_of};
-use modes::Structure;
-use products::Needed;
+
 use system::{Layout, OrbitSystem};
 
 /// A margin of order one that is smaller than this at an event may vanish there; whether it does is proven.
@@ -77,7 +80,7 @@ pub struct Changed {
 /// What is proven of a point.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Statement {
+pub struct OrbitStatement {
     /// The continuation parameter lies in here.
     pub parameter: Interval,
     /// The period.
@@ -98,41 +101,44 @@ pub struct Statement {
 /// A statement, and what it takes to check it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Proof {
+pub struct OrbitProof {
     /// The system and its equations.
-    pub posed: Posed,
+    pub posed: PosedOrbit,
     /// What singles out the point.
-    pub condition: Condition,
+    pub condition: OrbitCondition,
     /// The change of the sequence, at one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub changed: Option<Changed>,
     /// The orbit in the sequences before and beyond a change, where it is proven in another.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub seen: Vec<Seen>,
+    pub seen: Vec<SequenceOrbit>,
     /// The orbit in doubles.
-    pub near: Near,
+    pub near: NearOrbit,
     /// What is proven.
-    pub statement: Statement,
+    pub statement: OrbitStatement,
 }
 
-impl Provable for Proof {
+impl Provable for OrbitProof {
     type Parameter = String;
-    type Unproven = Unproven;
-    type Beyond = NotBeyond;
+    type Unproven = UnprovenOrbit;
+    type Beyond = OrbitNotBeyond;
 
-    fn arc(from: &Proof, to: &Proof) -> Result<(), Broken<Unproven, NotBeyond>> {
+    fn arc(
+        from: &OrbitProof,
+        to: &OrbitProof,
+    ) -> Result<(), Broken<UnprovenOrbit, OrbitNotBeyond>> {
         arc::prove(from, to)
     }
 
-    fn is_event_of(&self, other: &Proof) -> bool {
+    fn is_event_of(&self, other: &OrbitProof) -> bool {
         let meet = |a: Interval, b: Interval| !a.intersection(b).is_empty();
         let (first, second) = (&self.statement, &other.statement);
         let angles = match (first.angle, second.angle) {
             (Some(a), Some(b)) => meet(a, b),
             _ => true,
         };
-        let is_value = |proof: &Proof| matches!(proof.condition, Condition::Value(_));
-        let entries = |proof: &Proof| -> Vec<Vec<f64>> {
+        let is_value = |proof: &OrbitProof| matches!(proof.condition, OrbitCondition::Value(_));
+        let entries = |proof: &OrbitProof| -> Vec<Vec<f64>> {
             let zones = proof.near.zones.iter();
             let entry = |zone: &ZonePoint| {
                 let states = zone.state.iter().copied();
@@ -148,19 +154,21 @@ impl Provable for Proof {
             && begin_alike(&entries(self), &entries(other))
     }
 
-    fn tally(point: &Point<Proof>) -> Tally {
+    fn tally(point: &CertifiedPoint<OrbitProof>) -> GrowthTally {
         let Some(proof) = point.proof() else {
-            return Tally::Unknown;
+            return GrowthTally::Unknown;
         };
         match (&proof.condition, proof.statement.outside) {
-            (Condition::Value(_), Some(growing)) => Tally::Known {
+            (OrbitCondition::Value(_), Some(growing)) => GrowthTally::Known {
                 growing,
                 neutral: 0,
             },
-            (Condition::Value(_), None) => Tally::Passes(0),
-            (Condition::Fold | Condition::Doubling | Condition::Branching, _) => Tally::Passes(1),
-            (Condition::Torus { .. }, _) => Tally::Passes(2),
-            (Condition::Margin { .. }, _) => Tally::Unknown,
+            (OrbitCondition::Value(_), None) => GrowthTally::Passes(0),
+            (OrbitCondition::Fold | OrbitCondition::Doubling | OrbitCondition::Branching, _) => {
+                GrowthTally::Passes(1)
+            }
+            (OrbitCondition::Torus { .. }, _) => GrowthTally::Passes(2),
+            (OrbitCondition::Margin { .. }, _) => GrowthTally::Unknown,
         }
     }
 
@@ -173,7 +181,7 @@ impl Provable for Proof {
     }
 }
 
-impl Proof {
+impl OrbitProof {
     /// The type of a change of the sequence by what vanishes there.
     fn change(&self) -> Option<EventType> {
         let (system, _) = OrbitSystem::new(&self.posed, &self.near, &self.condition).ok()?;
@@ -183,13 +191,13 @@ impl Proof {
 
 /// Proves a special point of a branch; `None` for points without an event, and for failures. `text` is that of the
 /// problem file, whose decimals are taken as they are written.
-pub fn certify(item: &Item, text: &str) -> Option<Point<Proof>> {
+pub fn certify(item: &OrbitItem, text: &str) -> Option<CertifiedPoint<OrbitProof>> {
     let (event, special) = (item.event.as_ref()?, item.special.as_ref()?);
     if event.kind == EventType::MX {
         return None;
     }
     let (orbit, _) = item.orbit();
-    Some(Point {
+    Some(CertifiedPoint {
         label: event.label,
         kind: event.kind,
         parameter: orbit.parameter(),
@@ -200,71 +208,82 @@ pub fn certify(item: &Item, text: &str) -> Option<Point<Proof>> {
     })
 }
 
-fn prepared(item: &Item, special: &Special<AffineOrbit>, text: &str) -> Result<Proof, Open> {
+fn prepared(
+    item: &OrbitItem,
+    special: &Special<AffineOrbit>,
+    text: &str,
+) -> Result<OrbitProof, OpenOrbit> {
     let (orbit, point) = item.orbit();
     let setting = &orbit.setting;
     if setting.prescribed.is_some() {
-        return Err(Open::Prescribed);
+        return Err(OpenOrbit::Prescribed);
     }
     let at = setting.parameter;
-    let names = setting.system.source.parameters.names();
-    let values = names.zip(setting.values.iter().copied());
-    let mut posed = Posed {
-        // monitors are no part of what is proven
-        system: Some(setting.system.clone().with_monitors(Vec::new())),
-        values: decimals(values, text),
-        parameter: at,
-        periods: setting.periods,
-        // where an orbit begins that never switches is none of what is proven
-        units: Scales {
-            section: None,
-            ..setting.scales.clone()
-        },
-    };
+    let mut posed = posed(setting, text);
     let value = item.point.parameters.get(at).copied().unwrap_or(f64::NAN);
     let mut near = near(orbit, point)?;
     let condition = match special {
         Special::User(..) | Special::Edge(..) => {
-            Condition::Value(decimal_of(text, "continuation", value))
+            OrbitCondition::Value(decimal_of(text, "continuation", value))
         }
-        Special::Monitor(..) => return Err(Open::Monitor),
+        Special::Monitor(..) => return Err(OpenOrbit::Monitor),
         Special::Start | Special::Closed => {
             let name = orbit.parameter();
-            Condition::Value(decimal_of(
+            OrbitCondition::Value(decimal_of(
                 text,
                 &format!("system.parameters.{name}"),
                 value,
             ))
         }
-        Special::Fold(_) => Condition::Fold,
+        Special::Fold(_) => OrbitCondition::Fold,
         Special::Own(Critical::PeriodDoubling) => {
             // an orbit that is traversed several times is one of a part of its period
             let times = orbit.traversals(point).max(1);
             near.sequence.0.truncate(near.zones.len() / times);
             near.zones.truncate(near.zones.len() / times);
             posed.periods /= u32::try_from(times).unwrap_or(1);
-            Condition::Doubling
+            OrbitCondition::Doubling
         }
-        Special::Own(Critical::Torus { angle }) => Condition::Torus { angle: *angle },
-        Special::Own(Critical::Branching) => Condition::Branching,
-        Special::Own(Critical::Shrinking | Critical::Vanishing) => return Err(Open::Shrinking),
+        Special::Own(Critical::Torus { angle }) => OrbitCondition::Torus { angle: *angle },
+        Special::Own(Critical::Branching) => OrbitCondition::Branching,
+        Special::Own(Critical::Shrinking | Critical::Vanishing) => {
+            return Err(OpenOrbit::Shrinking);
+        }
         Special::Own(
             Critical::Homoclinic { .. }
             | Critical::SaddleNode { .. }
             | Critical::RestOnBoundary { .. },
         ) => {
-            return Err(Open::Homoclinic);
+            return Err(OpenOrbit::Homoclinic);
         }
         Special::Own(
             Critical::Doublings { .. }
             | Critical::Branchings { .. }
             | Critical::Several { .. }
             | Critical::Unlocated { .. },
-        ) => return Err(Open::Several),
-        Special::Change(change) => return changed(posed, orbit, point, change),
-        Special::Failed(_) => return Err(Open::Sequence),
+        ) => return Err(OpenOrbit::Several),
+        Special::Change(change) => return changed::changed(posed, orbit, point, change),
+        Special::Failed(_) => return Err(OpenOrbit::Sequence),
     };
     prove(posed, near, condition)
+}
+
+/// What is asked of a branch with this setting.
+fn posed(setting: &Setting, text: &str) -> PosedOrbit {
+    let names = setting.system.source.parameters.names();
+    let values = names.zip(setting.values.iter().copied());
+    PosedOrbit {
+        // monitors are no part of what is proven
+        system: Some(setting.system.clone().with_monitors(Vec::new())),
+        values: decimals(values, text),
+        parameter: setting.parameter,
+        periods: setting.periods,
+        // where an orbit begins that never switches is none of what is proven
+        units: Scales {
+            section: None,
+            ..setting.scales.clone()
+        },
+    }
 }
 
 /// Values of parameters as a text has them; one that is another there, after a restart, is the decimal of its double.
@@ -280,145 +299,31 @@ pub(super) fn decimals<'a>(
     parameters.map(written).collect()
 }
 
-fn near(orbit: &AffineOrbit, point: &Vector) -> Result<Near, Open> {
-    let at = orbit.at(point).map_err(|_| Open::NotEnclosed)?;
-    Ok(Near {
+fn near(orbit: &AffineOrbit, point: &Vector) -> Result<NearOrbit, OpenOrbit> {
+    let at = orbit.at(point).map_err(|_| OpenOrbit::NotEnclosed)?;
+    Ok(NearOrbit {
         sequence: orbit.sequence.clone(),
         zones: at.zones,
         parameter: orbit.parameter_at(point),
     })
 }
 
-/// Proves a change of the sequence: in the sequence before or, where a zone of that has no duration, in one without
-/// it, where another margin vanishes. At a graze several do, all for one reason: they are tried in turn.
-fn changed(
-    posed: Posed,
-    orbit: &AffineOrbit,
-    point: &Vector,
-    change: &Change<AffineOrbit>,
-) -> Result<Proof, Open> {
-    let (before, after) = (&change.before, &change.after);
-    // where several things happen at once, what was entered before has no duration yet
-    let tiny = VANISHES * orbit.setting.scales.time;
-    let zones = near(orbit, point)?.zones;
-    let closed = match change.margin.watch {
-        Watch::Duration => Some(change.margin.zone),
-        Watch::Inside(_) | Watch::Speed => None,
-        _ => zones.iter().position(|zone| zone.duration < tiny),
-    };
-    let closes = closed.is_some();
-    let mut list = vec![(orbit.clone(), point.clone())];
-    if let Some(zone) = closed {
-        let margin = Margin {
-            watch: Watch::Duration,
-            zone,
-            ..change.margin.clone()
-        };
-        let found = candidates(orbit, point, &margin).map_err(|_| Open::Duration)?;
-        list = found
-            .into_iter()
-            .filter(|candidate| candidate.nascent.is_empty())
-            .filter(|candidate| {
-                let mut sides = [before].into_iter().chain(after);
-                sides.any(|side| side.is_rotation_of(&candidate.orbit.sequence))
-            })
-            .map(|candidate| (candidate.orbit, candidate.point))
-            .collect();
-        // that of the branch beyond first
-        list.sort_by_key(|(orbit, _)| Some(&orbit.sequence) != after.as_ref());
-    }
-    let branch = (orbit, point);
-    let mut reason = None;
-    for (orbit, point) in list {
-        let Ok(examination) = orbit.examination(&point) else {
-            continue;
-        };
-        let mut margins: Vec<&Margin> = match closes {
-            true => Vec::new(),
-            false => vec![&change.margin],
-        };
-        let alike = |one: &&Margin| {
-            let kind = AffineOrbit::classify(before, after.as_ref(), one);
-            one.value.abs() <= VANISHES
-                && one.watch != Watch::Duration
-                && (closes || !AffineOrbit::is_same(one, &change.margin) && kind == change.kind)
-        };
-        margins.extend(examination.margins().iter().filter(alike));
-        for vanishing in margins {
-            let near = near(&orbit, &point)?;
-            match prove(posed.clone(), near, vanishing.into()) {
-                Ok(proof) if proof.change() != Some(change.kind) => {
-                    reason = reason.or(Some(Open::Kind));
-                }
-                Ok(proof) => return Ok(completed(proof, branch, change)),
-                Err(other) => reason = reason.or(Some(other)),
-            }
-        }
-    }
-    // two contacts that change their order have a zone between them on both sides, and no sequence without one
-    if let Some(zone) = closed {
-        let (orbit, point) = branch;
-        match prove(posed, near(orbit, point)?, Condition::closed(zone)) {
-            Ok(proof) if proof.change() == Some(change.kind) => {
-                return Ok(completed(proof, branch, change));
-            }
-            Ok(_) => {}
-            Err(other) => reason = reason.or(Some(other)),
-        }
-    }
-    Err(reason.unwrap_or(Open::Duration))
-}
-
-/// A proof with the change of the sequence, and with the orbit in the sequences in which it is not proven itself: what is not
-/// proven there is not stated.
-fn completed(
-    mut proof: Proof,
-    (orbit, point): (&AffineOrbit, &Vector),
-    change: &Change<AffineOrbit>,
-) -> Proof {
-    let margin = &change.margin;
-    let own = Seen {
-        condition: proof.condition.clone(),
-        near: proof.near.clone(),
-    };
-    let proven =
-        |sequence: &Sequence, list: &dyn Fn() -> Vec<Seen>| match own.near.sequence == *sequence {
-            true => Some(own.clone()),
-            false => {
-                let mut list = list().into_iter();
-                list.find(|one| beyond::prove(&proof, one).is_ok())
-            }
-        };
-    let first = proven(&change.before, &|| beyond::seen_here(orbit, point, margin));
-    let first = first.unwrap_or_else(|| own.clone());
-    let beyond = |after| proven(after, &|| beyond::seen(orbit, point, margin, after));
-    let other = change.after.as_ref().and_then(beyond);
-    let other = other.filter(|one| !one.near.sequence.is_rotation_of(&first.near.sequence));
-    let vanishing = first.condition.watched();
-    let (watch, zone) = vanishing.unwrap_or((margin.watch, margin.zone));
-    proof.changed = Some(Changed {
-        watch,
-        zone,
-        before: first.near.sequence.clone(),
-        after: other.as_ref().map(|one| one.near.sequence.clone()),
-    });
-    let seen = [first].into_iter().chain(other);
-    proof.seen = seen.filter(|one| one.near != proof.near).collect();
-    proof
-}
-
 /// Proves the point next to an orbit in doubles.
 ///
 /// # Errors
 /// It is not covered, or not proven.
-pub fn prove(posed: Posed, near: Near, condition: Condition) -> Result<Proof, Open> {
+pub fn prove(
+    posed: PosedOrbit,
+    near: NearOrbit,
+    condition: OrbitCondition,
+) -> Result<OrbitProof, OpenOrbit> {
     let (system, guess) = OrbitSystem::new(&posed, &near, &condition)?;
     let equations = |x: &[Interval]| system.evaluate(x);
-    let found = krawczyk::refined(&equations, &guess).ok_or(Open::NotEnclosed)?;
+    let found = krawczyk::refined(&equations, &guess).ok_or(OpenOrbit::NotEnclosed)?;
     let (near, condition) = system.near(&near, &found);
     // from what is stored, as a check does it
     let statement = statement(&posed, &near, &condition, None)?;
-    Ok(Proof {
+    Ok(OrbitProof {
         posed,
         condition,
         changed: None,
@@ -431,28 +336,28 @@ pub fn prove(posed: Posed, near: Near, condition: Condition) -> Result<Proof, Op
 /// What is proven of the point next to an orbit. The distance of uniqueness is looked for, or that of a stored
 /// statement, which is 0 where it does not hold.
 fn statement(
-    posed: &Posed,
-    near: &Near,
-    condition: &Condition,
+    posed: &PosedOrbit,
+    near: &NearOrbit,
+    condition: &OrbitCondition,
     stored: Option<f64>,
-) -> Result<Statement, Open> {
+) -> Result<OrbitStatement, OpenOrbit> {
     /// The orbit in doubles is known to this share of its units, or it is not that of the point.
     const KNOWN: f64 = 1e-7;
     let (mut system, middle) = OrbitSystem::new(posed, near, condition)?;
     let units = system.units(&middle);
     let equations = |x: &[Interval]| system.evaluate(x);
-    let zero = krawczyk::known(&equations, &middle, &units, KNOWN).ok_or(Open::NotIsolated)?;
+    let zero = krawczyk::known(&equations, &middle, &units, KNOWN).ok_or(OpenOrbit::NotIsolated)?;
     let parameter = system.parameter();
     let angle = match condition {
-        Condition::Torus { .. } => zero.at.last().copied(),
+        OrbitCondition::Torus { .. } => zero.at.last().copied(),
         _ => None,
     };
     // at 0 and π the equations of a pair are those of one multiplier, with any complex multiple of its vector
     if angle.is_some_and(|angle| !(angle.is_positive() && (PI - angle).is_positive())) {
-        return Err(Open::Angle);
+        return Err(OpenOrbit::Angle);
     }
     if !system.is_primitive(&zero.at) {
-        return Err(Open::Repeated);
+        return Err(OpenOrbit::Repeated);
     }
     let modes = system.enclosed(zero.at[parameter])?;
     let passings = system.passings(&modes, &zero.at);
@@ -461,7 +366,7 @@ fn statement(
         true => halved(&system, &zero.at),
         false => system
             .inequalities(&modes, &passings, &still, &system.closed)
-            .map_err(Open::from),
+            .map_err(OpenOrbit::from),
     };
     let inequalities = match checked {
         Ok(inequalities) => inequalities,
@@ -476,12 +381,12 @@ fn statement(
     let cycles = Interval::point(if system.half { 2.0 } else { 1.0 });
     let period = cycles * durations.fold(Interval::ZERO, |sum, duration| sum + duration);
     let monodromy = match condition {
-        Condition::Value(_) => system.monodromy(&modes, &passings, &zero.at),
+        OrbitCondition::Value(_) => system.monodromy(&modes, &passings, &zero.at),
         _ => None,
     };
-    Ok(Statement {
+    Ok(OrbitStatement {
         parameter: match condition {
-            Condition::Value(value) => value.interval(),
+            OrbitCondition::Value(value) => value.interval(),
             _ => wider(zero.at[parameter]),
         },
         period: wider(period),
@@ -493,178 +398,16 @@ fn statement(
 }
 
 /// Proves the inequalities of a symmetric orbit whose half is enclosed.
-fn halved(half: &OrbitSystem, x: &[Interval]) -> Result<usize, Open> {
-    let value = Condition::Value(Decimal::of(half.near.parameter));
+fn halved(half: &OrbitSystem, x: &[Interval]) -> Result<usize, OpenOrbit> {
+    let value = OrbitCondition::Value(Decimal::of(half.near.parameter));
     let layout = Layout {
         steps: half.steps.repeat(2),
         ..Layout::default()
     };
     let (system, _) = OrbitSystem::laid_out(half.posed, half.near, &value, &layout)?;
-    let whole = half.whole(x, &system).ok_or(Open::NotEnclosed)?;
+    let whole = half.whole(x, &system).ok_or(OpenOrbit::NotEnclosed)?;
     let modes = system.enclosed(whole[system.parameter()])?;
     let passings = system.passings(&modes, &whole);
     let still: Vec<Moving> = whole.iter().copied().map(Moving::constant).collect();
     Ok(system.inequalities(&modes, &passings, &still, &[])?)
-}
-
-/// Proves a stored statement again, without continuation.
-///
-/// # Errors
-/// The proof fails, or it proves something else.
-pub fn verify(point: &Point<Proof>, proof: &Proof) -> Result<(), Refused> {
-    proven_again(point, proof).map(|_| ())
-}
-
-/// Proves a stored statement again; returns the proof with intervals of it that are no wider than they are proven.
-///
-/// # Errors
-/// The proof fails, or it proves something else.
-pub(crate) fn proven_again(point: &Point<Proof>, proof: &Proof) -> Result<Proof, Refused> {
-    let Proof {
-        posed,
-        condition,
-        near,
-        statement: said,
-        ..
-    } = proof;
-    let open = |open: Open| Refused::NoProof(open.to_string());
-    let mut names = posed.system().map_err(open)?.source.parameters.names();
-    if names.nth(posed.parameter) != Some(&point.parameter) {
-        return Err(Refused::Statement("the parameter"));
-    }
-    check_zones(proof)?;
-    check_kind(proof, point.kind)?;
-    let proven = statement(posed, near, condition, Some(said.unique)).map_err(open)?;
-    super::compared("the parameter", said.parameter, proven.parameter)?;
-    super::compared("the period", said.period, proven.period)?;
-    match (said.angle, proven.angle) {
-        (Some(said), Some(proven)) => super::compared("the angle", said, proven)?,
-        (None, None) => {}
-        _ => return Err(Refused::Statement("the angle")),
-    }
-    super::compared_unique(said.unique, proven.unique)?;
-    if said.inequalities != proven.inequalities {
-        return Err(Refused::Statement("the number of inequalities"));
-    }
-    if said.outside.is_some() && said.outside != proven.outside {
-        return Err(Refused::Statement(
-            "the number of multipliers outside the unit circle",
-        ));
-    }
-    let mut again = proof.clone();
-    let statement = &mut again.statement;
-    statement.parameter = super::narrowed(said.parameter, proven.parameter);
-    statement.period = super::narrowed(said.period, proven.period);
-    let angles = said.angle.zip(proven.angle);
-    statement.angle = angles.map(|(said, proven)| super::narrowed(said, proven));
-    Ok(again)
-}
-
-/// Refuses zones that are no modes of the system, by their numbers and their names, or have labels that their switches do not give.
-fn check_zones(proof: &Proof) -> Result<(), Refused> {
-    let open = |open: Open| Refused::NoProof(open.to_string());
-    let system = proof.posed.system().map_err(open)?;
-    let seen = proof.seen.iter().map(|seen| &seen.near.sequence);
-    let changed = proof.changed.iter();
-    let changed = changed.flat_map(|changed| [&changed.before].into_iter().chain(&changed.after));
-    let sequences = [&proof.near.sequence]
-        .into_iter()
-        .chain(seen)
-        .chain(changed);
-    let zones: Vec<&Zone> = sequences.flat_map(|sequence| &sequence.0).collect();
-    let Posed {
-        values,
-        parameter,
-        units,
-        ..
-    } = &proof.posed;
-    let near = (Interval::point(proof.near.parameter), units.parameter);
-    let needed = Needed::new(values, *parameter, near, zones.iter().copied());
-    let (_, modes) = Structure::of(system, &needed).map_err(open)?;
-    let is_mode = |zone: &Zone| {
-        let way = zone.way.map(|way| [way.guard, way.exit]);
-        let label = way.and_then(|way| modes.label(zone.mode, way));
-        modes.modes.get(zone.mode).is_some()
-            && system.mode_name(zone.mode) == zone.name
-            && zone.has_label(label)
-    };
-    match zones.into_iter().all(is_mode) {
-        true => Ok(()),
-        false => Err(Refused::Statement("the name of a zone")),
-    }
-}
-
-/// Proves that the sequence changes from the one that is stated, by what is stated to vanish there, to the other, if there is one: in
-/// each of them the orbit of the event is proven.
-fn check_change(proof: &Proof, changed: &Changed) -> Result<(), Refused> {
-    let Changed {
-        watch,
-        zone,
-        before,
-        after,
-    } = changed;
-    let refused = || Refused::Statement("the change of the sequence");
-    let mut sides = [before].into_iter().chain(after);
-    let is_none = |after: &Sequence| after.is_rotation_of(before);
-    if !sides.clone().any(|one| *one == proof.near.sequence) || after.as_ref().is_some_and(is_none)
-    {
-        return Err(refused());
-    }
-    let condition = match *before == proof.near.sequence {
-        true => Some(&proof.condition),
-        false => {
-            let mut seen = proof.seen.iter();
-            let there = seen.find(|seen| seen.near.sequence == *before);
-            there.map(|seen| &seen.condition)
-        }
-    };
-    let vanishing = condition.and_then(Condition::watched);
-    if vanishing != Some((*watch, *zone)) {
-        return Err(refused());
-    }
-    for seen in &proof.seen {
-        beyond::prove(proof, seen).map_err(|reason| Refused::NoProof(reason.to_string()))?;
-    }
-    let is_proven = |side: &Sequence| {
-        let mut seen = proof.seen.iter();
-        *side == proof.near.sequence || seen.any(|seen| seen.near.sequence == *side)
-    };
-    match sides.all(is_proven) {
-        true => Ok(()),
-        false => Err(refused()),
-    }
-}
-
-/// Whether the type of an event follows from what vanishes there.
-fn check_kind(proof: &Proof, said: EventType) -> Result<(), Refused> {
-    let Proof {
-        posed,
-        condition,
-        changed,
-        near,
-        ..
-    } = proof;
-    let open = |open: Open| Refused::NoProof(open.to_string());
-    if changed.is_none() && !proof.seen.is_empty() {
-        return Err(Refused::Statement("the change of the sequence"));
-    }
-    let found = match (condition, changed.as_ref()) {
-        // of a value the certificate does not say who asked for it
-        (Condition::Value(_), None) if said == EventType::EP => EventType::EP,
-        (Condition::Value(_), None) => EventType::UZ,
-        (Condition::Fold, None) => EventType::LP,
-        (Condition::Doubling, None) => EventType::PD,
-        (Condition::Branching, None) => EventType::BP,
-        (Condition::Torus { .. }, None) => EventType::NS,
-        (Condition::Margin { .. }, Some(changed)) => {
-            check_change(proof, changed)?;
-            let (system, _) = OrbitSystem::new(posed, near, condition).map_err(open)?;
-            system.change().ok_or_else(|| open(Open::Kind))?
-        }
-        _ => return Err(Refused::Statement("the change of the sequence")),
-    };
-    match found == said {
-        true => Ok(()),
-        false => Err(Refused::Kind { said, found }),
-    }
 }

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::ops::Index;
 
-use super::Open;
-use super::exact::Exact;
+use super::OpenOrbit;
+use super::exact::NamePolynomial;
 use super::products::{Needed, ProductModes};
 use crate::affine::dual::Coefficient;
 use crate::affine::evaluation::{Evaluation, FormMode, FormSwitch};
@@ -18,7 +18,7 @@ pub type Row<C> = Vec<C>;
 
 /// A way for a mode to end.
 #[derive(Clone, Debug)]
-pub struct Exit<C> {
+pub struct IntervalExit<C> {
     pub to: usize,
     /// New states as forms of z.
     pub reset: Vec<Row<C>>,
@@ -30,42 +30,42 @@ pub struct Exit<C> {
 
 /// What is positive in a mode, and where it leads when it is zero no more.
 #[derive(Clone, Debug)]
-pub struct Guard<C> {
+pub struct IntervalGuard<C> {
     pub row: Row<C>,
-    pub exits: Vec<Exit<C>>,
+    pub exits: Vec<IntervalExit<C>>,
 }
 
 /// A mode: ż = Mz.
 #[derive(Clone, Debug)]
-pub struct Mode<C> {
+pub struct IntervalMode<C> {
     pub matrix: Vec<Row<C>>,
-    pub guards: Vec<Guard<C>>,
+    pub guards: Vec<IntervalGuard<C>>,
     /// What does not change, by the making of the mode: the form of its surface, a slip that a contact holds.
     pub kept: Vec<Row<C>>,
 }
 
 /// Modes by their numbers: of those that contacts make there are few.
 #[derive(Clone, Debug, Default)]
-pub struct Numbered<C>(BTreeMap<usize, Mode<C>>);
+pub struct Numbered<C>(BTreeMap<usize, IntervalMode<C>>);
 
 impl<C> Numbered<C> {
     /// The mode of a number, if it is there.
-    pub fn get(&self, number: usize) -> Option<&Mode<C>> {
+    pub fn get(&self, number: usize) -> Option<&IntervalMode<C>> {
         self.0.get(&number)
     }
 }
 
 impl<C> Index<usize> for Numbered<C> {
-    type Output = Mode<C>;
+    type Output = IntervalMode<C>;
 
-    fn index(&self, number: usize) -> &Mode<C> {
+    fn index(&self, number: usize) -> &IntervalMode<C> {
         &self.0[&number]
     }
 }
 
 /// Modes of the file, then the sliding ones; or some of those that contacts make.
 #[derive(Clone, Debug)]
-pub struct Modes<C> {
+pub struct IntervalModes<C> {
     pub states: usize,
     pub harmonics: usize,
     pub omega: C,
@@ -74,7 +74,7 @@ pub struct Modes<C> {
 
 /// The direction that F₊ − F₋ keeps.
 #[derive(Clone, Copy, Debug)]
-enum Direction {
+enum JumpDirection {
     /// That of one state.
     State(usize),
     /// F₊ − F₋ itself, which depends on neither states nor phase.
@@ -86,15 +86,15 @@ enum Direction {
 pub struct Structure {
     /// Of every switch of a mode, the guard that it belongs to.
     guards: Vec<Vec<usize>>,
-    slides: Vec<Sliding>,
+    slides: Vec<IntervalSliding>,
     /// The modes that contacts make, in the place of those of the file.
     products: Option<ProductModes>,
 }
 
 /// What is known of a sliding mode whatever the parameters.
 #[derive(Clone, Debug)]
-struct Sliding {
-    direction: Direction,
+struct IntervalSliding {
+    direction: JumpDirection,
     /// The guards of the modes on its sides, each with its mode, that are not its surface.
     watched: Vec<[usize; 2]>,
 }
@@ -124,12 +124,12 @@ pub fn through<C: Coefficient>(row: &[C], matrix: &[Row<C>]) -> Row<C> {
 }
 
 /// A number over another.
-fn over<C: Coefficient>(one: C, other: C) -> Result<C, Open> {
+fn over<C: Coefficient>(one: C, other: C) -> Result<C, OpenOrbit> {
     one.operate(Operation::Over, other)
-        .map_err(|_| Open::Numbers)
+        .map_err(|_| OpenOrbit::Numbers)
 }
 
-impl<C: Coefficient> Mode<C> {
+impl<C: Coefficient> IntervalMode<C> {
     /// The derivative of this order of a form.
     pub fn derivative(&self, row: &[C], order: usize) -> Row<C> {
         (0..order).fold(row.to_vec(), |row, _| through(&row, &self.matrix))
@@ -137,7 +137,7 @@ impl<C: Coefficient> Mode<C> {
 
     /// The one guard that leads to a mode, or to the other by sliding.
     fn guard_to(&self, to: usize) -> Option<usize> {
-        let leads = |guard: &Guard<C>| guard.exits.iter().any(|exit| exit.to == to);
+        let leads = |guard: &IntervalGuard<C>| guard.exits.iter().any(|exit| exit.to == to);
         let mut found = (0..self.guards.len()).filter(|index| leads(&self.guards[*index]));
         let first = found.next();
         first.filter(|_| found.next().is_none())
@@ -150,7 +150,7 @@ fn evaluated<C: Coefficient>(
     products: Option<&ProductModes>,
     parameter: &dyn Fn(usize) -> C,
     pi: C,
-) -> Result<(C, Vec<FormMode<C>>), Open> {
+) -> Result<(C, Vec<FormMode<C>>), OpenOrbit> {
     let forms = || {
         let evaluation = Evaluation::new(system, parameter, pi.clone())?;
         let modes = match products {
@@ -159,7 +159,7 @@ fn evaluated<C: Coefficient>(
         };
         Ok((evaluation.frequency()?, modes))
     };
-    let forms = forms().map_err(|error: SystemError| Open::System(error.path));
+    let forms = forms().map_err(|error: SystemError| OpenOrbit::System(error.path));
     let (omega, modes) = forms?;
     let Some(products) = products else {
         return Ok((omega, modes));
@@ -171,15 +171,15 @@ fn evaluated<C: Coefficient>(
     Ok((omega, products.values(&meaning)?))
 }
 
-impl<C: Coefficient> Modes<C> {
+impl<C: Coefficient> IntervalModes<C> {
     fn of(
         (omega, forms): &(C, Vec<FormMode<C>>),
         system: &System,
         structure: &Structure,
-    ) -> Result<Modes<C>, Open> {
+    ) -> Result<IntervalModes<C>, OpenOrbit> {
         let states = system.source.states.len();
         let harmonics = forms.iter().flat_map(FormMode::forms).map(Form::highest);
-        let mut modes = Modes {
+        let mut modes = IntervalModes {
             states,
             harmonics: harmonics.max().unwrap_or(0),
             omega: omega.clone(),
@@ -228,7 +228,7 @@ impl<C: Coefficient> Modes<C> {
         row
     }
 
-    fn mode(&self, mode: &FormMode<C>, guards: &[usize]) -> Mode<C> {
+    fn mode(&self, mode: &FormMode<C>, guards: &[usize]) -> IntervalMode<C> {
         let size = self.size();
         let mut matrix: Vec<Row<C>> = mode.rates.iter().map(|rate| self.row(rate)).collect();
         matrix.resize(size, vec![C::default(); size]);
@@ -238,30 +238,30 @@ impl<C: Coefficient> Modes<C> {
             matrix[cosine][cosine + 1] = turn.clone().negative();
             matrix[cosine + 1][cosine] = turn;
         }
-        let mut found: Vec<Guard<C>> = Vec::new();
+        let mut found: Vec<IntervalGuard<C>> = Vec::new();
         for (switch, guard) in mode.switches.iter().zip(guards) {
             let exit = self.exit(switch);
             match found.get_mut(*guard) {
                 Some(guard) => guard.exits.push(exit),
-                None => found.push(Guard {
+                None => found.push(IntervalGuard {
                     row: self.row(&switch.guard),
                     exits: vec![exit],
                 }),
             }
         }
-        Mode {
+        IntervalMode {
             matrix,
             guards: found,
             kept: mode.held.iter().map(|form| self.row(form)).collect(),
         }
     }
 
-    fn exit(&self, switch: &FormSwitch<C>) -> Exit<C> {
+    fn exit(&self, switch: &FormSwitch<C>) -> IntervalExit<C> {
         let mut reset: Vec<Row<C>> = (0..self.states).map(|state| self.unit(state)).collect();
         for (state, form) in &switch.reset {
             reset[*state] = self.row(form);
         }
-        Exit {
+        IntervalExit {
             to: switch.to,
             reset,
             conditions: switch
@@ -277,19 +277,19 @@ impl<C: Coefficient> Modes<C> {
     /// Puts a sliding mode between two: Filippov's field F₋ − d (nᵀF₋)/(nᵀd), where n is the gradient of the guard
     /// of the first mode. It lasts while both fields point at the surface and the other guards of both modes are
     /// positive; where one of these ends it is not covered.
-    fn slide(&mut self, sides: [usize; 2], sliding: &Sliding) -> Result<(), Open> {
+    fn slide(&mut self, sides: [usize; 2], sliding: &IntervalSliding) -> Result<(), OpenOrbit> {
         let own = self.modes.0.len();
         let [first, second] = sides.map(|side| &self.modes[side]);
         let leave = [first.guard_to(sides[1]), second.guard_to(sides[0])];
         let [Some(leave_first), Some(leave_second)] = leave else {
-            return Err(Open::Sliding);
+            return Err(OpenOrbit::Sliding);
         };
         let surface = first.guards[leave_first].row.clone();
         let [toward, away] = [first, second].map(|mode| through(&surface, &mode.matrix));
         let along: Vec<C> = (0..self.states)
             .map(|state| match sliding.direction {
-                Direction::State(only) => C::number(f64::from(u8::from(state == only))),
-                Direction::Constant => {
+                JumpDirection::State(only) => C::number(f64::from(u8::from(state == only))),
+                JumpDirection::Constant => {
                     let [below, above] =
                         [first, second].map(|mode| mode.matrix[state][self.states].clone());
                     above.sum(1.0, below, -1.0)
@@ -307,19 +307,19 @@ impl<C: Coefficient> Modes<C> {
             }
         }
         let stay: Vec<Row<C>> = (0..self.states).map(|state| self.unit(state)).collect();
-        let exit = |to: usize, conditions: Vec<Row<C>>| Exit {
+        let exit = |to: usize, conditions: Vec<Row<C>>| IntervalExit {
             to,
             reset: stay.clone(),
             conditions,
             name: None,
         };
-        let guard = |row: &Row<C>, to: usize| Guard {
+        let guard = |row: &Row<C>, to: usize| IntervalGuard {
             row: row.clone(),
             exits: vec![exit(to, Vec::new())],
         };
         let ends = negative(&toward);
         let own_conditions = [guard(&ends, sides[0]), guard(&away, sides[1])];
-        let watched = sliding.watched.iter().map(|[mode, guard]| Guard {
+        let watched = sliding.watched.iter().map(|[mode, guard]| IntervalGuard {
             row: self.modes[*mode].guards[*guard].row.clone(),
             exits: Vec::new(),
         });
@@ -332,7 +332,7 @@ impl<C: Coefficient> Modes<C> {
         self.side(sides[1])?.guards[leave_second]
             .exits
             .insert(0, slide_second);
-        let mode = Mode {
+        let mode = IntervalMode {
             matrix,
             guards,
             kept: vec![surface],
@@ -342,8 +342,8 @@ impl<C: Coefficient> Modes<C> {
     }
 
     /// A mode on one side of a surface.
-    fn side(&mut self, number: usize) -> Result<&mut Mode<C>, Open> {
-        self.modes.0.get_mut(&number).ok_or(Open::Sliding)
+    fn side(&mut self, number: usize) -> Result<&mut IntervalMode<C>, OpenOrbit> {
+        self.modes.0.get_mut(&number).ok_or(OpenOrbit::Sliding)
     }
 }
 
@@ -352,26 +352,29 @@ impl Structure {
     ///
     /// # Errors
     /// Two modes between which sliding is not covered.
-    pub fn of(system: &System, needed: &Needed) -> Result<(Structure, Modes<Exact>), Open> {
+    pub fn of(
+        system: &System,
+        needed: &Needed,
+    ) -> Result<(Structure, IntervalModes<NamePolynomial>), OpenOrbit> {
         if let Some(products) = ProductModes::of(system, needed)? {
             return Structure::of_products(system, products);
         }
         let names: Vec<&str> = system.source.parameters.names().collect();
-        let named = |index: usize| Exact::named(names[index].to_owned());
-        let forms = evaluated(system, None, &named, Exact::named("pi".to_owned()))?;
+        let named = |index: usize| NamePolynomial::named(names[index].to_owned());
+        let forms = evaluated(system, None, &named, NamePolynomial::named("pi".to_owned()))?;
         let mut structure = Structure {
             guards: forms.1.iter().map(FormMode::guards).collect(),
             slides: Vec::new(),
             products: None,
         };
         for [first, second] in &system.sliding {
-            let modes = Modes::of(&forms, system, &structure)?;
-            structure.slides.push(Sliding {
+            let modes = IntervalModes::of(&forms, system, &structure)?;
+            structure.slides.push(IntervalSliding {
                 direction: modes.direction(*first, *second)?,
                 watched: modes.watched([*first, *second]),
             });
         }
-        let modes = Modes::of(&forms, system, &structure)?;
+        let modes = IntervalModes::of(&forms, system, &structure)?;
         Ok((structure, modes))
     }
 
@@ -379,19 +382,19 @@ impl Structure {
     fn of_products(
         system: &System,
         products: ProductModes,
-    ) -> Result<(Structure, Modes<Exact>), Open> {
+    ) -> Result<(Structure, IntervalModes<NamePolynomial>), OpenOrbit> {
         let names: Vec<&str> = system.source.parameters.names().collect();
-        let named = |index: usize| Exact::named(names[index].to_owned());
-        let pi = Exact::named("pi".to_owned());
+        let named = |index: usize| NamePolynomial::named(names[index].to_owned());
+        let pi = NamePolynomial::named("pi".to_owned());
         let frequency = || Evaluation::new(system, &named, pi)?.frequency();
-        let omega = frequency().map_err(|error: SystemError| Open::System(error.path))?;
+        let omega = frequency().map_err(|error: SystemError| OpenOrbit::System(error.path))?;
         let forms = (omega, products.exact());
         let structure = Structure {
             guards: products.guards.clone(),
             slides: Vec::new(),
             products: Some(products),
         };
-        let modes = Modes::of(&forms, system, &structure)?;
+        let modes = IntervalModes::of(&forms, system, &structure)?;
         Ok((structure, modes))
     }
 
@@ -410,25 +413,27 @@ impl Structure {
         system: &System,
         parameter: &dyn Fn(usize) -> C,
         pi: C,
-    ) -> Result<Modes<C>, Open> {
+    ) -> Result<IntervalModes<C>, OpenOrbit> {
         let forms = evaluated(system, self.products.as_ref(), parameter, pi)?;
-        Modes::of(&forms, system, self)
+        IntervalModes::of(&forms, system, self)
     }
 }
 
-impl Modes<Exact> {
+impl IntervalModes<NamePolynomial> {
     /// The guards of two modes that are not the surface in which they meet, each form once.
     fn watched(&self, sides: [usize; 2]) -> Vec<[usize; 2]> {
         let row = |[mode, guard]: [usize; 2]| &self.modes[mode].guards[guard].row;
         let surface = self.modes[sides[0]].guard_to(sides[1]);
         let surface = surface.map(|guard| row([sides[0], guard]));
-        let is_multiple = |one: &Row<Exact>, other: &Row<Exact>| {
+        let is_multiple = |one: &Row<NamePolynomial>, other: &Row<NamePolynomial>| {
             let pivot = other.iter().position(|entry| !entry.is_zero());
             pivot.is_some_and(|pivot| {
                 let minus = one[pivot].clone().negative();
-                let scaled = vec![Exact::default(); one.len()];
+                let scaled = vec![NamePolynomial::default(); one.len()];
                 let own = added(&scaled, one, &other[pivot]);
-                added(&own, other, &minus).iter().all(Exact::is_zero)
+                added(&own, other, &minus)
+                    .iter()
+                    .all(NamePolynomial::is_zero)
             })
         };
         let mut found: Vec<[usize; 2]> = Vec::new();
@@ -444,33 +449,33 @@ impl Modes<Exact> {
         found
     }
 
-    fn direction(&self, first: usize, second: usize) -> Result<Direction, Open> {
+    fn direction(&self, first: usize, second: usize) -> Result<JumpDirection, OpenOrbit> {
         let [below, above] = [first, second].map(|side| &self.modes[side]);
         let guards = below.guard_to(second).zip(above.guard_to(first));
-        let (one, other) = guards.ok_or(Open::Sliding)?;
+        let (one, other) = guards.ok_or(OpenOrbit::Sliding)?;
         let both = below.guards[one].row.iter().zip(&above.guards[other].row);
         let mut sums = both.map(|(a, b)| a.clone().sum(1.0, b.clone(), 1.0));
         if !sums.all(|sum| sum.is_zero()) {
-            return Err(Open::Sliding);
+            return Err(OpenOrbit::Sliding);
         }
-        let minus = <Exact as Algebra>::number(-1.0);
-        let difference: Vec<Row<Exact>> = (0..self.states)
+        let minus = <NamePolynomial as Algebra>::number(-1.0);
+        let difference: Vec<Row<NamePolynomial>> = (0..self.states)
             .map(|state| added(&above.matrix[state], &below.matrix[state], &minus))
             .collect();
-        let moves = |row: &Row<Exact>| row.iter().any(|entry| !entry.is_zero());
+        let moves = |row: &Row<NamePolynomial>| row.iter().any(|entry| !entry.is_zero());
         let mut moving = (0..self.states).filter(|state| moves(&difference[*state]));
         match (moving.next(), moving.next()) {
-            (Some(only), None) => return Ok(Direction::State(only)),
-            (None, _) => return Err(Open::Sliding),
+            (Some(only), None) => return Ok(JumpDirection::State(only)),
+            (None, _) => return Err(OpenOrbit::Sliding),
             _ => {}
         }
-        let constant = |row: &Row<Exact>| {
+        let constant = |row: &Row<NamePolynomial>| {
             let mut entries = row.iter().enumerate();
             entries.all(|(column, entry)| column == self.states || entry.is_zero())
         };
         match difference.iter().all(constant) {
-            true => Ok(Direction::Constant),
-            false => Err(Open::Sliding),
+            true => Ok(JumpDirection::Constant),
+            false => Err(OpenOrbit::Sliding),
         }
     }
 }

@@ -4,7 +4,7 @@ use crate::affine::contact::mistake::ContactMistake;
 
 /// Which inequality is not proven.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum Unproven {
+pub enum UnprovenOrbit {
     /// The duration of a zone.
     #[error("that zone {0} has a duration")]
     Duration(usize),
@@ -29,13 +29,13 @@ pub enum Unproven {
 
 /// Why the orbit of an event is not proven in the other sequence of zones.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum NotBeyond {
+pub enum OrbitNotBeyond {
     /// Formulas do not tell.
     #[error("not covered: how the zones of this event open or close")]
     Laws,
     /// It is not proven, or an inequality is not.
     #[error(transparent)]
-    Open(#[from] Open),
+    Open(#[from] OpenOrbit),
     /// It may be another.
     #[error("undecided: the orbit beyond may be another")]
     Another,
@@ -43,7 +43,7 @@ pub enum NotBeyond {
 
 /// Why an orbit is not proven.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum Open {
+pub enum OpenOrbit {
     /// The multiplier that passes is not simple.
     #[error("not covered: several multipliers that pass the unit circle together")]
     Several,
@@ -120,5 +120,5 @@ pub enum Open {
     NotIsolated,
     /// An inequality.
     #[error("undecided: {0} is not proven")]
-    Inequality(#[from] Unproven),
+    Inequality(#[from] UnprovenOrbit),
 }

@@ -7,8 +7,8 @@
 
 use std::collections::BTreeSet;
 
-use super::Open;
-use super::exact::{Exact, Formula};
+use super::OpenOrbit;
+use super::exact::{Formula, NamePolynomial};
 use super::ranged::Ranged;
 use crate::affine::contact::forms::{ContactForms, Written};
 use crate::affine::dual::Coefficient;
@@ -54,7 +54,7 @@ impl<'a> Needed<'a> {
 #[derive(Clone, Debug)]
 pub struct ProductModes {
     /// Their numbers, and what they are.
-    modes: Vec<(usize, FormMode<Exact>, FormMode<Formula>)>,
+    modes: Vec<(usize, FormMode<NamePolynomial>, FormMode<Formula>)>,
     /// Of every switch of each, the guard that it belongs to.
     pub guards: Vec<Vec<usize>>,
     /// Values of the parameter for which they are so.
@@ -69,7 +69,7 @@ impl ProductModes {
     ///
     /// # Errors
     /// Something that they hang on is not decided, or not covered.
-    pub fn of(system: &System, needed: &Needed) -> Result<Option<ProductModes>, Open> {
+    pub fn of(system: &System, needed: &Needed) -> Result<Option<ProductModes>, OpenOrbit> {
         let Some(products) = &system.products else {
             return Ok(None);
         };
@@ -80,9 +80,9 @@ impl ProductModes {
                 .all(|x| x.is_finite())
             && needed.unit > 0.0;
         if !fits {
-            return Err(Open::Sequence);
+            return Err(OpenOrbit::Sequence);
         }
-        let mut made = Err(Open::Sequence);
+        let mut made = Err(OpenOrbit::Sequence);
         for halvings in HALVINGS {
             let beside = Interval::around(0.0, needed.unit * 2.0_f64.powi(-halvings));
             made = ProductModes::over(system, needed, needed.range + beside);
@@ -94,7 +94,7 @@ impl ProductModes {
     }
 
     /// Over a range of the parameter.
-    fn over(system: &System, needed: &Needed, range: Interval) -> Result<ProductModes, Open> {
+    fn over(system: &System, needed: &Needed, range: Interval) -> Result<ProductModes, OpenOrbit> {
         let names: Vec<&str> = system.source.parameters.names().collect();
         let parameter = |index: usize| {
             let value = match index == needed.parameter {
@@ -105,20 +105,20 @@ impl ProductModes {
         };
         let forms = forms(system, &parameter)?;
         if forms.signs().iter().any(|number| number.range().low < 0.0) {
-            return Err(Open::Signs);
+            return Err(OpenOrbit::Signs);
         }
         let made = needed.modes.iter().map(|number| {
             let mode = FormMode {
                 held: forms.kept(*number),
-                ..forms.mode(*number).map_err(Open::Contacts)?
+                ..forms.mode(*number).map_err(OpenOrbit::Contacts)?
             };
-            let exact = mode.convert(&|one: &Ranged| Ok::<_, Open>(one.formula.clone()))?;
+            let exact = mode.convert(&|one: &Ranged| Ok::<_, OpenOrbit>(one.formula.clone()))?;
             let formula =
-                mode.convert(&|one: &Ranged| one.formula.formula().ok_or(Open::Written))?;
-            let (exact, formula) = exact.zip(formula).ok_or(Open::Written)?;
+                mode.convert(&|one: &Ranged| one.formula.formula().ok_or(OpenOrbit::Written))?;
+            let (exact, formula) = exact.zip(formula).ok_or(OpenOrbit::Written)?;
             Ok((*number, exact, formula))
         });
-        let modes = made.collect::<Result<Vec<_>, Open>>()?;
+        let modes = made.collect::<Result<Vec<_>, OpenOrbit>>()?;
         let guards = modes.iter().map(|(_, exact, _)| exact.guards()).collect();
         Ok(ProductModes {
             modes,
@@ -133,7 +133,7 @@ impl ProductModes {
     }
 
     /// As formulas.
-    pub fn exact(&self) -> Vec<FormMode<Exact>> {
+    pub fn exact(&self) -> Vec<FormMode<NamePolynomial>> {
         self.modes
             .iter()
             .map(|(_, exact, _)| exact.clone())
@@ -147,10 +147,10 @@ impl ProductModes {
     pub fn values<C: Coefficient>(
         &self,
         meaning: &impl Fn(&str) -> Option<C>,
-    ) -> Result<Vec<FormMode<C>>, Open> {
-        let value = |formula: &Formula| formula.value(meaning).map_err(|_| Open::Numbers);
+    ) -> Result<Vec<FormMode<C>>, OpenOrbit> {
+        let value = |formula: &Formula| formula.value(meaning).map_err(|_| OpenOrbit::Numbers);
         let modes = self.modes.iter();
-        let modes = modes.map(|(.., formula)| formula.convert(&value)?.ok_or(Open::Numbers));
+        let modes = modes.map(|(.., formula)| formula.convert(&value)?.ok_or(OpenOrbit::Numbers));
         modes.collect()
     }
 }
@@ -159,13 +159,13 @@ impl ProductModes {
 fn forms(
     system: &System,
     parameter: &dyn Fn(usize) -> Ranged,
-) -> Result<ContactForms<Ranged>, Open> {
+) -> Result<ContactForms<Ranged>, OpenOrbit> {
     let evaluated = || {
         let evaluation = Evaluation::new(system, parameter, Ranged::named("pi", PI))?;
         let laws = evaluation.laws()?;
         Ok((evaluation.frequency()?, evaluation.modes()?, laws))
     };
-    let evaluated = evaluated().map_err(|error: SystemError| Open::System(error.path));
+    let evaluated = evaluated().map_err(|error: SystemError| OpenOrbit::System(error.path));
     let (omega, modes, laws) = evaluated?;
     let products = system.products.clone();
     let written = Written {
@@ -175,5 +175,5 @@ fn forms(
         products: products.unwrap_or_default(),
         omega,
     };
-    ContactForms::new(modes, written).map_err(|(_, mistake)| Open::Contacts(mistake))
+    ContactForms::new(modes, written).map_err(|(_, mistake)| OpenOrbit::Contacts(mistake))
 }

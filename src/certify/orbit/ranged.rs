@@ -2,7 +2,7 @@
 //! by contacts hangs on is decided by these for the whole range, or not at all.
 
 use super::enclosure::Enclosure;
-use super::exact::Exact;
+use super::exact::NamePolynomial;
 use crate::affine::dual::{Coefficient, Measured};
 use crate::affine::expression::{Algebra, Function, Obstacle, Operation};
 use crate::interval::{Interval, Number};
@@ -10,7 +10,7 @@ use crate::interval::{Interval, Number};
 /// A formula, and an interval that has its values over a range of the parameter.
 #[derive(Clone, Debug)]
 pub struct Ranged {
-    pub formula: Exact,
+    pub formula: NamePolynomial,
     range: Enclosure,
 }
 
@@ -18,7 +18,7 @@ impl Ranged {
     /// A name that stands for a number in an interval.
     pub fn named(name: &str, range: Interval) -> Ranged {
         Ranged {
-            formula: Exact::named(name.to_owned()),
+            formula: NamePolynomial::named(name.to_owned()),
             range: Enclosure::constant(range),
         }
     }
@@ -29,7 +29,7 @@ impl Ranged {
     }
 
     /// The two parts of a result: a formula that is zero is so whatever its interval.
-    fn of(formula: Exact, range: Enclosure) -> Ranged {
+    fn of(formula: NamePolynomial, range: Enclosure) -> Ranged {
         match formula.is_zero() {
             true => Ranged::default(),
             false => Ranged { formula, range },
@@ -40,7 +40,7 @@ impl Ranged {
 impl Default for Ranged {
     fn default() -> Ranged {
         Ranged {
-            formula: Exact::default(),
+            formula: NamePolynomial::default(),
             range: Enclosure::constant(Interval::ZERO),
         }
     }
@@ -54,13 +54,13 @@ impl PartialEq for Ranged {
 
 impl Algebra for Ranged {
     fn number(value: f64) -> Ranged {
-        let formula = <Exact as Algebra>::number(value);
+        let formula = <NamePolynomial as Algebra>::number(value);
         Ranged::of(formula, Enclosure::constant(Interval::point(value)))
     }
 
     fn decimal(value: f64, text: &str) -> Ranged {
         let range = <Enclosure as Algebra>::decimal(value, text);
-        Ranged::of(Exact::decimal(value, text), range)
+        Ranged::of(NamePolynomial::decimal(value, text), range)
     }
 
     fn negative(self) -> Ranged {

@@ -1,13 +1,13 @@
 //! What a problem file says of the statements on its branch: its system, its numbers, and the values that it asks for.
 
-use super::system::{Condition, Posed};
-use super::{Proof, Refused};
-use crate::certify::Point;
+use super::system::{OrbitCondition, PosedOrbit};
+use super::{OrbitProof, RefusedProof};
+use crate::certify::CertifiedPoint;
 use crate::certify::requested_system::RequestedSystem;
 use crate::problem::{OrbitStart, SystemProblem};
 
 /// What the branch of a problem file is about.
-pub(crate) struct Requested {
+pub(crate) struct RequestedOrbits {
     system: RequestedSystem,
     /// Periods of the forcing in an orbit, or the most that are looked for; `None` where they are those of an orbit of an earlier run.
     periods: Option<usize>,
@@ -17,16 +17,16 @@ pub(crate) struct Requested {
     prescribed: bool,
 }
 
-impl Requested {
+impl RequestedOrbits {
     /// Of a problem with its text; `None` where no branch of orbits is followed.
-    pub(crate) fn new(problem: &SystemProblem, text: &str) -> Option<Requested> {
+    pub(crate) fn new(problem: &SystemProblem, text: &str) -> Option<RequestedOrbits> {
         let orbit = &problem.orbit;
         let restarted = match orbit.start {
             OrbitStart::Nowhere => return None,
             OrbitStart::Simulate { .. } | OrbitStart::Given { .. } => false,
             OrbitStart::Restart { .. } | OrbitStart::Switch { .. } => true,
         };
-        Some(Requested {
+        Some(RequestedOrbits {
             system: RequestedSystem::new(problem, text, restarted)?,
             periods: (!restarted).then_some(orbit.periods),
             at_most: matches!(orbit.start, OrbitStart::Simulate { .. }),
@@ -39,11 +39,14 @@ impl Requested {
     ///
     /// # Errors
     /// They are others.
-    pub(crate) fn check_units(&self, points: &[Point<Proof>]) -> Result<(), Refused> {
+    pub(crate) fn check_units(
+        &self,
+        points: &[CertifiedPoint<OrbitProof>],
+    ) -> Result<(), RefusedProof> {
         /// A rough orbit is no more than so many times smaller or larger.
         const ROUGH: f64 = 2.0;
-        let mut proofs = points.iter().filter_map(Point::proof);
-        let refused = Err(Refused::Problem("the unit of a state or of time"));
+        let mut proofs = points.iter().filter_map(CertifiedPoint::proof);
+        let refused = Err(RefusedProof::Problem("the unit of a state or of time"));
         let Some(first) = proofs.next() else {
             return Ok(());
         };
@@ -51,11 +54,12 @@ impl Requested {
         if proofs.any(|proof| proof.posed.units != *units) {
             return refused;
         }
-        let Condition::Value(value) = &first.condition else {
+        let OrbitCondition::Value(value) = &first.condition else {
             return Ok(());
         };
         let zones = &first.near.zones;
-        let is_first = points.first().is_some_and(Point::is_proven) && self.system.begins(value);
+        let is_first =
+            points.first().is_some_and(CertifiedPoint::is_proven) && self.system.begins(value);
         let period: f64 = zones.iter().map(|zone| zone.duration).sum();
         let largest = |state: usize| {
             zones
@@ -76,8 +80,12 @@ impl Requested {
     ///
     /// # Errors
     /// Its equations, or the value of its parameter, are not those of the problem.
-    pub(crate) fn check(&self, point: &Point<Proof>, proof: &Proof) -> Result<(), Refused> {
-        let Posed {
+    pub(crate) fn check(
+        &self,
+        point: &CertifiedPoint<OrbitProof>,
+        proof: &OrbitProof,
+    ) -> Result<(), RefusedProof> {
+        let PosedOrbit {
             system,
             values,
             parameter,
@@ -87,21 +95,21 @@ impl Requested {
         let of = (*parameter, units.parameter);
         self.system.check(system.as_ref(), values, of)?;
         if self.prescribed {
-            return Err(Refused::Problem("the period"));
+            return Err(RefusedProof::Problem("the period"));
         }
         let periods = usize::try_from(*periods).unwrap_or(usize::MAX);
         let fits = |asked: usize| {
             // a doubling on the branch of the doubled orbit is one of the shorter orbit
-            let part = proof.condition == Condition::Doubling
+            let part = proof.condition == OrbitCondition::Doubling
                 && periods > 0
                 && asked.is_multiple_of(periods);
             periods == asked || part || self.at_most && periods > 0 && periods <= asked
         };
         if self.system.is_forced() && !self.periods.is_none_or(fits) {
-            return Err(Refused::Problem("the number of periods"));
+            return Err(RefusedProof::Problem("the number of periods"));
         }
         let value = match &proof.condition {
-            Condition::Value(value) => Some(value),
+            OrbitCondition::Value(value) => Some(value),
             _ => None,
         };
         self.system.check_value(point.kind, value)

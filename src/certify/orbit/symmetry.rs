@@ -3,10 +3,10 @@
 //! What vanishes at an event vanishes in both halves then, which no interval can tell. A system has the symmetry where
 //! its formulas do, and an orbit where it is the only one next to its image.
 
-use super::exact::Exact;
+use super::exact::NamePolynomial;
 use super::modes::Row;
-use super::system::{End, OrbitSystem};
-use super::zeros::{Source, Vanishing};
+use super::system::{OrbitSystem, SegmentEnd};
+use super::zeros::{FormSource, VanishingForm};
 use crate::affine::expression::Algebra;
 use crate::certify::krawczyk;
 use crate::interval::{Interval, PI};
@@ -20,9 +20,9 @@ impl OrbitSystem<'_> {
     }
 
     /// A form half a period later.
-    fn image(&self, row: &[Exact]) -> Row<Exact> {
+    fn image(&self, row: &[NamePolynomial]) -> Row<NamePolynomial> {
         let entries = row.iter().cloned().enumerate();
-        let turned = |(column, entry): (usize, Exact)| match self.turns_over(column) {
+        let turned = |(column, entry): (usize, NamePolynomial)| match self.turns_over(column) {
             true => entry.negative(),
             false => entry,
         };
@@ -30,8 +30,8 @@ impl OrbitSystem<'_> {
     }
 
     /// Rows of states half a period later.
-    fn images(&self, rows: &[Row<Exact>]) -> Vec<Row<Exact>> {
-        let turned = |(index, row): (usize, &Row<Exact>)| match self.turns_over(index) {
+    fn images(&self, rows: &[Row<NamePolynomial>]) -> Vec<Row<NamePolynomial>> {
+        let turned = |(index, row): (usize, &Row<NamePolynomial>)| match self.turns_over(index) {
             true => super::modes::negative(&self.image(row)),
             false => self.image(row),
         };
@@ -48,8 +48,8 @@ impl OrbitSystem<'_> {
             let [mode, image] = [one, two].map(|one| &self.exact.modes[one.mode]);
             let ends = match (one.end, two.end) {
                 (
-                    End::Exit { guard, exit },
-                    End::Exit {
+                    SegmentEnd::Exit { guard, exit },
+                    SegmentEnd::Exit {
                         guard: to,
                         exit: by,
                     },
@@ -81,22 +81,22 @@ impl OrbitSystem<'_> {
     }
 
     /// What is the image of something that vanishes.
-    fn mirrored(&self, event: Vanishing) -> Option<Vanishing> {
+    fn mirrored(&self, event: VanishingForm) -> Option<VanishingForm> {
         let count = self.stretches.len();
         let other = (event.stretch + count / 2) % count;
         let [mode, image] =
             [event.stretch, other].map(|index| &self.exact.modes[self.stretches[index].mode]);
         let row = self.image(&event.source.row(mode)?);
         let order = match event.source {
-            Source::Guard { order, .. } => Some(order),
-            Source::Condition { .. } => None,
+            FormSource::Guard { order, .. } => Some(order),
+            FormSource::Condition { .. } => None,
         };
         let guards = (0..image.guards.len())
-            .filter_map(|guard| order.map(|order| Source::Guard { guard, order }));
+            .filter_map(|guard| order.map(|order| FormSource::Guard { guard, order }));
         let conditions = image.guards.iter().enumerate().flat_map(|(guard, known)| {
             let exits = known.exits.iter().enumerate();
             exits.flat_map(move |(exit, known)| {
-                (0..known.conditions.len()).map(move |index| Source::Condition {
+                (0..known.conditions.len()).map(move |index| FormSource::Condition {
                     guard,
                     exit,
                     index,
@@ -105,7 +105,7 @@ impl OrbitSystem<'_> {
         });
         let mut sources = guards.chain(conditions.filter(|_| order.is_none()));
         let source = sources.find(|source| source.row(image).as_ref() == Some(&row))?;
-        Some(Vanishing {
+        Some(VanishingForm {
             stretch: other,
             source,
             ..event

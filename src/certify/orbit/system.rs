@@ -8,14 +8,14 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::Open;
-use super::critical::Critical;
+use super::OpenOrbit;
+use super::critical::NullVector;
 use super::enclosure::Enclosure;
-use super::exact::Exact;
-use super::flow::{Exponential, Flow};
-use super::modes::{Modes, Structure};
+use super::exact::NamePolynomial;
+use super::flow::{IntervalExponential, IntervalFlow};
+use super::modes::{IntervalModes, Structure};
 use super::products::Needed;
-use super::zeros::{Event, Facts, Vanishing};
+use super::zeros::{Facts, InequalityEvent, VanishingForm};
 use crate::affine::orbit::setting::Scales;
 use crate::affine::orbit::{Margin, Sequence, Watch, ZonePoint};
 use crate::affine::system::System;
@@ -24,7 +24,7 @@ use crate::interval::{Decimal, Interval, Number, PI};
 /// What is asked.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Posed {
+pub struct PosedOrbit {
     /// The system as it is written; of the values of its parameters those below count. In a certificate it stands once, for all
     /// points.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -39,20 +39,20 @@ pub struct Posed {
     pub units: Scales,
 }
 
-impl Posed {
+impl PosedOrbit {
     /// The system.
     ///
     /// # Errors
     /// There is none.
-    pub fn system(&self) -> Result<&System, Open> {
-        self.system.as_ref().ok_or(Open::Sequence)
+    pub fn system(&self) -> Result<&System, OpenOrbit> {
+        self.system.as_ref().ok_or(OpenOrbit::Sequence)
     }
 }
 
 /// An orbit in doubles.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Near {
+pub struct NearOrbit {
     /// The zones.
     pub sequence: Sequence,
     /// States, phases and durations.
@@ -64,7 +64,7 @@ pub struct Near {
 /// What singles out a point.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub enum Condition {
+pub enum OrbitCondition {
     /// The parameter has this value.
     Value(Decimal),
     /// The parameter is stationary.
@@ -89,18 +89,29 @@ pub enum Condition {
     },
 }
 
-impl Condition {
+impl OrbitCondition {
     /// What vanishes, and the zone of that.
     pub fn watched(&self) -> Option<(Watch, usize)> {
         match self {
-            Condition::Margin { watch, zone, .. } => Some((*watch, *zone)),
+            OrbitCondition::Margin { watch, zone, .. } => Some((*watch, *zone)),
             _ => None,
         }
     }
 
+    /// Whether a null vector is among the unknowns.
+    fn has_null_vector(&self) -> bool {
+        matches!(
+            self,
+            OrbitCondition::Fold
+                | OrbitCondition::Doubling
+                | OrbitCondition::Branching
+                | OrbitCondition::Torus { .. }
+        )
+    }
+
     /// A zone has no duration.
-    pub fn closed(zone: usize) -> Condition {
-        Condition::Margin {
+    pub fn closed(zone: usize) -> OrbitCondition {
+        OrbitCondition::Margin {
             watch: Watch::Duration,
             zone,
             time: 0.0,
@@ -108,9 +119,9 @@ impl Condition {
     }
 }
 
-impl From<&Margin> for Condition {
-    fn from(margin: &Margin) -> Condition {
-        Condition::Margin {
+impl From<&Margin> for OrbitCondition {
+    fn from(margin: &Margin) -> OrbitCondition {
+        OrbitCondition::Margin {
             watch: margin.watch,
             zone: margin.zone,
             time: margin.time,
@@ -120,7 +131,7 @@ impl From<&Margin> for Condition {
 
 /// How a stretch ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum End {
+pub enum SegmentEnd {
     /// Its guard is zero, and this exit is taken.
     Exit { guard: usize, exit: usize },
     /// A guard is stationary.
@@ -131,30 +142,10 @@ pub enum End {
 
 /// A zone, or a part of one.
 #[derive(Clone, Copy, Debug)]
-pub struct Stretch {
+pub struct OrbitSegment {
     pub zone: usize,
     pub mode: usize,
-    pub end: End,
-}
-
-/// A span of some stretches that no switch lies between.
-pub struct Span {
-    pub stretches: Vec<usize>,
-    /// Time at which it begins, from the entry of the first of them.
-    pub from: Interval,
-    /// That at which it ends, unless with the last of them.
-    pub until: Option<Interval>,
-}
-
-impl Span {
-    /// All of them.
-    pub fn whole(stretches: Vec<usize>) -> Span {
-        Span {
-            stretches,
-            from: Interval::ZERO,
-            until: None,
-        }
-    }
+    pub end: SegmentEnd,
 }
 
 /// How the equations of one sequence are written: those at two ends of an arc alike.
@@ -182,17 +173,17 @@ impl Layout {
 
 /// The equations of a point.
 pub struct OrbitSystem<'a> {
-    pub posed: &'a Posed,
+    pub posed: &'a PosedOrbit,
     pub system: &'a System,
-    pub near: &'a Near,
-    pub condition: &'a Condition,
+    pub near: &'a NearOrbit,
+    pub condition: &'a OrbitCondition,
     pub structure: Structure,
-    pub exact: Modes<Exact>,
-    pub stretches: Vec<Stretch>,
+    pub exact: IntervalModes<NamePolynomial>,
+    pub stretches: Vec<OrbitSegment>,
     /// Steps of every stretch.
     pub steps: Vec<usize>,
     /// What vanishes at the event: what its equation says, and what follows by symmetry.
-    pub vanishing: Vec<Vanishing>,
+    pub vanishing: Vec<VanishingForm>,
     /// Stretches that have no duration at the event: likewise.
     pub closed: Vec<usize>,
     /// Stretches whose equation is divided by a power of their duration.
@@ -202,75 +193,49 @@ pub struct OrbitSystem<'a> {
     pub facts: Vec<Facts>,
     /// What is zero on the branch, apart from the event.
     pub lasting: Vec<Facts>,
-    pub critical: Option<Critical>,
+    pub critical: Option<NullVector>,
     /// Whether the stretches are those of half a symmetric orbit, which closes at its image.
     pub half: bool,
 }
 
 /// A zone that closes has no duration in doubles but for this share of the unit of time.
 const ROUNDING: f64 = 1e-9;
-/// A step spans no more than this of the time scale of its mode.
-const LONGEST: f64 = 4.0;
-/// More unknowns of an orbit than this are not covered: a pair on the unit circle has three times as many, in dense
-/// matrices, which takes a minute.
-const MOST_UNKNOWNS: f64 = 1000.0;
-
 /// A stretch in intervals.
 pub struct Passing {
-    pub flow: Flow,
+    pub flow: IntervalFlow,
     /// Duration of a step.
     pub time: Interval,
     /// A step, and 1/2ⁿ of it.
-    pub whole: Exponential,
-    pub part: Exponential,
+    pub whole: IntervalExponential,
+    pub part: IntervalExponential,
     pub halvings: u32,
 }
 
 impl<'a> OrbitSystem<'a> {
     /// The equations, and their unknowns in doubles.
     pub fn new(
-        posed: &'a Posed,
-        near: &'a Near,
-        condition: &'a Condition,
-    ) -> Result<(OrbitSystem<'a>, Vec<f64>), Open> {
+        posed: &'a PosedOrbit,
+        near: &'a NearOrbit,
+        condition: &'a OrbitCondition,
+    ) -> Result<(OrbitSystem<'a>, Vec<f64>), OpenOrbit> {
         Self::laid_out(posed, near, condition, &Layout::default())
     }
 
     /// The equations with at least what a layout has, and their unknowns in doubles.
     pub fn laid_out(
-        posed: &'a Posed,
-        near: &'a Near,
-        condition: &'a Condition,
+        posed: &'a PosedOrbit,
+        near: &'a NearOrbit,
+        condition: &'a OrbitCondition,
         layout: &Layout,
-    ) -> Result<(OrbitSystem<'a>, Vec<f64>), Open> {
+    ) -> Result<(OrbitSystem<'a>, Vec<f64>), OpenOrbit> {
         let of = posed.system()?;
         let range = layout.range.unwrap_or(Interval::point(near.parameter));
         let near_to = (range, posed.units.parameter);
         let zones_of = near.sequence.0.iter();
         let needed = Needed::new(&posed.values, posed.parameter, near_to, zones_of);
         let (structure, exact) = Structure::of(of, &needed)?;
-        let states = exact.states;
-        let zones = &near.zones;
-        let known = zones.iter().flat_map(|zone| {
-            let rest = [zone.duration, zone.phase];
-            zone.state.iter().copied().chain(rest)
-        });
-        let units = &posed.units;
-        let positive = units.states.iter().chain([&units.time, &units.parameter]);
-        let fits = !zones.is_empty()
-            && zones.len() == near.sequence.len()
-            && zones
-                .iter()
-                .all(|zone| zone.state.len() == states && zone.duration > -ROUNDING * units.time)
-            && known.chain([near.parameter]).all(f64::is_finite)
-            && posed.values.len() == of.source.parameters.0.len()
-            && posed.parameter < posed.values.len()
-            && units.states.len() == states
-            && positive
-                .into_iter()
-                .all(|unit| unit.is_finite() && *unit > 0.0);
-        if !fits {
-            return Err(Open::Sequence);
+        if !fits(posed, near, of, exact.states) {
+            return Err(OpenOrbit::Sequence);
         }
         let mut system = OrbitSystem {
             stretches: stretches(near, condition)?,
@@ -291,45 +256,46 @@ impl<'a> OrbitSystem<'a> {
             half: false,
         };
         if !system.is_in_order() {
-            return Err(Open::Sequence);
+            return Err(OpenOrbit::Sequence);
         }
-        if !system.is_forced() && system.stretches[0].end == End::Never {
-            return Err(Open::Centre);
+        if !system.is_forced() && system.stretches[0].end == SegmentEnd::Never {
+            return Err(OpenOrbit::Centre);
         }
         let modes = system.enclosed(Interval::point(near.parameter))?;
-        let lasts = |index: &usize| {
-            let zone = &zones[system.stretches[*index].zone];
-            zone.duration > ROUNDING * units.time && !layout.divided.contains(index)
-        };
-        let short = (0..system.stretches.len()).filter(|index| !lasts(index));
-        let short: Vec<usize> = short.collect();
+        let short = system.without_duration(&layout.divided);
         system.divide(&short);
         system.facts = system.known(&[]);
         system.lasting = system.facts.clone();
         match system.event(near, &modes)? {
-            Some(Event::Zero(vanishing)) => system.vanish(vanishing),
-            Some(Event::Closed(stretch)) => system.close(stretch),
+            Some(InequalityEvent::Zero(vanishing)) => system.vanish(vanishing),
+            Some(InequalityEvent::Closed(stretch)) => system.close(stretch),
             None => {}
         }
-        if *condition == Condition::Branching {
+        if *condition == OrbitCondition::Branching {
             if !system.is_symmetric() {
-                return Err(Open::Branching);
+                return Err(OpenOrbit::Branching);
             }
             system.half = true;
             system.lasting.truncate(system.stretches.len() / 2);
             system.stretches.truncate(system.stretches.len() / 2);
         }
         let mut guess = system.guess(near, &modes, condition, &layout.steps)?;
-        let crosses = matches!(
-            condition,
-            Condition::Fold | Condition::Doubling | Condition::Branching | Condition::Torus { .. }
-        );
-        if crosses {
-            let critical = system.direction(&guess).ok_or(Open::NotEnclosed)?;
+        if condition.has_null_vector() {
+            let critical = system.direction(&guess).ok_or(OpenOrbit::NotEnclosed)?;
             guess.extend(critical.guess());
             system.critical = Some(critical);
         }
         Ok((system, guess))
+    }
+
+    /// Segments that last no longer than rounding, and those that are `divided`.
+    fn without_duration(&self, divided: &[usize]) -> Vec<usize> {
+        let lasts = |index: &usize| {
+            let zone = &self.near.zones[self.stretches[*index].zone];
+            zone.duration > ROUNDING * self.posed.units.time && !divided.contains(index)
+        };
+        let short = (0..self.stretches.len()).filter(|index| !lasts(index));
+        short.collect()
     }
 
     /// How the equations are written.
@@ -345,29 +311,29 @@ impl<'a> OrbitSystem<'a> {
     fn is_in_order(&self) -> bool {
         let count = self.stretches.len();
         (0..count).all(|index| {
-            let Stretch { mode, end, .. } = self.stretches[index];
+            let OrbitSegment { mode, end, .. } = self.stretches[index];
             let next = self.stretches[(index + 1) % count].mode;
             let Some(known) = self.exact.modes.get(mode) else {
                 return false;
             };
             match end {
-                End::Exit { guard, exit } => {
+                SegmentEnd::Exit { guard, exit } => {
                     let exit = known
                         .guards
                         .get(guard)
                         .and_then(|guard| guard.exits.get(exit));
                     exit.is_some_and(|exit| exit.to == next)
                 }
-                End::Touch { guard } => guard < known.guards.len() && next == mode,
-                End::Never => next == mode && index + 1 == count,
+                SegmentEnd::Touch { guard } => guard < known.guards.len() && next == mode,
+                SegmentEnd::Never => next == mode && index + 1 == count,
             }
         })
     }
 
     /// The modes over an interval of the parameter.
-    pub fn enclosed(&self, parameter: Interval) -> Result<Modes<Enclosure>, Open> {
+    pub fn enclosed(&self, parameter: Interval) -> Result<IntervalModes<Enclosure>, OpenOrbit> {
         if !self.structure.covers(parameter) {
-            return Err(Open::Range);
+            return Err(OpenOrbit::Range);
         }
         let of = |index: usize| match index == self.posed.parameter {
             true => Enclosure::variable(parameter, 0),
@@ -379,15 +345,15 @@ impl<'a> OrbitSystem<'a> {
         let forced = self.is_forced();
         match !forced || modes.omega.value.is_positive() {
             true => Ok(modes),
-            false => Err(Open::Numbers),
+            false => Err(OpenOrbit::Numbers),
         }
     }
 
     /// The flows over intervals of the unknowns.
-    pub fn passings(&self, modes: &Modes<Enclosure>, x: &[Interval]) -> Vec<Passing> {
+    pub fn passings(&self, modes: &IntervalModes<Enclosure>, x: &[Interval]) -> Vec<Passing> {
         (0..self.stretches.len())
             .map(|index| {
-                let flow = Flow::new(&modes.modes[self.stretches[index].mode].matrix);
+                let flow = IntervalFlow::new(&modes.modes[self.stretches[index].mode].matrix);
                 let steps = Interval::point(self.steps[index] as f64);
                 let time = x[self.duration(index)] / steps;
                 let halvings = flow.parts(time);
@@ -402,81 +368,6 @@ impl<'a> OrbitSystem<'a> {
                 }
             })
             .collect()
-    }
-
-    /// The orbit without what belongs to an event, with zones cut as in other equations: a zone that is cut here is not
-    /// cut there.
-    pub fn carried(&self, x: &[Interval], to: &OrbitSystem) -> Option<Vec<Interval>> {
-        let own = |index: usize| {
-            let zone = to.stretches[index].zone;
-            let own = 0..self.stretches.len();
-            let own = own.filter(|own| self.stretches[*own].zone == zone);
-            Span::whole(own.collect())
-        };
-        self.carried_by(x, to, &own)
-    }
-
-    /// The orbit in other equations, each stretch of which is this span of this one.
-    pub fn carried_by(
-        &self,
-        x: &[Interval],
-        to: &OrbitSystem,
-        own: &dyn Fn(usize) -> Span,
-    ) -> Option<Vec<Interval>> {
-        let modes = self.enclosed(x[self.parameter()]).ok()?;
-        let mut parts: Vec<Vec<Interval>> = Vec::new();
-        for (index, stretch) in to.stretches.iter().enumerate() {
-            let mut carried = Vec::new();
-            let span = own(index);
-            let own = &span.stretches;
-            if own.is_empty() {
-                parts.push(carried);
-                continue;
-            }
-            let time = match span.until {
-                Some(until) => until,
-                None => self.time(own, x),
-            } - span.from;
-            let flow = Flow::new(&modes.modes.get(stretch.mode)?.matrix);
-            let steps = Interval::point(to.steps[index] as f64);
-            for step in 0..=to.steps[index] {
-                let mut rest = span.from + time * Interval::point(step as f64) / steps;
-                let mut part = *own.first()?;
-                for next in &own[1..] {
-                    let before = x[self.duration(part)];
-                    if rest.middle() > before.middle() {
-                        rest = rest - before;
-                        part = *next;
-                    }
-                }
-                // from the nearest place before it
-                let length = x[self.duration(part)] / Interval::point(self.steps[part] as f64);
-                let node = (rest.middle() / length.middle() + 0.5).floor().max(0.0) as usize;
-                let node = node.min(self.steps[part]);
-                let y = &x[self.node(part, node)..][..self.width()];
-                let rest = rest - length * Interval::point(node as f64);
-                let halvings = flow.parts(rest);
-                let whole = (0..halvings).fold(flow.part(rest, halvings), |part, _| part.doubled());
-                let z = self.lift(y);
-                let states = whole.at[..self.exact.states].iter();
-                carried.extend(states.map(|row| super::flow::dot(row, &z)));
-                if self.is_forced() {
-                    carried.push(y[self.exact.states] + modes.omega.value * rest);
-                }
-            }
-            carried.push(time);
-            parts.push(carried);
-        }
-        to.bridge(&mut parts, x[self.parameter()])?;
-        let mut carried = parts.concat();
-        carried.push(x[self.parameter()]);
-        Some(carried)
-    }
-
-    /// The time that some stretches take together.
-    pub fn time(&self, stretches: &[usize], x: &[Interval]) -> Interval {
-        let times = stretches.iter().map(|index| x[self.duration(*index)]);
-        times.fold(Interval::ZERO, |sum, time| sum + time)
     }
 
     pub fn is_forced(&self) -> bool {
@@ -536,172 +427,6 @@ impl<'a> OrbitSystem<'a> {
         turned
     }
 
-    /// The unknowns in doubles, and the numbers of steps.
-    fn guess(
-        &mut self,
-        near: &Near,
-        modes: &Modes<Enclosure>,
-        condition: &Condition,
-        least: &[usize],
-    ) -> Result<Vec<f64>, Open> {
-        let mut guess = Vec::new();
-        let mut carried: Option<(Vec<f64>, f64)> = None;
-        for (index, stretch) in self.stretches.iter().enumerate() {
-            let zone = &near.zones[stretch.zone];
-            let time = match condition {
-                Condition::Margin {
-                    watch: Watch::Inside(_),
-                    zone: cut,
-                    time,
-                } if *cut == stretch.zone => {
-                    // the part before the touch comes first
-                    if carried.is_none() {
-                        *time
-                    } else {
-                        zone.duration - time
-                    }
-                }
-                _ => zone.duration,
-            };
-            let flow = Flow::new(&modes.modes[stretch.mode].matrix);
-            let fewest = least.get(index).map_or(1.0, |steps| *steps as f64);
-            let steps = (flow.norm * time / LONGEST).ceil().max(fewest);
-            let before: usize = self.steps.iter().sum();
-            if (steps + before as f64) * self.width() as f64 > MOST_UNKNOWNS {
-                return Err(Open::Long);
-            }
-            let (mut state, mut phase) = match carried.take() {
-                Some(end) => end,
-                None => (zone.state.clone(), zone.phase),
-            };
-            let step = time / steps;
-            let halvings = flow.parts(Interval::point(step));
-            let part = flow.part(Interval::point(step), halvings);
-            let whole = (0..halvings).fold(part, |part, _| part.doubled());
-            self.steps.push(steps as usize);
-            let forced = self.is_forced();
-            for node in 0..=steps as usize {
-                guess.extend(&state);
-                if forced {
-                    guess.push(phase);
-                }
-                if node < steps as usize {
-                    let y: Vec<Interval> = state
-                        .iter()
-                        .chain([&phase])
-                        .copied()
-                        .map(Interval::point)
-                        .collect();
-                    let z: Vec<f64> = self.lift(&y).iter().map(|z| z.middle()).collect();
-                    state = times(&whole, &z);
-                    state.truncate(self.exact.states);
-                    phase += modes.omega.value.middle() * step;
-                }
-            }
-            guess.push(time);
-            if let End::Touch { .. } = stretch.end {
-                carried = Some((state, phase));
-            }
-        }
-        guess.push(near.parameter);
-        match guess.iter().all(|x| x.is_finite()) {
-            true => Ok(guess),
-            false => Err(Open::NotEnclosed),
-        }
-    }
-
-    /// Units of the unknowns.
-    pub fn units(&self, guess: &[f64]) -> Vec<f64> {
-        let Scales {
-            states,
-            time,
-            parameter,
-            ..
-        } = &self.posed.units;
-        let mut units = Vec::with_capacity(guess.len());
-        for steps in &self.steps {
-            for _ in 0..=*steps {
-                units.extend(states);
-                if self.is_forced() {
-                    units.push(1.0);
-                }
-            }
-            units.push(*time);
-        }
-        units.push(*parameter);
-        let orbit = units.len() - 1;
-        let Some(critical) = &self.critical else {
-            return units;
-        };
-        for direction in 0..critical.directions() {
-            let from = critical.first(direction);
-            let of = |index: usize| guess[from + index].abs() / units[index];
-            let size = (0..orbit).map(of).fold(0.0, f64::max);
-            let own: Vec<f64> = units[..orbit].iter().map(|unit| unit * size).collect();
-            units.extend(own);
-        }
-        units.resize(guess.len(), 1.0);
-        units
-    }
-
-    /// An orbit in doubles from the unknowns, and the condition with its own.
-    pub fn near(&self, near: &Near, guess: &[f64]) -> (Near, Condition) {
-        let states = self.exact.states;
-        let mut condition = self.condition.clone();
-        let half = near.zones.len() / 2;
-        let zone = |index: usize, at: &ZonePoint| {
-            let later = self.half && index >= half;
-            let zone = if later { index - half } else { index };
-            let parts = self.stretches.iter().enumerate();
-            let parts: Vec<usize> = parts
-                .filter(|(_, stretch)| stretch.zone == zone)
-                .map(|(index, _)| index)
-                .collect();
-            let Some(first) = parts.first().map(|first| self.node(*first, 0)) else {
-                return at.clone();
-            };
-            let sign = if later { -1.0 } else { 1.0 };
-            let turn = if later { self.turns().middle() } else { 0.0 };
-            let state = guess[first..first + states].iter();
-            ZonePoint {
-                state: state.map(|x| sign * x).collect(),
-                duration: parts.iter().map(|part| guess[self.duration(*part)]).sum(),
-                phase: if self.is_forced() {
-                    guess[first + states] + turn
-                } else {
-                    0.0
-                },
-            }
-        };
-        let zones = near.zones.iter().enumerate();
-        match (&mut condition, &self.critical) {
-            (
-                Condition::Margin {
-                    watch: Watch::Inside(_),
-                    zone,
-                    time,
-                },
-                _,
-            ) => {
-                let mut parts = self.stretches.iter().enumerate();
-                let first = parts.find(|(_, stretch)| stretch.zone == *zone);
-                if let Some((first, _)) = first {
-                    *time = guess[self.duration(first)];
-                }
-            }
-            (Condition::Torus { angle }, Some(_)) => {
-                *angle = guess.last().copied().unwrap_or(*angle);
-            }
-            _ => {}
-        }
-        let near = Near {
-            sequence: near.sequence.clone(),
-            zones: zones.map(|(index, at)| zone(index, at)).collect(),
-            parameter: guess[self.parameter()],
-        };
-        (near, condition)
-    }
-
     /// Turns of the phase in a cycle, or in half of it.
     pub fn turns(&self) -> Interval {
         let halves = if self.half { 1.0 } else { 2.0 };
@@ -709,26 +434,43 @@ impl<'a> OrbitSystem<'a> {
     }
 }
 
-/// A step of z in doubles.
-pub fn times(step: &Exponential, z: &[f64]) -> Vec<f64> {
-    let row = |row: &Vec<Interval>| row.iter().zip(z).map(|(e, z)| e.middle() * z).sum();
-    step.at.iter().map(row).collect()
+/// Whether an orbit in doubles has as many numbers as its system and its sequence ask for, and units that are units.
+fn fits(posed: &PosedOrbit, near: &NearOrbit, system: &System, states: usize) -> bool {
+    let zones = &near.zones;
+    let known = zones.iter().flat_map(|zone| {
+        let rest = [zone.duration, zone.phase];
+        zone.state.iter().copied().chain(rest)
+    });
+    let units = &posed.units;
+    let positive = units.states.iter().chain([&units.time, &units.parameter]);
+    !zones.is_empty()
+        && zones.len() == near.sequence.len()
+        && zones
+            .iter()
+            .all(|zone| zone.state.len() == states && zone.duration > -ROUNDING * units.time)
+        && known.chain([near.parameter]).all(f64::is_finite)
+        && posed.values.len() == system.source.parameters.0.len()
+        && posed.parameter < posed.values.len()
+        && units.states.len() == states
+        && positive
+            .into_iter()
+            .all(|unit| unit.is_finite() && *unit > 0.0)
 }
 
 /// The zones of an orbit, one of them cut where the condition says so.
-fn stretches(near: &Near, condition: &Condition) -> Result<Vec<Stretch>, Open> {
+fn stretches(near: &NearOrbit, condition: &OrbitCondition) -> Result<Vec<OrbitSegment>, OpenOrbit> {
     let mut stretches = Vec::new();
     for (zone, at) in near.sequence.0.iter().enumerate() {
         let end = match at.way {
-            Some(way) => End::Exit {
+            Some(way) => SegmentEnd::Exit {
                 guard: way.guard,
                 exit: way.exit,
             },
-            None if near.sequence.len() == 1 => End::Never,
-            None => return Err(Open::Sequence),
+            None if near.sequence.len() == 1 => SegmentEnd::Never,
+            None => return Err(OpenOrbit::Sequence),
         };
         let mode = at.mode;
-        if let Condition::Margin {
+        if let OrbitCondition::Margin {
             watch: Watch::Inside(guard),
             zone: cut,
             time,
@@ -736,12 +478,12 @@ fn stretches(near: &Near, condition: &Condition) -> Result<Vec<Stretch>, Open> {
             && *cut == zone
         {
             if !(*time > 0.0 && *time < near.zones.get(zone).map_or(0.0, |at| at.duration)) {
-                return Err(Open::Sequence);
+                return Err(OpenOrbit::Sequence);
             }
-            let end = End::Touch { guard: *guard };
-            stretches.push(Stretch { zone, mode, end });
+            let end = SegmentEnd::Touch { guard: *guard };
+            stretches.push(OrbitSegment { zone, mode, end });
         }
-        stretches.push(Stretch { zone, mode, end });
+        stretches.push(OrbitSegment { zone, mode, end });
     }
     Ok(stretches)
 }

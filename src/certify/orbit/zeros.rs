@@ -4,36 +4,36 @@
 //! flow. From nothing round the cycle to a fixed point these facts are found; each of them is an identity of
 //! formulas. More may be zero than is found: then less is proven.
 
-use super::exact::Exact;
-use super::modes::{Mode, Row, added, negative, through};
+use super::exact::NamePolynomial;
+use super::modes::{IntervalMode, Row, added, negative, through};
 use crate::affine::dual::Coefficient;
 use crate::affine::expression::Algebra;
 
 /// Forms that are zero together.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Zeros {
+pub struct FormZeros {
     /// Forms with a factor 1 at a state of their own, which no other has.
-    solved: Vec<(usize, Row<Exact>)>,
+    solved: Vec<(usize, Row<NamePolynomial>)>,
     /// Forms that are solved for no state.
-    others: Vec<Row<Exact>>,
+    others: Vec<Row<NamePolynomial>>,
 }
 
-fn is_zero(row: &Row<Exact>) -> bool {
-    row.iter().all(Exact::is_zero)
+fn is_zero(row: &Row<NamePolynomial>) -> bool {
+    row.iter().all(NamePolynomial::is_zero)
 }
 
-impl Zeros {
+impl FormZeros {
     /// How many are known.
     pub fn len(&self) -> usize {
         self.solved.len() + self.others.len()
     }
 
-    pub fn rows(&self) -> impl Iterator<Item = &Row<Exact>> {
+    pub fn rows(&self) -> impl Iterator<Item = &Row<NamePolynomial>> {
         self.solved.iter().map(|(_, row)| row).chain(&self.others)
     }
 
     /// A form without what is zero.
-    fn rest(&self, row: &[Exact]) -> Row<Exact> {
+    fn rest(&self, row: &[NamePolynomial]) -> Row<NamePolynomial> {
         let solved = self.solved.iter();
         solved.fold(row.to_vec(), |row, (state, zero)| {
             let factor = negative(&row[*state..=*state]);
@@ -45,13 +45,13 @@ impl Zeros {
     }
 
     /// Whether a form is known to be zero.
-    pub fn have(&self, row: &[Exact]) -> bool {
+    pub fn have(&self, row: &[NamePolynomial]) -> bool {
         let rest = self.rest(row);
         is_zero(&rest) || self.others.contains(&rest) || self.others.contains(&negative(&rest))
     }
 
     /// Adds a form that is zero.
-    pub fn insert(&mut self, row: &[Exact], states: usize) {
+    pub fn insert(&mut self, row: &[NamePolynomial], states: usize) {
         if self.have(row) {
             return;
         }
@@ -79,11 +79,11 @@ impl Zeros {
     }
 
     /// Those that stay zero along a mode.
-    pub fn along(&self, mode: &Mode<Exact>, states: usize) -> Zeros {
+    pub fn along(&self, mode: &IntervalMode<NamePolynomial>, states: usize) -> FormZeros {
         let mut kept = self.clone();
         loop {
-            let mut next = Zeros::default();
-            let surface = |row: &Row<Exact>| {
+            let mut next = FormZeros::default();
+            let surface = |row: &Row<NamePolynomial>| {
                 let mut kept = mode.kept.iter();
                 kept.any(|known| known == row || *known == negative(row))
             };
@@ -100,14 +100,14 @@ impl Zeros {
     }
 
     /// Those that are zero after a reset: of the forms themselves, and of new states less what they are set to.
-    pub fn after(&self, reset: &[Row<Exact>]) -> Zeros {
+    pub fn after(&self, reset: &[Row<NamePolynomial>]) -> FormZeros {
         let states = reset.len();
         let Some(size) = reset.first().map(Vec::len) else {
-            return Zeros::default();
+            return FormZeros::default();
         };
         let whole = whole(reset, size);
         let set = (0..states).map(|state| less(&unit(state, size), &reset[state]));
-        let mut after = Zeros::default();
+        let mut after = FormZeros::default();
         for row in self.rows().cloned().chain(set) {
             if self.have(&through(&row, &whole)) {
                 after.insert(&row, states);
@@ -117,7 +117,11 @@ impl Zeros {
     }
 
     /// The least k for which the derivative of order k of a form is not known to be zero; `None` if there is none.
-    pub fn order(&self, row: &[Exact], mode: &Mode<Exact>) -> Option<usize> {
+    pub fn order(
+        &self,
+        row: &[NamePolynomial],
+        mode: &IntervalMode<NamePolynomial>,
+    ) -> Option<usize> {
         let mut row = row.to_vec();
         for order in 0..=row.len() {
             if !self.have(&row) {
@@ -130,14 +134,14 @@ impl Zeros {
 }
 
 /// A form that is one component of z.
-pub fn unit(index: usize, size: usize) -> Row<Exact> {
-    let mut row = vec![Exact::default(); size];
-    row[index] = <Exact as Algebra>::number(1.0);
+pub fn unit(index: usize, size: usize) -> Row<NamePolynomial> {
+    let mut row = vec![NamePolynomial::default(); size];
+    row[index] = <NamePolynomial as Algebra>::number(1.0);
     row
 }
 
 /// z after a reset in terms of z before.
-pub fn whole(reset: &[Row<Exact>], size: usize) -> Vec<Row<Exact>> {
+pub fn whole(reset: &[Row<NamePolynomial>], size: usize) -> Vec<Row<NamePolynomial>> {
     let row = |index| reset.get(index).cloned();
     (0..size)
         .map(|index| row(index).unwrap_or_else(|| unit(index, size)))
@@ -145,13 +149,13 @@ pub fn whole(reset: &[Row<Exact>], size: usize) -> Vec<Row<Exact>> {
 }
 
 /// One form less another.
-pub fn less(one: &[Exact], other: &[Exact]) -> Row<Exact> {
-    added(one, other, &<Exact as Algebra>::number(-1.0))
+pub fn less(one: &[NamePolynomial], other: &[NamePolynomial]) -> Row<NamePolynomial> {
+    added(one, other, &<NamePolynomial as Algebra>::number(-1.0))
 }
 
 /// Where a form comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Source {
+pub enum FormSource {
     /// The derivative of this order of a guard.
     Guard { guard: usize, order: usize },
     /// A condition of an exit.
@@ -162,12 +166,14 @@ pub enum Source {
     },
 }
 
-impl Source {
+impl FormSource {
     /// The form.
-    pub fn row<C: Coefficient>(self, mode: &Mode<C>) -> Option<Row<C>> {
+    pub fn row<C: Coefficient>(self, mode: &IntervalMode<C>) -> Option<Row<C>> {
         Some(match self {
-            Source::Guard { guard, order } => mode.derivative(&mode.guards.get(guard)?.row, order),
-            Source::Condition { guard, exit, index } => {
+            FormSource::Guard { guard, order } => {
+                mode.derivative(&mode.guards.get(guard)?.row, order)
+            }
+            FormSource::Condition { guard, exit, index } => {
                 let exit = mode.guards.get(guard)?.exits.get(exit)?;
                 exit.conditions.get(index)?.clone()
             }
@@ -177,16 +183,16 @@ impl Source {
 
 /// A form that is zero at an event.
 #[derive(Clone, Copy, Debug)]
-pub struct Vanishing {
+pub struct VanishingForm {
     pub stretch: usize,
     /// Whether at its end, or at its entry.
     pub at_end: bool,
-    pub source: Source,
+    pub source: FormSource,
 }
 
 /// What singles out an event of the inequalities.
-pub enum Event {
-    Zero(Vanishing),
+pub enum InequalityEvent {
+    Zero(VanishingForm),
     /// A stretch has no duration.
     Closed(usize),
 }
@@ -194,6 +200,6 @@ pub enum Event {
 /// Forms that are zero at the entry and at the end of a stretch.
 #[derive(Clone, Debug, Default)]
 pub struct Facts {
-    pub entry: Zeros,
-    pub end: Zeros,
+    pub entry: FormZeros,
+    pub end: FormZeros,
 }

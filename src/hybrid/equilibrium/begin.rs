@@ -81,7 +81,7 @@ pub struct NamedEquilibrium {
 }
 
 /// The first equilibrium of a branch.
-pub(super) struct First {
+pub(super) struct FirstEquilibrium {
     pub curve: EquilibriumCurve,
     pub point: Vector,
     /// Ways that the branch goes from there.
@@ -93,7 +93,7 @@ pub(super) fn begin(
     problem: &SystemProblem,
     continuation: &Continuation<String>,
     named: Option<&NamedEquilibrium>,
-) -> Result<First, NoEquilibriumStart> {
+) -> Result<FirstEquilibrium, NoEquilibriumStart> {
     let unknown = || NoEquilibriumStart::Unknown;
     let section = problem.equilibrium.as_ref().ok_or_else(unknown)?;
     let directions = continuation.toward.directions().to_vec();
@@ -131,7 +131,7 @@ pub(super) fn begin(
         }
     };
     let (curve, point) = first(&request.ok_or_else(unknown)?, &guess)?;
-    Ok(First {
+    Ok(FirstEquilibrium {
         curve,
         point,
         directions,
@@ -162,7 +162,7 @@ fn switched(
     saved: &LabelledEquilibrium,
     kind: Option<EventType>,
     directions: &[bool],
-) -> Result<First, NoEquilibriumStart> {
+) -> Result<FirstEquilibrium, NoEquilibriumStart> {
     if kind != Some(EventType::BP) {
         return Err(NoEquilibriumStart::NotBranching {
             label: saved.label,
@@ -172,7 +172,7 @@ fn switched(
     let at = EquilibriumCurve::at(request, &saved.state);
     let (curve, point) = at.map_err(NoFirstEquilibrium::NoValue)?;
     let (point, ways) = other(&curve, &point, directions).map_err(NoEquilibriumStart::NoBranch)?;
-    Ok(First {
+    Ok(FirstEquilibrium {
         curve,
         point,
         directions: ways,

@@ -1,6 +1,6 @@
 //! The cycle that is born at a Hopf point of a branch of equilibria, or grows from a boundary equilibrium.
 
-use super::super::begin::{First, NoStart, wanted};
+use super::super::begin::{FirstOrbit, NoFirstPoint, wanted};
 use super::begin::NamedEquilibrium;
 use super::point::LabelledEquilibrium;
 use crate::affine::equilibrium::EquilibriumCurve;
@@ -15,7 +15,7 @@ pub(in crate::hybrid) fn born(
     problem: &SystemProblem,
     continuation: &Continuation<String>,
     named: &NamedEquilibrium,
-) -> Result<First, NoStart> {
+) -> Result<FirstOrbit, NoFirstPoint> {
     let NamedEquilibrium { saved, kind } = named;
     let LabelledEquilibrium {
         label,
@@ -24,7 +24,7 @@ pub(in crate::hybrid) fn born(
         values,
     } = saved;
     if !matches!(kind, Some(EventType::HB | EventType::BE)) {
-        return Err(NoStart::NotHopf {
+        return Err(NoFirstPoint::NotHopf {
             label: *label,
             kind: kind.map_or_else(|| "none".to_owned(), |kind| kind.to_string()),
         });
@@ -35,15 +35,15 @@ pub(in crate::hybrid) fn born(
         values: values.clone(),
         parameter: wanted.parameter,
         width: wanted.width,
-        mode: problem.system.mode(mode).ok_or(NoStart::Unknown)?,
+        mode: problem.system.mode(mode).ok_or(NoFirstPoint::Unknown)?,
     };
-    let at = EquilibriumCurve::at(&request, state).map_err(|_| NoStart::Unknown)?;
+    let at = EquilibriumCurve::at(&request, state).map_err(|_| NoFirstPoint::Unknown)?;
     let (curve, point) = at;
     let guesses = match kind {
         Some(EventType::BE) => curve.boundary_cycles(&point),
         _ => curve.cycles(&point),
     };
-    let guesses = guesses.map_err(NoStart::NoCycle)?;
+    let guesses = guesses.map_err(NoFirstPoint::NoCycle)?;
     let (low, high) = continuation.range;
     let within = guesses
         .iter()
@@ -63,7 +63,7 @@ pub(in crate::hybrid) fn born(
             ..wanted.clone()
         };
         if let Ok((orbit, point)) = first(&asked, &beginning, Search::Guess(guess.period)) {
-            return Ok(First {
+            return Ok(FirstOrbit {
                 orbit,
                 point,
                 directions: vec![guess.up],
@@ -71,13 +71,13 @@ pub(in crate::hybrid) fn born(
         }
     }
     match guesses.first() {
-        Some(guess) if tried == 0 => Err(NoStart::LabelOutside {
+        Some(guess) if tried == 0 => Err(NoFirstPoint::LabelOutside {
             label: *label,
             column: continuation.parameter.clone(),
             value: guess.value,
             low,
             high,
         }),
-        _ => Err(NoStart::NoCycle(NoCycle::NotFound)),
+        _ => Err(NoFirstPoint::NoCycle(NoCycle::NotFound)),
     }
 }

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::super::row::Named;
+use super::super::row::NamedNumbers;
 use super::{EquilibriumEvent, EquilibriumPoint};
 use crate::affine::system::Source;
 use crate::linalg::Eigenvalue;
@@ -16,9 +16,9 @@ pub struct EquilibriumRow<'a> {
     #[serde(rename = "type")]
     kind: Option<EventType>,
     regimes: &'a str,
-    parameters: Named,
-    states: Named,
-    monitors: Named,
+    parameters: NamedNumbers,
+    states: NamedNumbers,
+    monitors: NamedNumbers,
     stable: Option<&'static str>,
     unstable: usize,
     re: Option<f64>,
@@ -39,9 +39,9 @@ impl<'a> EquilibriumRow<'a> {
             label: None,
             kind: None,
             regimes: "",
-            parameters: Named::parameters(source, None),
-            states: Named::states(source, None),
-            monitors: Named::without_values(monitors),
+            parameters: NamedNumbers::parameters(source, None),
+            states: NamedNumbers::states(source, None),
+            monitors: NamedNumbers::without_values(monitors),
             stable: None,
             unstable: 0,
             re: None,
@@ -60,9 +60,9 @@ impl<'a> EquilibriumRow<'a> {
             label: point.label,
             kind: point.kind,
             regimes: &point.mode,
-            parameters: Named::parameters(source, Some(&point.parameters)),
-            states: Named::states(source, Some(&point.state)),
-            monitors: Named::of(&point.monitors),
+            parameters: NamedNumbers::parameters(source, Some(&point.parameters)),
+            states: NamedNumbers::states(source, Some(&point.state)),
+            monitors: NamedNumbers::of(&point.monitors),
             stable: Some(Stability::word(point.stable)),
             unstable: point.unstable,
             re: leading.map(|value| value.re),
@@ -80,9 +80,9 @@ pub struct EquilibriumEventRow<'a> {
     label: usize,
     #[serde(rename = "type")]
     kind: Option<EventType>,
-    parameters: Named,
-    states: Named,
-    monitors: Named,
+    parameters: NamedNumbers,
+    states: NamedNumbers,
+    monitors: NamedNumbers,
     re: Option<f64>,
     im: Option<f64>,
     omega: Option<f64>,
@@ -102,9 +102,9 @@ impl<'a> EquilibriumEventRow<'a> {
         EquilibriumEventRow {
             label: 0,
             kind: None,
-            parameters: Named::parameters(source, None),
-            states: Named::states(source, None),
-            monitors: Named::without_values(monitors),
+            parameters: NamedNumbers::parameters(source, None),
+            states: NamedNumbers::states(source, None),
+            monitors: NamedNumbers::without_values(monitors),
             re: None,
             im: None,
             omega: None,
@@ -124,9 +124,9 @@ impl<'a> EquilibriumEventRow<'a> {
         EquilibriumEventRow {
             label: event.label,
             kind: Some(event.kind),
-            parameters: Named::parameters(source, Some(&numbers(&event.parameters))),
-            states: Named::states(source, Some(&numbers(&event.state))),
-            monitors: Named::of(&event.monitors),
+            parameters: NamedNumbers::parameters(source, Some(&numbers(&event.parameters))),
+            states: NamedNumbers::states(source, Some(&numbers(&event.state))),
+            monitors: NamedNumbers::of(&event.monitors),
             re: event.leading.map(|value| value.re),
             im: event.leading.map(|value| value.im),
             omega: event.omega,
@@ -141,7 +141,7 @@ impl<'a> EquilibriumEventRow<'a> {
 
 /// A row of `eigenvalues.csv`.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
-pub struct EigenvalueRow {
+pub struct EquilibriumEigenvalueRow {
     label: usize,
     /// From 1, the fastest growing first.
     index: usize,
@@ -150,10 +150,10 @@ pub struct EigenvalueRow {
     error: f64,
 }
 
-impl EigenvalueRow {
+impl EquilibriumEigenvalueRow {
     /// An eigenvalue of the equilibrium of a label; `index` counts from 0.
-    pub fn new(label: usize, index: usize, eigenvalue: &Eigenvalue) -> EigenvalueRow {
-        EigenvalueRow {
+    pub fn new(label: usize, index: usize, eigenvalue: &Eigenvalue) -> EquilibriumEigenvalueRow {
+        EquilibriumEigenvalueRow {
             label,
             index: index + 1,
             re: eigenvalue.value.re,

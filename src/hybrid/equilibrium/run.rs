@@ -5,11 +5,11 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::super::begin::plan;
-use super::begin::{First, NamedEquilibrium, NoEquilibriumStart, begin};
+use super::begin::{FirstEquilibrium, NamedEquilibrium, NoEquilibriumStart, begin};
 use super::point::{EquilibriumEvent, EquilibriumNote, EquilibriumPoint, LabelledEquilibrium};
-use super::row::EigenvalueRow;
+use super::row::EquilibriumEigenvalueRow;
 use crate::affine::equilibrium::{EquilibriumCurve, EquilibriumScales};
-use crate::orbit::follow::Found;
+use crate::orbit::follow::LocatedPoint;
 use crate::orbit::legs::{self, Itemised, Legs, Run};
 use crate::orbit::special::{ResumeMismatch, Special};
 use crate::orbit::{EventType, Orbit, Stability};
@@ -25,7 +25,7 @@ pub struct EquilibriumItem {
     /// What makes the point special, on the curve of its mode.
     pub special: Option<(Arc<EquilibriumCurve>, Special<EquilibriumCurve>)>,
     /// Eigenvalues at labelled points.
-    pub eigenvalues: Vec<EigenvalueRow>,
+    pub eigenvalues: Vec<EquilibriumEigenvalueRow>,
     /// The equilibrium in physical numbers, at labelled points.
     pub saved: Option<LabelledEquilibrium>,
 }
@@ -66,7 +66,7 @@ impl EquilibriumRunner {
         continuation: &Continuation<String>,
         named: Option<&NamedEquilibrium>,
     ) -> Result<EquilibriumRunner, NoEquilibriumStart> {
-        let First {
+        let FirstEquilibrium {
             curve,
             point,
             directions,
@@ -143,7 +143,7 @@ impl EquilibriumRunner {
         &self,
         point: &EquilibriumPoint,
         special: &Special<EquilibriumCurve>,
-        found: &Found<EquilibriumCurve>,
+        found: &LocatedPoint<EquilibriumCurve>,
     ) -> EquilibriumEvent {
         let source = &self.problem.system.source;
         let named = |names: &mut dyn Iterator<Item = &str>, values: &[f64]| {
@@ -202,7 +202,7 @@ impl Itemised for EquilibriumRunner {
         self.values.get(index).copied()
     }
 
-    fn item(&mut self, found: Found<EquilibriumCurve>) -> EquilibriumItem {
+    fn item(&mut self, found: LocatedPoint<EquilibriumCurve>) -> EquilibriumItem {
         let parameter = &self.continuation.parameter;
         if let Some(what) = found.close.clone() {
             self.notes.push(EquilibriumNote::Close {
@@ -230,10 +230,10 @@ impl Itemised for EquilibriumRunner {
         });
         let rows = point.label.map(|label| {
             let all = point.eigenvalues.iter().enumerate();
-            all.map(|(index, one)| EigenvalueRow::new(label, index, one))
+            all.map(|(index, one)| EquilibriumEigenvalueRow::new(label, index, one))
                 .collect()
         });
-        let eigenvalues: Vec<EigenvalueRow> = rows.unwrap_or_default();
+        let eigenvalues: Vec<EquilibriumEigenvalueRow> = rows.unwrap_or_default();
         self.eigenvalues += eigenvalues.len();
         let special = found.special.as_ref();
         EquilibriumItem {
@@ -247,8 +247,8 @@ impl Itemised for EquilibriumRunner {
 }
 
 /// The row of a point, without its place on a branch.
-fn point(found: &Found<EquilibriumCurve>, parameters: Vec<f64>) -> EquilibriumPoint {
-    let Found {
+fn point(found: &LocatedPoint<EquilibriumCurve>, parameters: Vec<f64>) -> EquilibriumPoint {
+    let LocatedPoint {
         orbit,
         node,
         examination,

@@ -1,15 +1,20 @@
 //! Error against run time, both logarithmic, one line per method.
 
 use super::names::occurring;
-use crate::accuracy::Row;
+use crate::accuracy::RungRow;
 use crate::output::render::{
-    Axis, CATEGORIES, Extent, Key, Layer, Legend, Mark, Panel, Pen, Picture, Point, Shape,
+    Axis, CATEGORIES, Extent, Key, Layer, Legend, Mark, MarkShape, Panel, Pen, Picture, Point,
 };
 
 /// Shapes of the methods, in the order of use.
-const SHAPES: [Shape; 4] = [Shape::Star, Shape::Disc, Shape::Square, Shape::Up];
+const SHAPES: [MarkShape; 4] = [
+    MarkShape::Star,
+    MarkShape::Disc,
+    MarkShape::Square,
+    MarkShape::Up,
+];
 
-pub(super) fn picture(rows: &[Row]) -> Picture {
+pub(super) fn picture(rows: &[RungRow]) -> Picture {
     // a branch that ended early took less time than the whole of it
     let whole = rows.iter().filter(|row| row.failure.is_none());
     let points: Vec<(&str, Point)> = whole.filter_map(point).collect();
@@ -36,7 +41,7 @@ pub(super) fn picture(rows: &[Row]) -> Picture {
 }
 
 /// Name of a method, its time in seconds and its error, where both are positive.
-fn point(row: &Row) -> Option<(&str, Point)> {
+fn point(row: &RungRow) -> Option<(&str, Point)> {
     // an error of zero has no logarithm: it is below the rounding unit
     let error = row.error()?.max(f64::EPSILON);
     let seconds = row.seconds.filter(|seconds| *seconds > 0.0)?;

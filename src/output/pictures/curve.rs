@@ -1,11 +1,11 @@
 //! The curve of an event in the plane of its parameters, with the regions on either side named.
 
 use super::names::{constant_parameters, event, quantity, short_signature};
-use crate::curve::{self, Curve, Plane, PointType, Region};
+use crate::curve::{self, ParameterPlane, PointType, Region, WholeCurve};
 use crate::orbit::{EventType, Orbit};
 use crate::output::render::{
-    Axis, BLACK, BLUE, Extent, Key, Layer, Legend, Mark, Name, Panel, Pen, Picture, Point,
-    Quantity, Shape, VERMILLION,
+    Axis, BLACK, BLUE, Extent, Key, Layer, Legend, Mark, MarkShape, Panel, PanelName, Pen, Picture,
+    Point, Quantity, VERMILLION,
 };
 use crate::problem::Problem;
 
@@ -18,17 +18,17 @@ const SAME: f64 = 0.004;
 const RIM: f64 = 0.8;
 
 /// Shapes of the special points, in the order of their names.
-const SHAPES: [Shape; 5] = [
-    Shape::Diamond,
-    Shape::Square,
-    Shape::Up,
-    Shape::Star,
-    Shape::Circle,
+const SHAPES: [MarkShape; 5] = [
+    MarkShape::Diamond,
+    MarkShape::Square,
+    MarkShape::Up,
+    MarkShape::Star,
+    MarkShape::Circle,
 ];
 
 /// The picture of a curve of waves over these ranges of its parameters, with those that stay as they are.
 pub(crate) fn of_waves(
-    curve: &Curve,
+    curve: &WholeCurve,
     ranges: [(f64, f64); 2],
     problem: Option<&Problem>,
 ) -> Picture {
@@ -40,8 +40,8 @@ pub(crate) fn of_waves(
 }
 
 /// The picture of a curve over these ranges of its parameters.
-pub(super) fn picture<P: Plane>(
-    curve: &Curve<P>,
+pub(super) fn picture<P: ParameterPlane>(
+    curve: &WholeCurve<P>,
     ranges: [(f64, f64); 2],
     quantity: fn(&str) -> Quantity,
 ) -> Picture {
@@ -49,7 +49,7 @@ pub(super) fn picture<P: Plane>(
         let quantity = quantity(P::Orbit::column(&curve.parameters[index]));
         Axis::new(quantity, Extent::Fixed(ranges[index].0, ranges[index].1))
     });
-    let plane = |point: &curve::Point| (point.parameters[0], point.parameters[1]);
+    let plane = |point: &curve::CurvePoint| (point.parameters[0], point.parameters[1]);
     let line: Vec<Point> = curve.points.iter().map(plane).collect();
     let start = line.get(curve.start).copied().into_iter().collect();
     let special = curve
@@ -76,7 +76,10 @@ pub(super) fn picture<P: Plane>(
     };
 
     let same = common_signature(&curve.regions);
-    let (pen, on_branch) = (Pen::solid(BLUE, 2.2), Mark::new(Shape::Disc, MARK, BLACK));
+    let (pen, on_branch) = (
+        Pen::solid(BLUE, 2.2),
+        Mark::new(MarkShape::Disc, MARK, BLACK),
+    );
     let mut layers = vec![Layer::Line(line, pen)];
     let ranks = nested(&special, &kinds, ranges);
     for (rank, (point, kind)) in ranks {
@@ -137,7 +140,7 @@ fn nested<'a>(
 /// The regimes that all counts of orbits have in common: said once, they leave room for the counts.
 fn common_signature(regions: &[Region]) -> Option<&str> {
     let mut signatures = regions.iter().map(|region| match &region.name {
-        curve::Name::Orbits {
+        curve::RegionName::Orbits {
             count: Some(_),
             regimes,
         } => match &regimes[..] {
@@ -152,12 +155,12 @@ fn common_signature(regions: &[Region]) -> Option<&str> {
 
 /// The name of a region, its signatures shortened, or left out where they are the same everywhere; one for
 /// every stretch and side.
-fn name(region: &Region, same: Option<&str>) -> Name {
+fn name(region: &Region, same: Option<&str>) -> PanelName {
     let text = match &region.name {
-        curve::Name::Orbits { count, regimes } => {
+        curve::RegionName::Orbits { count, regimes } => {
             let others = regimes.iter().filter(|one| Some(one.as_str()) != same);
             let short = others.map(|one| short_signature(one)).collect();
-            let name = curve::Name::Orbits {
+            let name = curve::RegionName::Orbits {
                 count: *count,
                 regimes: short,
             };
@@ -165,7 +168,7 @@ fn name(region: &Region, same: Option<&str>) -> Name {
         }
         other => other.to_string(),
     };
-    Name {
+    PanelName {
         group: 2 * region.stretch + usize::from(region.left),
         at: (region.place[0], region.place[1]),
         text,

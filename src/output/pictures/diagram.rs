@@ -1,8 +1,8 @@
 //! A column of the branch against the parameter.
 
 use crate::output::render::{
-    Axis, BLACK, Cell, Extent, GREY, HEIGHT, Heading, Key, Layer, Legend, Mark, Panel, Pattern,
-    Pen, Picture, Point, Shape, VERMILLION, WHITE, mix,
+    Axis, BLACK, ColourCell, Extent, GREY, HEIGHT, Heading, Key, Layer, Legend, Mark, MarkShape,
+    Panel, Pattern, Pen, Picture, Point, VERMILLION, WHITE, mix,
 };
 use plotters::style::RGBColor;
 
@@ -87,13 +87,13 @@ fn standing_keys(drawn: impl Fn(Standing) -> bool) -> Vec<(Key, &'static str)> {
 }
 
 /// A stretch of the curve drawn the same way.
-struct Stretch<'a> {
+struct DrawnSegment<'a> {
     signature: &'a str,
     standing: Standing,
     points: Vec<Point>,
 }
 
-impl Stretch<'_> {
+impl DrawnSegment<'_> {
     /// Whether it covers values of the parameter; what is there at one value only is not seen.
     fn extends(&self) -> bool {
         self.points.windows(2).any(|pair| pair[0].0 != pair[1].0)
@@ -174,27 +174,27 @@ pub(super) fn diagram(tables: &Tables, view: &View) -> Result<Picture, StoreErro
 }
 
 /// A stretch of the parameter with the waves of one sequence.
-struct Band<'a> {
+struct SequenceBand<'a> {
     signature: &'a str,
     ends: [f64; 2],
 }
 
 /// The bands from left to right, one for each sequence of regimes; none where the branch turns back, for they
 /// would lie on top of each other.
-fn bands<'a>(stretches: &[Stretch<'a>]) -> Vec<Band<'a>> {
-    let places = |one: &Stretch<'_>| -> Vec<f64> { one.points.iter().map(|p| p.0).collect() };
+fn bands<'a>(stretches: &[DrawnSegment<'a>]) -> Vec<SequenceBand<'a>> {
+    let places = |one: &DrawnSegment<'_>| -> Vec<f64> { one.points.iter().map(|p| p.0).collect() };
     let lines: Vec<Vec<f64>> = stretches.iter().map(places).collect();
     if !one_way(&lines) {
         return Vec::new();
     }
     let groups = stretches.chunk_by(|one, next| one.signature == next.signature);
-    let band = |group: &[Stretch<'a>]| {
+    let band = |group: &[DrawnSegment<'a>]| {
         let (from, to) = ends(group.iter().flat_map(places))?;
         let signature = group[0].signature;
         let ends = [from, to];
-        (from < to && !signature.is_empty()).then_some(Band { signature, ends })
+        (from < to && !signature.is_empty()).then_some(SequenceBand { signature, ends })
     };
-    let mut all: Vec<Band<'_>> = groups.filter_map(band).collect();
+    let mut all: Vec<SequenceBand<'_>> = groups.filter_map(band).collect();
     all.sort_by(|one, other| one.ends[0].total_cmp(&other.ends[0]));
     // the legs of a branch that is followed both ways meet within a band
     all.dedup_by(|next, one| {
@@ -209,7 +209,7 @@ fn bands<'a>(stretches: &[Stretch<'a>]) -> Vec<Band<'a>> {
 
 /// Pale bands behind the curve with their names above them.
 fn named_bands(
-    bands: &[Band<'_>],
+    bands: &[SequenceBand<'_>],
     signatures: &[&str],
     codes: &Codes,
     colour: &dyn Fn(&str) -> RGBColor,
@@ -217,11 +217,11 @@ fn named_bands(
     if bands.is_empty() {
         return Vec::new();
     }
-    let cell = |band: &Band<'_>| {
+    let cell = |band: &SequenceBand<'_>| {
         let colour = mix(WHITE, colour(band.signature), BAND);
-        Cell::upright(band.ends[0], band.ends[1], colour)
+        ColourCell::upright(band.ends[0], band.ends[1], colour)
     };
-    let heading = |band: &Band<'_>| {
+    let heading = |band: &SequenceBand<'_>| {
         let short = codes.name(&short_signature(band.signature));
         let names = [band.signature.to_owned(), short];
         let names = names.map(|name| numbered(band.signature, signatures, name));
@@ -255,16 +255,7 @@ pub(super) fn picture(tables: &Tables, view: &View) -> Result<Picture, StoreErro
     let view = &view.decided(tables);
     let column = view.column.as_str();
     tables.check_column(column)?;
-    let mut stretches = stretches(&tables.branch, &tables.parameter, column);
-    for stretch in &mut stretches {
-        stretch.points.retain(|point| view.shows(point));
-    }
-    stretches.retain(|stretch| !stretch.points.is_empty());
-    let mut marks = tables.marks(column);
-    for (_, points) in &mut marks {
-        points.retain(|point| view.shows(point));
-    }
-    marks.retain(|(_, points)| !points.is_empty());
+    let (stretches, marks) = shown(tables, view);
     let bands = bands(&stretches);
     let banded = !bands.is_empty();
     let mut signatures = signatures(&stretches);
@@ -274,17 +265,7 @@ pub(super) fn picture(tables: &Tables, view: &View) -> Result<Picture, StoreErro
         let place = |name: &&str| bands.iter().position(|band| band.signature == *name);
         signatures[..named].sort_by_key(|name| place(name).unwrap_or(usize::MAX));
     }
-    let colour = |signature: &str| match signature {
-        "" => BLACK,
-        // those that the legend does not name
-        other if signatures.iter().skip(MOST_NAMED).any(|one| *one == other) => GREY,
-        // modes of a user's own have no colour of their own
-        of_modes if sequence(of_modes).contains(&None) => {
-            let place = signatures.iter().position(|known| *known == of_modes);
-            distinct(place.unwrap_or(0))
-        }
-        of_regimes => signature_colour(of_regimes),
-    };
+    let colour = |signature: &str| colour_of(signature, &signatures);
     let short: Vec<String> = signatures.iter().map(|one| short_signature(one)).collect();
     let codes = Codes::of(short.iter().map(String::as_str));
     let mut layers = named_bands(&bands, &signatures, &codes, &colour);
@@ -293,7 +274,7 @@ pub(super) fn picture(tables: &Tables, view: &View) -> Result<Picture, StoreErro
         let points = stretch.points.clone();
         layers.push(match points.len() {
             // A branch of one point is a dot, unless an event marks it anyway.
-            1 => Layer::Marks(points, Mark::new(Shape::Disc, 3.4, pen.colour)),
+            1 => Layer::Marks(points, Mark::new(MarkShape::Disc, 3.4, pen.colour)),
             _ => Layer::Line(points, pen),
         });
     }
@@ -313,24 +294,10 @@ pub(super) fn picture(tables: &Tables, view: &View) -> Result<Picture, StoreErro
     };
     let kinds = EventType::ALL.into_iter();
     let present = kinds.filter(|kind| marks.iter().any(|mark| mark.0 == *kind));
-    let named = signatures.iter().take(MOST_NAMED).map(|signature| {
-        let key = Key::Line(Pen::solid(colour(signature), CURVE + 0.6));
-        let name = codes.name(&short_signature(signature));
-        (
-            key,
-            if banded {
-                numbered(signature, &signatures, name)
-            } else {
-                name
-            },
-        )
-    });
-    let others = format!("and {} others", signatures.len().saturating_sub(MOST_NAMED));
-    let others = (Key::Line(Pen::solid(GREY, CURVE)), others);
-    let others = (signatures.len() > MOST_NAMED).then_some(others);
     // one sequence is named above its band
-    let coloured = named
-        .chain(others)
+    let coloured = sequence_keys(&signatures, &codes, banded);
+    let coloured = coloured
+        .into_iter()
         .filter(|_| signatures.len() > 1 || !banded);
     let legend = Legend::default()
         .with("", standing_keys(drawn))
@@ -354,9 +321,60 @@ pub(super) fn picture(tables: &Tables, view: &View) -> Result<Picture, StoreErro
     Ok(Picture::new(vec![Panel::new(x, y, layers)], legend))
 }
 
+/// The sequences that the legend names, numbered where they have bands, and how many others there are.
+fn sequence_keys(signatures: &[&str], codes: &Codes, banded: bool) -> Vec<(Key, String)> {
+    let named = signatures.iter().take(MOST_NAMED).map(|signature| {
+        let colour = colour_of(signature, signatures);
+        let name = codes.name(&short_signature(signature));
+        let name = match banded {
+            true => numbered(signature, signatures, name),
+            false => name,
+        };
+        (Key::Line(Pen::solid(colour, CURVE + 0.6)), name)
+    });
+    let others = format!("and {} others", signatures.len().saturating_sub(MOST_NAMED));
+    let others = (Key::Line(Pen::solid(GREY, CURVE)), others);
+    let others = (signatures.len() > MOST_NAMED).then_some(others);
+    named.chain(others).collect()
+}
+
+/// The segments of the curve and the events that a view shows.
+fn shown<'a>(
+    tables: &'a Tables,
+    view: &'a View,
+) -> (Vec<DrawnSegment<'a>>, Vec<(EventType, Vec<Point>)>) {
+    let column = view.column.as_str();
+    let mut stretches = stretches(&tables.branch, &tables.parameter, column);
+    for stretch in &mut stretches {
+        stretch.points.retain(|point| view.shows(point));
+    }
+    stretches.retain(|stretch| !stretch.points.is_empty());
+    let mut marks = tables.marks(column);
+    for (_, points) in &mut marks {
+        points.retain(|point| view.shows(point));
+    }
+    marks.retain(|(_, points)| !points.is_empty());
+    (stretches, marks)
+}
+
+/// The colour of a sequence among those of the diagram, the ones that the legend names first.
+fn colour_of(signature: &str, signatures: &[&str]) -> RGBColor {
+    match signature {
+        "" => BLACK,
+        // those that the legend does not name
+        other if signatures.iter().skip(MOST_NAMED).any(|one| *one == other) => GREY,
+        // modes of a user's own have no colour of their own
+        of_modes if sequence(of_modes).contains(&None) => {
+            let place = signatures.iter().position(|known| *known == of_modes);
+            distinct(place.unwrap_or(0))
+        }
+        of_regimes => signature_colour(of_regimes),
+    }
+}
+
 /// Signatures in the order of their length along the branch, when there are more than the legend names;
 /// otherwise in the order of appearance.
-fn signatures<'a>(stretches: &[Stretch<'a>]) -> Vec<&'a str> {
+fn signatures<'a>(stretches: &[DrawnSegment<'a>]) -> Vec<&'a str> {
     let mut found: Vec<(&str, usize)> = Vec::new();
     for stretch in stretches
         .iter()
@@ -414,7 +432,7 @@ pub(super) fn pattern_between(branch: &Table, row: usize) -> Pattern {
 }
 
 /// Cuts the branch where its look changes, where a value is missing and between legs.
-fn stretches<'a>(branch: &'a Table, parameter: &str, column: &str) -> Vec<Stretch<'a>> {
+fn stretches<'a>(branch: &'a Table, parameter: &str, column: &str) -> Vec<DrawnSegment<'a>> {
     let point = |row| {
         Some((
             number(branch, row, parameter)?,
@@ -434,7 +452,7 @@ fn stretches<'a>(branch: &'a Table, parameter: &str, column: &str) -> Vec<Stretc
     };
     let joined = joined(branch.len(), step).into_iter();
     joined
-        .map(|((signature, standing), points)| Stretch {
+        .map(|((signature, standing), points)| DrawnSegment {
             signature,
             standing,
             points,

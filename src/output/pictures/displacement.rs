@@ -6,10 +6,10 @@
 
 use super::colours;
 use super::names::{ANGLE, LENGTH, occurring, regime_name};
-use super::profile::{NONE, Profile, Profiles, Sample, Shown};
+use super::profile::{DrawnProfile, DrawnSample, NONE, Profiles, Shown};
 use crate::output::render::{
-    Axis, BLACK, Extent, GREY, HEIGHT, Key, Layer, Legend, Mark, Panel, Pen, Picture, Point, Shape,
-    Tick, WHITE, drawable, mix, number,
+    Axis, BLACK, Extent, GREY, HEIGHT, Key, Layer, Legend, Mark, MarkShape, Panel, Pen, Picture,
+    Point, Tick, WHITE, drawable, mix, number,
 };
 use crate::tube::model::signature::Regime;
 
@@ -21,12 +21,12 @@ const EDGE: f64 = 0.6;
 
 /// A profile on its base line.
 struct Raised<'a> {
-    profile: &'a Profile,
+    profile: &'a DrawnProfile,
     points: Vec<Point>,
 }
 
 /// Place where the regime changes on a base line.
-struct Change {
+struct RegimeChange {
     /// The regimes, and the number of the change among those between the same.
     between: (Option<Regime>, Option<Regime>, usize),
     at: Point,
@@ -47,30 +47,15 @@ pub(super) fn picture(profiles: &Profiles) -> Picture {
         .enumerate()
         .map(|(index, one)| {
             let (profile, contact) = (one.profile, one.profile.contact());
-            let height = |sample: &Sample| index as f64 + scale * (sample.radial - contact);
+            let height = |sample: &DrawnSample| index as f64 + scale * (sample.radial - contact);
             let points = profile.over(height);
             Raised { profile, points }
         })
         .collect();
-    let changes: Vec<Vec<Change>> = raised.iter().map(Raised::changes).collect();
-    let point = Mark::new(Shape::Circle, 2.6, BLACK);
+    let changes: Vec<Vec<RegimeChange>> = raised.iter().map(Raised::changes).collect();
+    let point = Mark::new(MarkShape::Circle, 2.6, BLACK);
 
-    let base = Pen::solid(mix(WHITE, GREY, 0.45), 1.2);
-    let bases = (0..shown.len()).map(|index| Layer::Across(index as f64, base));
-    let mut layers: Vec<Layer> = bases.chain(loci(&changes)).collect();
-    // From the top down: a high gap stands before the profile above it.
-    for (one, changes) in raised.iter().zip(&changes).rev() {
-        for zone in one.profile.zones() {
-            if zone.regime == Some(Regime::Separation) {
-                let gap = one.points[zone.samples.clone()].to_vec();
-                layers.push(Layer::Area(gap, colours::of_zone(zone.regime)));
-            }
-            let pen = Pen::solid(colours::of_regime(zone.regime), 2.6);
-            layers.push(Layer::Line(one.points[zone.samples].to_vec(), pen));
-        }
-        let places = changes.iter().map(|change| change.at).collect();
-        layers.push(Layer::Marks(places, point));
-    }
+    let mut layers = raised_layers(&raised, &changes, point);
     layers.extend(largest.map(|gap| bar(gap, 0.0, scale)));
 
     let heights = raised
@@ -97,13 +82,19 @@ pub(super) fn picture(profiles: &Profiles) -> Picture {
         HEIGHT
     };
 
+    let legend = legend(&shown, largest.is_some(), point);
+    Picture::new(vec![Panel::new(x, y, layers).high(height)], legend)
+}
+
+/// The regimes that occur, and what marks a switching point and a gap.
+fn legend(shown: &[Shown<'_>], has_gap: bool, point: Mark) -> Legend {
     let samples = shown.iter().flat_map(|one| &one.profile.samples);
     let regimes = occurring(samples.map(|sample| sample.regime)).into_iter();
     let apart = (
         Key::Area(colours::of_zone(Some(Regime::Separation))),
         "apart",
     );
-    let apart = largest.map(|_| apart);
+    let apart = has_gap.then_some(apart);
     let mut legend = Legend::default()
         .with(
             "",
@@ -118,10 +109,31 @@ pub(super) fn picture(profiles: &Profiles) -> Picture {
                 .into_iter()
                 .chain(apart),
         );
-    if largest.is_none() {
+    if !has_gap {
         legend = legend.with::<&str>("U = δ throughout: no separation", []);
     }
-    Picture::new(vec![Panel::new(x, y, layers).high(height)], legend)
+    legend
+}
+
+/// The profiles on their base lines, with the loci and places of switches.
+fn raised_layers(raised: &[Raised<'_>], changes: &[Vec<RegimeChange>], point: Mark) -> Vec<Layer> {
+    let base = Pen::solid(mix(WHITE, GREY, 0.45), 1.2);
+    let bases = (0..raised.len()).map(|index| Layer::Across(index as f64, base));
+    let mut layers: Vec<Layer> = bases.chain(loci(changes)).collect();
+    // From the top down: a high gap stands before the profile above it.
+    for (one, changes) in raised.iter().zip(changes).rev() {
+        for zone in one.profile.zones() {
+            if zone.regime == Some(Regime::Separation) {
+                let gap = one.points[zone.samples.clone()].to_vec();
+                layers.push(Layer::Area(gap, colours::of_zone(zone.regime)));
+            }
+            let pen = Pen::solid(colours::of_regime(zone.regime), 2.6);
+            layers.push(Layer::Line(one.points[zone.samples].to_vec(), pen));
+        }
+        let places = changes.iter().map(|change| change.at).collect();
+        layers.push(Layer::Marks(places, point));
+    }
+    layers
 }
 
 /// The profiles in the order of the branch where it turns back between them: only neighbours on
@@ -167,13 +179,13 @@ fn bar(largest: f64, foot: f64, scale: f64) -> Layer {
 
 impl Raised<'_> {
     /// Places where the regime changes along the profile.
-    fn changes(&self) -> Vec<Change> {
-        let mut changes: Vec<Change> = Vec::new();
+    fn changes(&self) -> Vec<RegimeChange> {
+        let mut changes: Vec<RegimeChange> = Vec::new();
         for pair in self.profile.zones().windows(2) {
             let (from, to) = (pair[0].regime, pair[1].regime);
-            let same = |other: &&Change| (other.between.0, other.between.1) == (from, to);
+            let same = |other: &&RegimeChange| (other.between.0, other.between.1) == (from, to);
             let rank = changes.iter().filter(same).count();
-            changes.push(Change {
+            changes.push(RegimeChange {
                 between: (from, to, rank),
                 at: (pair[1].from, self.points[pair[1].samples.start].1),
             });
@@ -183,7 +195,7 @@ impl Raised<'_> {
 }
 
 /// Joins the same change on neighbouring profiles.
-fn loci(changes: &[Vec<Change>]) -> Vec<Layer> {
+fn loci(changes: &[Vec<RegimeChange>]) -> Vec<Layer> {
     let mut lines = Vec::new();
     for pair in changes.windows(2) {
         for change in &pair[0] {

@@ -3,8 +3,8 @@
 //! motions settle on.
 
 use crate::output::render::{
-    Axis, BLACK, CATEGORIES, Cell, Extent, GREY, HEIGHT, Key, Layer, Legend, Mark, Panel, Pattern,
-    Pen, Picture, Point, Quantity, Shape, WHITE, mix,
+    Axis, BLACK, CATEGORIES, ColourCell, Extent, GREY, HEIGHT, Key, Layer, Legend, Mark, MarkShape,
+    Panel, Pattern, Pen, Picture, Point, Quantity, WHITE, mix,
 };
 use std::collections::{BTreeMap, HashSet};
 use std::path::Path;
@@ -26,7 +26,7 @@ use crate::problem::{MapPoints, Problem, SystemProblem};
 const SHADES: [(&str, f64); 3] = [("yes", 1.0), ("undecided", 0.7), ("no", 0.45)];
 
 /// What is shown at a point: the wave of the first passage of a branch, or what a motion settles on.
-struct Wave {
+struct ShownPoint {
     row: usize,
     column: usize,
     at: Point,
@@ -50,28 +50,28 @@ struct Blank {
 type Cells<'a> = &'a dyn Fn(&str) -> String;
 
 /// A plane, and the words for what is in it.
-struct Plane {
+struct DrawnPlane {
     points: MapPoints,
     /// Where its points are, if no columns of the table tell.
-    begun: Option<map::Plane>,
+    begun: Option<map::MapPlane>,
     /// Name, quantity and range of the second parameter, and of the first.
-    x: Side,
-    y: Side,
+    x: MapSide,
+    y: MapSide,
     /// What a row of the table has: a wave of a kind, nothing, or what is passed over.
-    found: fn(Cells) -> Found,
+    found: fn(Cells) -> MapPoint,
     /// The word before the name of a start.
     start: &'static str,
     /// What stands for an empty picture, for points without a wave, and for those not reached.
     words: [&'static str; 3],
 }
 
-struct Side {
+struct MapSide {
     column: String,
     quantity: Quantity,
     range: (f64, f64),
 }
 
-enum Found {
+enum MapPoint {
     Wave(String),
     Blank { cut: bool },
     Further,
@@ -87,22 +87,22 @@ pub(crate) fn picture(folder: &Path, problem: &Problem) -> Result<Picture, Store
     let Some(map) = &problem.map else {
         return Err(unfinished(folder, "map", NO_SECTION));
     };
-    let [x, y] = [&map.second, &map.first].map(|axis| Side {
+    let [x, y] = [&map.second, &map.first].map(|axis| MapSide {
         column: axis.parameter.column().to_owned(),
         quantity: quantity(axis.parameter.column()),
         range: axis.range,
     });
-    let plane = Plane {
+    let plane = DrawnPlane {
         points: map.points,
         begun: None,
         x,
         y,
         found: |cell| match &*cell("passage") {
-            "0" => Found::Blank {
+            "0" => MapPoint::Blank {
                 cut: cell("found") == NOT_REACHED,
             },
-            "1" => Found::Wave(cell("regimes")),
-            _ => Found::Further,
+            "1" => MapPoint::Wave(cell("regimes")),
+            _ => MapPoint::Further,
         },
         start: "",
         words: [
@@ -124,27 +124,27 @@ pub(crate) fn of_system(folder: &Path, problem: &SystemProblem) -> Result<Pictur
     let Some(map) = &problem.map else {
         return Err(unfinished(folder, "map", NO_SECTION));
     };
-    let [x, y] = [&map.second, &map.first].map(|axis| Side {
+    let [x, y] = [&map.second, &map.first].map(|axis| MapSide {
         column: axis.name().to_owned(),
         quantity: (axis.name(), "").into(),
         range: axis.range,
     });
-    let plane = Plane {
+    let plane = DrawnPlane {
         points: map.points,
         // the columns of states tell of orbits, not where motions begin
-        begun: map.is_basin().then(|| map::Plane::new(map)),
+        begun: map.is_basin().then(|| map::MapPlane::new(map)),
         x,
         y,
         found: |cell| match &*cell("found") {
-            map::NONE => Found::Blank { cut: false },
-            UNDECIDED => Found::Blank { cut: true },
+            map::NONE => MapPoint::Blank { cut: false },
+            UNDECIDED => MapPoint::Blank { cut: true },
             "orbit" => {
                 let switches = if cell("switches").is_empty() { "0" } else { "" };
                 let orbit = [&cell("periods"), &cell("regimes"), switches];
-                Found::Wave(numbered(cell) + &orbit.join(" "))
+                MapPoint::Wave(numbered(cell) + &orbit.join(" "))
             }
-            "equilibrium" => Found::Wave(numbered(cell) + "equilibrium"),
-            other => Found::Wave(other.to_owned()),
+            "equilibrium" => MapPoint::Wave(numbered(cell) + "equilibrium"),
+            other => MapPoint::Wave(other.to_owned()),
         },
         start: "start ",
         words: [
@@ -189,10 +189,10 @@ pub(crate) fn of_system(folder: &Path, problem: &SystemProblem) -> Result<Pictur
 }
 
 /// Gives all cyclic forms of an orbit one kind: its name, unless another one has that, too. Returns the orbits by their kinds.
-fn name_orbits(waves: &mut [Wave]) -> BTreeMap<String, OrbitKind> {
+fn name_orbits(waves: &mut [ShownPoint]) -> BTreeMap<String, OrbitKind> {
     let mut orbits: BTreeMap<String, OrbitKind> = BTreeMap::new();
     let mut known: BTreeMap<String, String> = BTreeMap::new();
-    for Wave { kind, .. } in waves {
+    for ShownPoint { kind, .. } in waves {
         let name = known.entry(kind.clone()).or_insert_with_key(|kind| {
             let Some(orbit) = OrbitKind::read(kind) else {
                 return kind.clone();
@@ -251,7 +251,7 @@ fn attractor(kind: &str) -> Option<usize> {
 }
 
 /// Kinds of waves, those with most points first, and last what is no orbit.
-fn ranked(waves: &[Wave]) -> Vec<&str> {
+fn ranked(waves: &[ShownPoint]) -> Vec<&str> {
     let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
     for wave in waves {
         *counts.entry(&wave.kind).or_default() += 1;
@@ -261,11 +261,11 @@ fn ranked(waves: &[Wave]) -> Vec<&str> {
     names
 }
 
-impl Plane {
+impl DrawnPlane {
     /// The picture of what was read; `shown` gives the colour and the name of a kind.
     fn picture(
         &self,
-        waves: &[Wave],
+        waves: &[ShownPoint],
         blanks: &[Blank],
         shown: &dyn Fn(&str) -> (RGBColor, String),
     ) -> Picture {
@@ -278,7 +278,7 @@ impl Plane {
             .iter()
             .map(|(kind, (colour, _))| (*kind, *colour))
             .collect();
-        let colour = |wave: &Wave| {
+        let colour = |wave: &ShownPoint| {
             let shade = SHADES.iter().find(|shade| shade.0 == wave.stable);
             let share = shade.map_or(1.0, |shade| shade.1);
             mix(WHITE, colours[&*wave.kind], share)
@@ -287,14 +287,14 @@ impl Plane {
         starts.sort_unstable();
         starts.dedup();
         // half a cell more on either side
-        let half = |side: &Side, count: usize| {
+        let half = |side: &MapSide, count: usize| {
             0.5 * (side.range.1 - side.range.0) / (count.max(2) - 1) as f64
         };
         let (half_width, half_height) = match self.points {
             MapPoints::Grid { rows, columns } => (half(&self.x, columns), half(&self.y, rows)),
             MapPoints::QuasiRandom { .. } => (0.0, 0.0),
         };
-        let axis = |side: &Side, half: f64, prefix: &str| {
+        let axis = |side: &MapSide, half: f64, prefix: &str| {
             let mut quantity = side.quantity.clone();
             quantity.word.insert_str(0, prefix);
             Axis::new(
@@ -307,40 +307,65 @@ impl Plane {
             Panel::new(x, axis(&self.y, half_height, prefix), layers).high(height)
         };
         let panels = starts.iter().map(|start| {
-            let shown: Vec<&Wave> = waves.iter().filter(|wave| wave.start == *start).collect();
+            let shown: Vec<&ShownPoint> =
+                waves.iter().filter(|wave| wave.start == *start).collect();
             let cut = blanks.iter().filter(|one| one.cut && one.start == *start);
-            let layers = match self.points {
-                MapPoints::QuasiRandom { .. } => {
-                    let mut layers = scattered(&shown, colour);
-                    let cut = cut.map(|blank| blank.at).collect();
-                    layers.push(Layer::Marks(cut, Mark::new(Shape::Cross, 3.0, GREY)));
-                    layers
-                }
-                MapPoints::Grid { rows, columns } => {
-                    let mut layers = vec![cells(&shown, (half_width, half_height), colour)];
-                    let cut = cut.map(|blank| (blank.row, blank.column)).collect();
-                    let corner = (self.x.range.0 - half_width, self.y.range.0 - half_height);
-                    let cell = (2.0 * half_width, 2.0 * half_height);
-                    let grid = ((rows, columns), corner, cell);
-                    layers.extend(hatched(&cut, grid, hatching()));
-                    let kind = |wave: &&&Wave| wave.kind == UNBOUNDED;
-                    let unbounded = shown.iter().filter(kind);
-                    let unbounded = unbounded.map(|wave| (wave.row, wave.column)).collect();
-                    layers.extend(hatched(&unbounded, grid, LIGHT_HATCHING));
-                    layers
-                }
-            };
+            let layers = self.layers(&shown, cut, (half_width, half_height), &colour);
             match starts.len() {
                 1 => panel(layers, "", HEIGHT),
                 _ => panel(layers, &format!("{}{start}: ", self.start), HEIGHT / 1.3),
             }
         });
         let mut panels: Vec<Panel> = panels.collect();
-        let [empty, none, not_reached] = self.words;
+        let [empty, ..] = self.words;
         if panels.is_empty() {
             panels.push(panel(Vec::new(), "", HEIGHT).unless(true, empty));
         }
 
+        let legend = self.legend(waves, blanks, &kinds, &starts);
+        Picture::new(panels, legend)
+    }
+
+    /// What is shown of one start: waves in their colours, points that a search was `cut` short at, unbounded motions.
+    fn layers<'a>(
+        &self,
+        shown: &[&ShownPoint],
+        cut: impl Iterator<Item = &'a Blank>,
+        (half_width, half_height): (f64, f64),
+        colour: &dyn Fn(&ShownPoint) -> RGBColor,
+    ) -> Vec<Layer> {
+        match self.points {
+            MapPoints::QuasiRandom { .. } => {
+                let mut layers = scattered(shown, colour);
+                let cut = cut.map(|blank| blank.at).collect();
+                layers.push(Layer::Marks(cut, Mark::new(MarkShape::Cross, 3.0, GREY)));
+                layers
+            }
+            MapPoints::Grid { rows, columns } => {
+                let mut layers = vec![cells(shown, (half_width, half_height), colour)];
+                let cut = cut.map(|blank| (blank.row, blank.column)).collect();
+                let corner = (self.x.range.0 - half_width, self.y.range.0 - half_height);
+                let cell = (2.0 * half_width, 2.0 * half_height);
+                let grid = ((rows, columns), corner, cell);
+                layers.extend(hatched(&cut, grid, hatching()));
+                let kind = |wave: &&&ShownPoint| wave.kind == UNBOUNDED;
+                let unbounded = shown.iter().filter(kind);
+                let unbounded = unbounded.map(|wave| (wave.row, wave.column)).collect();
+                layers.extend(hatched(&unbounded, grid, LIGHT_HATCHING));
+                layers
+            }
+        }
+    }
+
+    /// The colours of kinds, and the marks of points without a wave that are in a panel.
+    fn legend(
+        &self,
+        waves: &[ShownPoint],
+        blanks: &[Blank],
+        kinds: &[(&str, (RGBColor, String))],
+        starts: &[&str],
+    ) -> Legend {
+        let [_, none, not_reached] = self.words;
         // in the colour of the first: greys are what is no orbit
         let example = kinds.first().map_or(BLACK, |(_, (colour, _))| *colour);
         let shades = SHADES
@@ -360,7 +385,7 @@ impl Plane {
             blanks.iter().find(of_panel)
         };
         let cut = match self.points {
-            MapPoints::QuasiRandom { .. } => Key::Mark(Mark::new(Shape::Cross, 3.0, GREY)),
+            MapPoints::QuasiRandom { .. } => Key::Mark(Mark::new(MarkShape::Cross, 3.0, GREY)),
             MapPoints::Grid { .. } => Key::Hatched(hatching(), WHITE),
         };
         let none = blank(false).map(|_| (Key::Area(WHITE), none.to_owned()));
@@ -369,11 +394,11 @@ impl Plane {
         if waves.iter().any(|wave| !wave.stable.is_empty()) {
             legend = legend.with("stable", shades);
         }
-        Picture::new(panels, legend)
+        legend
     }
 
     /// First passages of the table and points without a wave, in its order, row by row: maps may be long.
-    fn read(&self, folder: &Path) -> Result<(Vec<Wave>, Vec<Blank>), StoreError> {
+    fn read(&self, folder: &Path) -> Result<(Vec<ShownPoint>, Vec<Blank>), StoreError> {
         let path = folder.join(MAP);
         if !path.exists() {
             return Err(unfinished(folder, "map", "its rows are not joined yet"));
@@ -409,7 +434,7 @@ impl Plane {
                 }
             };
             match (self.found)(&cell) {
-                Found::Wave(kind) => waves.push(Wave {
+                MapPoint::Wave(kind) => waves.push(ShownPoint {
                     row,
                     column,
                     at,
@@ -417,35 +442,39 @@ impl Plane {
                     kind,
                     stable: cell("stable"),
                 }),
-                Found::Blank { cut } => blanks.push(Blank {
+                MapPoint::Blank { cut } => blanks.push(Blank {
                     row,
                     column,
                     at,
                     start,
                     cut,
                 }),
-                Found::Further => {}
+                MapPoint::Further => {}
             }
         }
         Ok((waves, blanks))
     }
 }
 
-fn scattered(waves: &[&Wave], colour: impl Fn(&Wave) -> RGBColor) -> Vec<Layer> {
+fn scattered(waves: &[&ShownPoint], colour: impl Fn(&ShownPoint) -> RGBColor) -> Vec<Layer> {
     let size = (200.0 / (waves.len().max(1) as f64).sqrt()).clamp(1.0, 4.0);
-    let layer =
-        |wave: &&Wave| Layer::Marks(vec![wave.at], Mark::new(Shape::Disc, size, colour(wave)));
+    let layer = |wave: &&ShownPoint| {
+        Layer::Marks(
+            vec![wave.at],
+            Mark::new(MarkShape::Disc, size, colour(wave)),
+        )
+    };
     waves.iter().map(layer).collect()
 }
 
 /// Rectangles around the points; neighbours of the same colour in a row make one.
-fn cells(waves: &[&Wave], half: Point, colour: impl Fn(&Wave) -> RGBColor) -> Layer {
+fn cells(waves: &[&ShownPoint], half: Point, colour: impl Fn(&ShownPoint) -> RGBColor) -> Layer {
     let rows = waves.chunk_by(|one, next| {
         one.row == next.row && one.column + 1 == next.column && colour(one) == colour(next)
     });
-    let cell = |stretch: &[&Wave]| {
+    let cell = |stretch: &[&ShownPoint]| {
         let (first, last) = (stretch[0], stretch[stretch.len() - 1]);
-        Cell {
+        ColourCell {
             from: (first.at.0 - half.0, first.at.1 - half.1),
             to: (last.at.0 + half.0, last.at.1 + half.1),
             colour: colour(first),

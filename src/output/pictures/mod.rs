@@ -36,9 +36,9 @@ use super::accuracy::rows;
 use super::curve::CurveFolder;
 use super::layout::{self, STEADY};
 use super::render::{Format, Picture, RenderError};
-use super::store::{self, Kind, Store, StoreError, unfinished};
+use super::store::{self, FolderKind, Store, StoreError, unfinished};
 use super::waves::separates;
-use crate::curve::Tube;
+use crate::curve::WavesInPlane;
 use crate::problem::{Plot, Problem};
 use crate::tube::model::{Landing, Parameter};
 use names::constant_parameters;
@@ -76,32 +76,32 @@ pub(crate) fn draw(
 ) -> Result<Vec<PathBuf>, PlotError> {
     let folder = store.path();
     let picture = match (store.kind(), problem) {
-        (Some(Kind::Map), Some(problem)) => map::picture(folder, problem),
-        (Some(Kind::Curve), _) => CurveFolder::saved::<Tube>(store).map(|saved| {
+        (Some(FolderKind::Map), Some(problem)) => map::picture(folder, problem),
+        (Some(FolderKind::Curve), _) => CurveFolder::saved::<WavesInPlane>(store).map(|saved| {
             let ranges = saved.head().limits.ranges;
             curve::of_waves(&saved.curve(), ranges, problem)
         }),
-        (Some(Kind::Accuracy), _) => rows(folder).map(|rows| accuracy::picture(&rows)),
-        (Some(Kind::Steady), _) => {
+        (Some(FolderKind::Accuracy), _) => rows(folder).map(|rows| accuracy::picture(&rows)),
+        (Some(FolderKind::Steady), _) => {
             store::table(&folder.join(STEADY)).map(|modes| steady::picture(&modes, problem))
         }
-        (Some(Kind::Map), None) => {
+        (Some(FolderKind::Map), None) => {
             return Err(unfinished(folder, "map", "no row is there yet").into());
         }
-        (Some(Kind::Simulation), None) => {
+        (Some(FolderKind::Simulation), None) => {
             return Err(unfinished(folder, "simulate", "nothing is saved yet").into());
         }
-        (Some(Kind::Simulation), Some(known)) => {
+        (Some(FolderKind::Simulation), Some(known)) => {
             let pictures = simulation::pictures(folder, known)?.map(Ok);
             let names = layout::MOTION.map(str::to_owned);
             return put(store, problem, format, names.into_iter().zip(pictures));
         }
-        (None | Some(Kind::Run), Some(known)) => {
+        (None | Some(FolderKind::Run), Some(known)) => {
             return put(store, problem, format, of_branch(folder, known)?);
         }
         _ => return Ok(Vec::new()),
     };
-    let name = store.kind().map_or("", Kind::name).to_owned();
+    let name = store.kind().map_or("", FolderKind::name).to_owned();
     put(store, problem, format, [(name, picture)])
 }
 
@@ -121,7 +121,7 @@ pub(crate) fn draw_accuracy(
             None => picture,
         }
     });
-    let name = Kind::Accuracy.name().to_owned();
+    let name = FolderKind::Accuracy.name().to_owned();
     put(store, None, format, [(name, picture)])
 }
 

@@ -7,8 +7,8 @@ use super::tables::{column, read};
 use super::{Named, PlotError, put};
 use crate::output::layout::{OF_MOTION, SERIES, SWITCHES};
 use crate::output::render::{
-    Axis, CATEGORIES, Extent, Format, GREY, HEIGHT, Key, Layer, Legend, Mark, Panel, Pattern, Pen,
-    Picture, Point, Shape,
+    Axis, CATEGORIES, Extent, Format, GREY, HEIGHT, Key, Layer, Legend, Mark, MarkShape, Panel,
+    Pattern, Pen, Picture, Point,
 };
 use crate::output::store::{Store, StoreError};
 use crate::problem::SystemProblem;
@@ -28,7 +28,7 @@ const JUMP: Pen = Pen {
     pattern: Pattern::Dotted,
 };
 const SWITCH: Mark = Mark {
-    shape: Shape::Circle,
+    shape: MarkShape::Circle,
     size: 2.6,
     colour: GREY,
 };
@@ -37,7 +37,7 @@ const SWITCH: Mark = Mark {
 const FLAT: &str = "a single state has no phase plane";
 
 /// A stretch of a motion in one mode, from switch to switch.
-struct Zone {
+struct ModeSpan {
     mode: String,
     /// Time, then the states.
     points: Vec<Vec<f64>>,
@@ -68,7 +68,7 @@ pub(crate) fn draw(
 }
 
 /// The zones of a motion: samples, and the states on both sides of every switch.
-fn zones(folder: &Path, states: &[String]) -> Result<Vec<Zone>, StoreError> {
+fn zones(folder: &Path, states: &[String]) -> Result<Vec<ModeSpan>, StoreError> {
     let series = read(&folder.join(SERIES), &["time", "mode"])?;
     let switches = read(&folder.join(SWITCHES), &["time", "from", "to"])?;
     let numbers = |table: &Table, ending: &str| -> Vec<Vec<f64>> {
@@ -81,7 +81,7 @@ fn zones(folder: &Path, states: &[String]) -> Result<Vec<Zone>, StoreError> {
     };
     let samples = numbers(&series, "");
     let [before, after] = ["_before", "_after"].map(|ending| numbers(&switches, ending));
-    let mut zones = vec![Zone {
+    let mut zones = vec![ModeSpan {
         mode: series.text(0, "mode").to_owned(),
         points: Vec::new(),
     }];
@@ -91,7 +91,7 @@ fn zones(folder: &Path, states: &[String]) -> Result<Vec<Zone>, StoreError> {
             if let Some(zone) = zones.last_mut() {
                 zone.points.push(row(&before, next));
             }
-            zones.push(Zone {
+            zones.push(ModeSpan {
                 mode: switches.text(next, "to").to_owned(),
                 points: vec![row(&after, next)],
             });
@@ -105,7 +105,12 @@ fn zones(folder: &Path, states: &[String]) -> Result<Vec<Zone>, StoreError> {
 }
 
 /// Two columns of some zones, broken at every switch.
-fn line<'a>(zones: impl Iterator<Item = &'a Zone>, from: f64, x: usize, y: usize) -> Vec<Point> {
+fn line<'a>(
+    zones: impl Iterator<Item = &'a ModeSpan>,
+    from: f64,
+    x: usize,
+    y: usize,
+) -> Vec<Point> {
     let mut line = Vec::new();
     for zone in zones {
         let points = zone.points.iter().filter(|point| point[0] >= from);
@@ -116,7 +121,7 @@ fn line<'a>(zones: impl Iterator<Item = &'a Zone>, from: f64, x: usize, y: usize
 }
 
 /// What is drawn of two columns from a time on: a line in the colour of each mode, jumps, and marks of switches.
-fn layers(zones: &[Zone], modes: &[&str], from: f64, x: usize, y: usize) -> Vec<Layer> {
+fn layers(zones: &[ModeSpan], modes: &[&str], from: f64, x: usize, y: usize) -> Vec<Layer> {
     let mut layers = Vec::new();
     let mut jumps = Vec::new();
     let mut marks = Vec::new();
@@ -148,7 +153,7 @@ fn layers(zones: &[Zone], modes: &[&str], from: f64, x: usize, y: usize) -> Vec<
 }
 
 /// Names of the modes in the order of their first zones.
-fn modes(zones: &[Zone]) -> Vec<&str> {
+fn modes(zones: &[ModeSpan]) -> Vec<&str> {
     let mut modes: Vec<&str> = Vec::new();
     for zone in zones {
         if !modes.contains(&zone.mode.as_str()) {
@@ -159,7 +164,7 @@ fn modes(zones: &[Zone]) -> Vec<&str> {
 }
 
 /// Explains what [`layers`] draws from a time on.
-fn legend(zones: &[Zone], modes: &[&str], from: f64, grey: bool) -> Legend {
+fn legend(zones: &[ModeSpan], modes: &[&str], from: f64, grey: bool) -> Legend {
     let keys = modes.iter().zip(CATEGORIES.into_iter().cycle());
     let keys = keys.map(|(mode, colour)| (Key::Line(Pen::solid(colour, WIDTH)), *mode));
     let late = zones
@@ -180,7 +185,7 @@ const EARLIER: Pen = Pen {
 };
 
 /// All of the time, or the end with as many switches as can be told apart.
-fn time_series(zones: &[Zone], states: &[String]) -> Picture {
+fn time_series(zones: &[ModeSpan], states: &[String]) -> Picture {
     let zones = &zones[zones.len().saturating_sub(MARKED + 1)..];
     let modes = modes(zones);
     let shown = states.iter().take(MOST).enumerate();
@@ -196,7 +201,7 @@ fn time_series(zones: &[Zone], states: &[String]) -> Picture {
     )
 }
 
-fn phase_plane(zones: &[Zone], states: &[String]) -> Picture {
+fn phase_plane(zones: &[ModeSpan], states: &[String]) -> Picture {
     let times = || {
         zones
             .iter()

@@ -2,8 +2,8 @@
 //! from one point of a ring to the next.
 
 use crate::output::render::{
-    Axis, BLACK, BLUE, Extent, GREY, Key, Layer, Legend, Mark, Panel, Pen, Picture, Point, Shape,
-    VERMILLION, WHITE, drawable, number,
+    Axis, BLACK, BLUE, Extent, GREY, Key, Layer, Legend, Mark, MarkShape, Panel, Pen, Picture,
+    Point, VERMILLION, WHITE, drawable, number,
 };
 use std::f64::consts::TAU;
 
@@ -36,7 +36,7 @@ type Multiplier = (Point, Mark);
 
 /// A square part of the plane.
 #[derive(Clone, Copy)]
-struct Window {
+struct PlaneWindow {
     centre: Point,
     half: f64,
 }
@@ -113,7 +113,7 @@ fn with_branch(
     let extent = Extent::Fixed(low - room, high + room);
     let largest = |(re, im): Point| re.abs().max(im.abs());
     let all = multipliers.iter().map(|one| largest(one.0));
-    let all = Window {
+    let all = PlaneWindow {
         centre: (0.0, 0.0),
         half: 1.12 * all.fold(1.0, f64::max),
     };
@@ -155,8 +155,8 @@ pub(crate) fn discretised(
     period: f64,
 ) -> Picture {
     let marks = [
-        Mark::new(Shape::Circle, 3.0, BLUE),
-        Mark::new(Shape::Plus, 4.4, VERMILLION),
+        Mark::new(MarkShape::Circle, 3.0, BLUE),
+        Mark::new(MarkShape::Plus, 4.4, VERMILLION),
     ];
     let mut multipliers = Vec::new();
     for (values, mark) in [ring, exact].into_iter().zip(marks) {
@@ -174,7 +174,7 @@ pub(crate) fn discretised(
 }
 
 /// The multipliers along a branch of orbits.
-pub(super) struct Along {
+pub(super) struct MultipliersAlong {
     /// Values of the parameter and the leading multiplier, point by point; gaps between legs and where it is unknown.
     pub leading: Vec<(f64, Point)>,
     /// All multipliers of labelled orbits.
@@ -182,8 +182,7 @@ pub(super) struct Along {
 }
 
 /// Multipliers along a branch: in the plane, and their moduli over the parameter. `none` says why there are none.
-pub(super) fn of_branch(along: &Along, parameter: Axis, none: &str) -> Picture {
-    let size = |(_, (re, im)): &(f64, Point)| re.hypot(*im);
+pub(super) fn of_branch(along: &MultipliersAlong, parameter: Axis, none: &str) -> Picture {
     let known = along.leading.iter().chain(&along.labelled).map(size);
     let known: Vec<f64> = known.filter(|size| size.is_finite()).collect();
     if known.is_empty() {
@@ -191,8 +190,8 @@ pub(super) fn of_branch(along: &Along, parameter: Axis, none: &str) -> Picture {
     }
     let largest = known.iter().copied().fold(1.0, f64::max);
     let path = Pen::solid(VERMILLION, 1.6);
-    let mark = Mark::new(Shape::Circle, 3.4, BLUE);
-    let all = Window {
+    let mark = Mark::new(MarkShape::Circle, 3.4, BLUE);
+    let all = PlaneWindow {
         centre: (0.0, 0.0),
         half: 1.12 * largest.min(FAR),
     };
@@ -216,6 +215,38 @@ pub(super) fn of_branch(along: &Along, parameter: Axis, none: &str) -> Picture {
     let places = along.labelled.iter().map(|(_, place)| *place);
     let inside = places.filter(|place| all.contains(*place)).collect();
     left.push(Layer::Marks(inside, mark));
+    let mut keys = vec![(Key::Mark(mark), "at the labels, all".to_owned())];
+    if along.leading.iter().any(|one| size(one).is_finite()) {
+        keys.insert(
+            0,
+            (
+                Key::Line(path),
+                "along the branch, the leading one".to_owned(),
+            ),
+        );
+    }
+    keys.push((Key::Mark(CROSS), "μ = 1".to_owned()));
+    if largest > FAR {
+        let words = format!("those with |μ| > {FAR} are on the right only");
+        keys.push((Key::Word, words));
+    }
+    let panels = vec![
+        all.panel("Im μ", left),
+        moduli(along, parameter, largest, (path, mark)),
+    ];
+    Picture {
+        beside: true,
+        ..Picture::new(panels, Legend::default().with("", keys))
+    }
+}
+
+/// The moduli over the parameter.
+fn moduli(
+    along: &MultipliersAlong,
+    parameter: Axis,
+    largest: f64,
+    (path, mark): (Pen, Mark),
+) -> Panel {
     let logarithmic = largest > FAR;
     let over = |list: &[(f64, Point)]| -> Vec<Point> {
         let shown = |size: f64| {
@@ -230,7 +261,7 @@ pub(super) fn of_branch(along: &Along, parameter: Axis, none: &str) -> Picture {
     let marks = over(&along.labelled)
         .into_iter()
         .filter(|place| place.1.is_finite());
-    let right = vec![
+    let layers = vec![
         Layer::Across(1.0, Pen::solid(BLACK, 1.2)),
         Layer::Line(over(&along.leading), path),
         Layer::Marks(marks.collect(), mark),
@@ -239,29 +270,12 @@ pub(super) fn of_branch(along: &Along, parameter: Axis, none: &str) -> Picture {
         true => Extent::Logarithmic(0.06),
         false => Extent::Fixed(0.0, 1.08 * largest),
     };
-    let mut keys = vec![(Key::Mark(mark), "at the labels, all".to_owned())];
-    if along.leading.iter().any(|one| size(one).is_finite()) {
-        keys.insert(
-            0,
-            (
-                Key::Line(path),
-                "along the branch, the leading one".to_owned(),
-            ),
-        );
-    }
-    keys.push((Key::Mark(CROSS), "μ = 1".to_owned()));
-    if logarithmic {
-        let words = format!("those with |μ| > {FAR} are on the right only");
-        keys.push((Key::Word, words));
-    }
-    let panels = vec![
-        all.panel("Im μ", left),
-        Panel::new(parameter, Axis::new(("", "|μ|"), extent), right),
-    ];
-    Picture {
-        beside: true,
-        ..Picture::new(panels, Legend::default().with("", keys))
-    }
+    Panel::new(parameter, Axis::new(("", "|μ|"), extent), layers)
+}
+
+/// Modulus of a multiplier at a value of the parameter.
+fn size((_, (re, im)): &(f64, Point)) -> f64 {
+    re.hypot(*im)
 }
 
 /// Modulus up to which a plane shows multipliers: beyond it the unit circle is a dot.
@@ -287,7 +301,7 @@ fn unjumped(places: impl Iterator<Item = Point>) -> Vec<Point> {
 }
 
 /// The unit circle with all multipliers on the left, a part of it enlarged on the right.
-fn beside(multipliers: &[Multiplier], [all, near]: [Window; 2], legend: Legend) -> Picture {
+fn beside(multipliers: &[Multiplier], [all, near]: [PlaneWindow; 2], legend: Legend) -> Picture {
     let outline = Pen::solid(GREY, 1.3);
     let mut left = all.layers(multipliers);
     let corners = near.corners();
@@ -321,10 +335,10 @@ fn multiplied(
 
 /// The unit circle with all multipliers, and an enlarged view of the one that grows most.
 fn plane(multipliers: &[Multiplier], legend: Legend, period: f64, divisor: &str) -> Picture {
-    let Some(near) = Window::foremost(multipliers, period) else {
+    let Some(near) = PlaneWindow::foremost(multipliers, period) else {
         return blank(UNKNOWN);
     };
-    let all = Window::of_all(multipliers, near);
+    let all = PlaneWindow::of_all(multipliers, near);
     let period = number::significant(period, 4);
     let legend = legend
         .with("", [(Key::Mark(CROSS), "translation, μ = 1")])
@@ -334,7 +348,7 @@ fn plane(multipliers: &[Multiplier], legend: Legend, period: f64, divisor: &str)
 
 /// The cross at μ = 1.
 const CROSS: Mark = Mark {
-    shape: Shape::Cross,
+    shape: MarkShape::Cross,
     size: 3.6,
     colour: BLACK,
 };
@@ -346,13 +360,13 @@ fn blank(text: &str) -> Picture {
     Picture::new(vec![panel], Legend::default())
 }
 
-impl Window {
+impl PlaneWindow {
     /// The window around the unit circle, all multipliers and the enlarged window.
-    fn of_all(multipliers: &[Multiplier], near: Window) -> Self {
+    fn of_all(multipliers: &[Multiplier], near: PlaneWindow) -> Self {
         let largest = |(re, im): Point| re.abs().max(im.abs());
         let sizes = multipliers.iter().map(|(place, _)| largest(*place));
         let half = 1.12 * sizes.fold(1.0, f64::max);
-        Window {
+        PlaneWindow {
             centre: (0.0, 0.0),
             half: half.max(1.06 * (largest(near.centre) + near.half)),
         }
@@ -370,11 +384,11 @@ impl Window {
         let half = (ROOM * (size(lead) - 1.0).abs()).clamp(least, HALF.1);
         let wide = half.max(1.5 * im);
         Some(match re > 0.0 && wide <= HALF.1 {
-            true => Window {
+            true => PlaneWindow {
                 centre: (re, 0.0),
                 half: wide,
             },
-            false => Window {
+            false => PlaneWindow {
                 centre: (re, im),
                 half,
             },

@@ -4,7 +4,7 @@ use plotters::style::RGBColor;
 
 use super::colours;
 use crate::orbit::EventType;
-use crate::output::render::{BLACK, GREY, Key, Mark, Quantity, Shape, number};
+use crate::output::render::{BLACK, GREY, Key, Mark, MarkShape, Quantity, number};
 use crate::problem::Problem;
 use crate::tube::model::Parameter;
 use crate::tube::model::signature::Regime;
@@ -120,22 +120,22 @@ pub(super) fn event(kind: EventType) -> &'static str {
 /// Mark of an event. The shape alone tells the types apart.
 pub(super) fn event_mark(kind: EventType) -> Mark {
     let (shape, size) = match kind {
-        EventType::EP => (Shape::Circle, 3.0),
-        EventType::MX => (Shape::Cross, 6.5),
-        EventType::UZ => return Mark::new(Shape::Disc, 3.4, GREY),
-        EventType::LP => (Shape::OpenSquare, 5.2),
+        EventType::EP => (MarkShape::Circle, 3.0),
+        EventType::MX => (MarkShape::Cross, 6.5),
+        EventType::UZ => return Mark::new(MarkShape::Disc, 3.4, GREY),
+        EventType::LP => (MarkShape::OpenSquare, 5.2),
         // many may lie close together, and must not hide the line
-        EventType::HB => (Shape::Tick, 6.0),
-        EventType::BP => (Shape::OpenDown, 6.0),
-        EventType::PD => (Shape::OpenDiamond, 6.0),
-        EventType::NS => (Shape::Plus, 6.0),
-        EventType::GR => (Shape::Up, 6.0),
-        EventType::RV => (Shape::Diamond, 6.0),
-        EventType::CO => (Shape::Disc, 5.6),
-        EventType::ST => (Shape::Square, 6.0),
-        EventType::SL => (Shape::Star, 6.0),
-        EventType::BE => (Shape::Up, 6.0),
-        EventType::HC => (Shape::Square, 5.6),
+        EventType::HB => (MarkShape::Tick, 6.0),
+        EventType::BP => (MarkShape::OpenDown, 6.0),
+        EventType::PD => (MarkShape::OpenDiamond, 6.0),
+        EventType::NS => (MarkShape::Plus, 6.0),
+        EventType::GR => (MarkShape::Up, 6.0),
+        EventType::RV => (MarkShape::Diamond, 6.0),
+        EventType::CO => (MarkShape::Disc, 5.6),
+        EventType::ST => (MarkShape::Square, 6.0),
+        EventType::SL => (MarkShape::Star, 6.0),
+        EventType::BE => (MarkShape::Up, 6.0),
+        EventType::HC => (MarkShape::Square, 5.6),
     };
     Mark::new(shape, size, BLACK)
 }

@@ -4,22 +4,22 @@ use std::path::PathBuf;
 
 use super::colours::distinct;
 use super::diagram::{self, extent, same_leg};
-use super::multipliers::{self, Along};
+use super::multipliers::{self, MultipliersAlong};
 use super::names::own_quantity;
 use super::profile::evenly;
 use super::tables::{self, Tables, column, read, read_if_there};
 use super::view::{View, parameter_axis};
 use super::{Named, PlotError, put};
 use crate::affine::system::Source;
-use crate::curve::{self, Curve, Plane};
+use crate::curve::{self, ParameterPlane, WholeCurve};
 use crate::orbit::Orbit;
 use crate::output::curve::CurveFolder;
 use crate::output::layout::{self, MULTIPLIERS, profile_file};
 use crate::output::render::{
-    Axis, Extent, Format, Key, Layer, Legend, Mark, Panel, Pattern, Pen, Picture, Point, Shape,
+    Axis, Extent, Format, Key, Layer, Legend, Mark, MarkShape, Panel, Pattern, Pen, Picture, Point,
     number,
 };
-use crate::output::store::{Kind, Store, StoreError};
+use crate::output::store::{FolderKind, Store, StoreError};
 use crate::problem::{SystemPlot, SystemProblem};
 use crate::table::Table;
 
@@ -62,10 +62,10 @@ pub(crate) fn draw(
     problem: &SystemProblem,
     format: Format,
 ) -> Result<Vec<PathBuf>, PlotError> {
-    if store.kind() == Some(Kind::Curve) {
+    if store.kind() == Some(FolderKind::Curve) {
         return match problem.equilibrium {
-            Some(_) => draw_saved_curve::<curve::Equilibria>(store, problem, format),
-            None => draw_saved_curve::<curve::Orbits>(store, problem, format),
+            Some(_) => draw_saved_curve::<curve::EquilibriaInPlane>(store, problem, format),
+            None => draw_saved_curve::<curve::OrbitsInPlane>(store, problem, format),
         };
     }
     let Some(section) = &problem.continuation else {
@@ -113,7 +113,7 @@ pub(crate) fn draw_view(
 }
 
 /// Draws the curve of a folder.
-fn draw_saved_curve<P: Plane>(
+fn draw_saved_curve<P: ParameterPlane>(
     store: &Store,
     problem: &SystemProblem,
     format: Format,
@@ -127,10 +127,10 @@ fn draw_saved_curve<P: Plane>(
 ///
 /// # Errors
 /// As [`draw`].
-pub(crate) fn draw_curve<P: Plane>(
+pub(crate) fn draw_curve<P: ParameterPlane>(
     store: &Store,
     problem: &SystemProblem,
-    curve: &Curve<P>,
+    curve: &WholeCurve<P>,
     ranges: [(f64, f64); 2],
     format: Format,
 ) -> Result<Vec<PathBuf>, PlotError> {
@@ -138,7 +138,7 @@ pub(crate) fn draw_curve<P: Plane>(
     let followed = curve.parameters.each_ref().map(P::Orbit::column);
     let subtitle = constants(&problem.system.source, &varying(problem, &followed));
     let drawn = drawn.titled(problem.title.as_deref()).subtitled(&subtitle);
-    let name = Kind::Curve.name().to_owned();
+    let name = FolderKind::Curve.name().to_owned();
     put(store, None, format, [(name, Ok(drawn))])
 }
 
@@ -294,7 +294,7 @@ fn curves(orbits: &[Sampled], x: &str, y: &str, parameter: &str) -> Picture {
             pattern: Pattern::Dotted,
             ..pen
         };
-        let dot = Mark::new(Shape::Disc, DOT, pen.colour);
+        let dot = Mark::new(MarkShape::Disc, DOT, pen.colour);
         if is_point {
             let middle = line.first().copied().into_iter().collect();
             layers.push(Layer::Marks(middle, dot));
@@ -316,7 +316,7 @@ fn curves(orbits: &[Sampled], x: &str, y: &str, parameter: &str) -> Picture {
 }
 
 /// The multipliers of a branch: of every point that which leads, of every label all.
-fn along(table: Option<&Table>, tables: &Tables) -> Along {
+fn along(table: Option<&Table>, tables: &Tables) -> MultipliersAlong {
     let branch = &tables.branch;
     let [values, re, im] =
         [&*tables.parameter, "multiplier_re", "multiplier_im"].map(|name| column(branch, name));
@@ -335,7 +335,7 @@ fn along(table: Option<&Table>, tables: &Tables) -> Along {
         let value = tables.parameter_at(table.text(row, "label"))?;
         Some((value, (number("re")?, number("im")?)))
     });
-    Along {
+    MultipliersAlong {
         leading,
         labelled: labelled.collect(),
     }

@@ -14,7 +14,7 @@ use crate::branch::row::WORD_COLUMNS;
 use crate::orbit::EventType;
 use crate::output::layout::{self, EIGENVALUES, MULTIPLIERS, SPECTRUM};
 use crate::output::render::{Extent, Format, Pattern, number, path, range};
-use crate::output::store::{Kind, StoreError};
+use crate::output::store::{FolderKind, StoreError};
 use crate::problem::{Any, Plot, Problem, SystemPlot, SystemProblem, drawable_columns};
 use crate::table::Table;
 use crate::tube::model::Parameter;
@@ -32,7 +32,7 @@ pub(crate) struct Drawn {
     pub marks: Vec<String>,
     /// Short names of its sequences.
     pub codes: Codes,
-    pub subject: Subject,
+    pub subject: PageSubject,
 }
 
 /// A column of a branch.
@@ -44,18 +44,18 @@ pub(crate) struct Column {
 }
 
 /// What the points of a branch are, and what is shown of one beside the diagram.
-pub(crate) struct Subject {
+pub(crate) struct PageSubject {
     /// A point in a word.
     pub noun: &'static str,
     /// Columns of its profile: the place along it, what is drawn over that, the regime or mode.
     pub profile: Vec<String>,
     /// The table of its eigenvalues or multipliers.
     pub values: &'static str,
-    pub beside: Vec<Beside>,
+    pub beside: Vec<SidePicture>,
 }
 
 /// A picture beside the diagram.
-pub(crate) struct Beside {
+pub(crate) struct SidePicture {
     pub name: &'static str,
     /// `along` a profile, a `phase` plane, a plane of values with the unit `circle` or the imaginary `axis`.
     pub shows: &'static str,
@@ -69,9 +69,9 @@ pub(crate) struct Beside {
     pub height: u16,
 }
 
-impl Beside {
-    fn new(name: &'static str, shows: &'static str, [x, y]: [&str; 2], height: u16) -> Beside {
-        Beside {
+impl SidePicture {
+    fn new(name: &'static str, shows: &'static str, [x, y]: [&str; 2], height: u16) -> SidePicture {
+        SidePicture {
             name,
             shows,
             x: x.to_owned(),
@@ -82,44 +82,44 @@ impl Beside {
         }
     }
 
-    fn captioned(self, captions: [&'static str; 2]) -> Beside {
-        Beside { captions, ..self }
+    fn captioned(self, captions: [&'static str; 2]) -> SidePicture {
+        SidePicture { captions, ..self }
     }
 }
 
-impl Subject {
+impl PageSubject {
     /// What a problem follows.
-    fn of(problem: &Any) -> Subject {
+    fn of(problem: &Any) -> PageSubject {
         let words = |names: &[&str]| names.iter().map(ToString::to_string).collect();
         match problem {
-            Any::Tube(_) => Subject {
+            Any::Tube(_) => PageSubject {
                 noun: "wave",
                 profile: words(&["theta", "U", "V", "P", "regime"]),
                 values: SPECTRUM,
                 beside: vec![
-                    Beside::new("wave", "along", ["theta", "U V"], 170)
+                    SidePicture::new("wave", "along", ["theta", "U V"], 170)
                         .captioned(["θ", "displacement U (blue), V"]),
-                    Beside::new("pressure", "along", ["theta", "P"], 130)
+                    SidePicture::new("pressure", "along", ["theta", "P"], 130)
                         .captioned(["θ", "pressure P"]),
-                    Beside::new("eigenvalues", "axis", ["re", "im"], 190)
+                    SidePicture::new("eigenvalues", "axis", ["re", "im"], 190)
                         .captioned(["Re λ", "Im λ"]),
                 ],
             },
-            Any::System(problem) if problem.equilibrium.is_some() => Subject {
+            Any::System(problem) if problem.equilibrium.is_some() => PageSubject {
                 noun: "equilibrium",
                 profile: Vec::new(),
                 values: EIGENVALUES,
                 beside: vec![
-                    Beside::new("eigenvalues", "axis", ["re", "im"], 300)
+                    SidePicture::new("eigenvalues", "axis", ["re", "im"], 300)
                         .captioned(["Re λ", "Im λ"]),
                 ],
             },
-            Any::System(problem) => Subject::orbit(problem),
+            Any::System(problem) => PageSubject::orbit(problem),
         }
     }
 
     /// A periodic orbit, with the states that the problem's own pictures show.
-    fn orbit(problem: &SystemProblem) -> Subject {
+    fn orbit(problem: &SystemProblem) -> PageSubject {
         let states = &problem.system.source.states;
         let choices = states.join(" ");
         let plots = &problem.output.plots;
@@ -136,18 +136,18 @@ impl Subject {
         });
         // one state alone has no phase plane
         let plane = plane.or(states.get(1).map(|second| [first, second]));
-        let phase = plane.map(|plane| Beside::new("phase", "phase", plane, 260));
-        let time = Beside::new("time", "along", ["time", series.unwrap_or(first)], 150);
+        let phase = plane.map(|plane| SidePicture::new("phase", "phase", plane, 260));
+        let time = SidePicture::new("time", "along", ["time", series.unwrap_or(first)], 150);
         let chosen = phase.into_iter().chain([time]);
-        let chosen = chosen.map(|picture| Beside {
+        let chosen = chosen.map(|picture| SidePicture {
             choices: choices.clone(),
             ..picture
         });
-        let multipliers =
-            Beside::new("multipliers", "circle", ["re", "im"], 260).captioned(["Re μ", "Im μ"]);
+        let multipliers = SidePicture::new("multipliers", "circle", ["re", "im"], 260)
+            .captioned(["Re μ", "Im μ"]);
         let ends = ["time".to_owned(), "mode".to_owned()];
         let [time, mode] = ends;
-        Subject {
+        PageSubject {
             noun: "orbit",
             profile: [time]
                 .into_iter()
@@ -197,7 +197,7 @@ pub(crate) fn drawn(folder: &Path, problem: &Any) -> Result<Drawn, StoreError> {
             Any::Tube(_) => Codes::default(),
             Any::System(_) => Codes::of((0..branch.len()).map(|row| branch.text(row, "regimes"))),
         },
-        subject: Subject::of(problem),
+        subject: PageSubject::of(problem),
         branch: tables.branch,
     })
 }
@@ -268,7 +268,11 @@ pub(crate) fn marks(present: &[String]) -> Vec<[String; 4]> {
 }
 
 /// What a picture of a folder shows.
-pub(crate) fn description(picture: &str, kind: Option<Kind>, problem: Option<&Any>) -> String {
+pub(crate) fn description(
+    picture: &str,
+    kind: Option<FolderKind>,
+    problem: Option<&Any>,
+) -> String {
     let problem = match problem {
         Some(Any::Tube(problem)) => problem,
         Some(Any::System(problem)) => return of_system(picture, kind, problem),
@@ -302,19 +306,19 @@ pub(crate) fn description(picture: &str, kind: Option<Kind>, problem: Option<&An
     };
     let is = |name: &str| layout::picture(name, Format::Svg) == picture;
     match (kind, &problem.map, &problem.curve) {
-        (Some(Kind::Map), Some(map), _) => {
+        (Some(FolderKind::Map), Some(map), _) => {
             let plane = plane([map.second.parameter, map.first.parameter]);
             format!("Sequences of regimes {plane}")
         }
-        (Some(Kind::Curve), _, Some(curve)) => {
+        (Some(FolderKind::Curve), _, Some(curve)) => {
             let plane = plane([curve.parameters.0, curve.parameters.1]);
             format!("The curve of an event {plane}")
         }
-        (Some(Kind::Accuracy), ..) => METHODS.to_owned(),
-        (Some(Kind::Steady), ..) => {
+        (Some(FolderKind::Accuracy), ..) => METHODS.to_owned(),
+        (Some(FolderKind::Steady), ..) => {
             "Growth of the perturbations of steady sliding, by mode".to_owned()
         }
-        (Some(Kind::Simulation), ..) => {
+        (Some(FolderKind::Simulation), ..) => {
             let known = layout::MOTION.iter().zip(simulation::SHOWN);
             let known = known.into_iter().find(|(name, _)| is(name));
             known.map_or(picture, |(_, shown)| shown).to_owned()
@@ -334,7 +338,7 @@ pub(crate) fn description(picture: &str, kind: Option<Kind>, problem: Option<&An
 const METHODS: &str = "Error of each method against its run time";
 
 /// The same of a system of one's own.
-fn of_system(picture: &str, kind: Option<Kind>, problem: &SystemProblem) -> String {
+fn of_system(picture: &str, kind: Option<FolderKind>, problem: &SystemProblem) -> String {
     let is = |name: &str| layout::picture(name, Format::Svg) == picture;
     let states = &problem.system.source.states;
     let scanned = problem.scan.as_ref().map_or("", |scan| &scan.parameter);
@@ -342,14 +346,14 @@ fn of_system(picture: &str, kind: Option<Kind>, problem: &SystemProblem) -> Stri
     let parameter = branch.map_or("", |branch| branch.parameter.as_str());
     let first = states.first().map_or("", String::as_str);
     match kind {
-        Some(Kind::Scan) if is(layout::SCANNED[0]) => {
+        Some(FolderKind::Scan) if is(layout::SCANNED[0]) => {
             format!("What motions settle on: samples of {first} against {scanned}")
         }
-        Some(Kind::Scan) if is(layout::SCANNED[1]) => {
+        Some(FolderKind::Scan) if is(layout::SCANNED[1]) => {
             format!("Samples of {first} against {scanned}, and a branch over them")
         }
-        Some(Kind::Scan) => format!("Samples of a state against {scanned}"),
-        Some(Kind::Map) => {
+        Some(FolderKind::Scan) => format!("Samples of a state against {scanned}"),
+        Some(FolderKind::Map) => {
             let axes = problem.map.iter().flat_map(|map| [&map.second, &map.first]);
             let axes: Vec<&str> = axes.map(|axis| axis.name()).collect();
             format!(
@@ -357,9 +361,11 @@ fn of_system(picture: &str, kind: Option<Kind>, problem: &SystemProblem) -> Stri
                 axes.join(" and ")
             )
         }
-        Some(Kind::Simulation) if is(layout::OF_MOTION[0]) => "The states over time".to_owned(),
-        Some(Kind::Simulation) => "The first two states over each other".to_owned(),
-        Some(Kind::Accuracy) => METHODS.to_owned(),
+        Some(FolderKind::Simulation) if is(layout::OF_MOTION[0]) => {
+            "The states over time".to_owned()
+        }
+        Some(FolderKind::Simulation) => "The first two states over each other".to_owned(),
+        Some(FolderKind::Accuracy) => METHODS.to_owned(),
         _ => {
             let plots = problem.output.plots.iter();
             let plot = plots.into_iter().find(|plot| is(&layout::orbit_plot(plot)));

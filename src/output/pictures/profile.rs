@@ -26,7 +26,7 @@ pub(super) const NONE: &str = "no profiles were asked for";
 
 /// A wave at one place; what is not known is not a number.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Sample {
+pub(super) struct DrawnSample {
     /// θ, always known.
     pub theta: f64,
     pub radial: f64,
@@ -40,7 +40,7 @@ pub(super) struct Sample {
 }
 
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Profile {
+pub(super) struct DrawnProfile {
     pub label: String,
     /// Place along the branch; the second leg leads away from the first.
     pub position: i64,
@@ -55,12 +55,12 @@ pub(super) struct Profile {
     /// Whether the wave was asked for by a value of the parameter.
     pub asked_for: bool,
     /// The samples in the order of θ.
-    pub samples: Vec<Sample>,
+    pub samples: Vec<DrawnSample>,
 }
 
 /// Stretch of samples in the same regime.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Zone {
+pub(super) struct RegimeSpan {
     /// The regime, if it is a known one.
     pub regime: Option<Regime>,
     pub samples: Range<usize>,
@@ -70,7 +70,7 @@ pub(super) struct Zone {
     pub to: f64,
 }
 
-impl Profile {
+impl DrawnProfile {
     /// Reads a profile; none where a run was killed at the start of the file.
     fn read(path: &Path, label: &str, tables: &Tables) -> Result<Option<Self>, StoreError> {
         let columns = ["theta", "U", "V", "V_dot", "P", "Q", "regime"];
@@ -81,7 +81,7 @@ impl Profile {
         let value = |cell| known(cell).unwrap_or(f64::NAN);
         let samples = table.select(columns).filter_map(
             |[theta, radial, tangential, rate, pressure, shear, regime]| {
-                Some(Sample {
+                Some(DrawnSample {
                     theta: known(theta)?,
                     radial: value(radial),
                     tangential: value(tangential),
@@ -92,8 +92,8 @@ impl Profile {
                 })
             },
         );
-        let samples: Vec<Sample> = samples.collect();
-        Ok((!samples.is_empty()).then(|| Profile {
+        let samples: Vec<DrawnSample> = samples.collect();
+        Ok((!samples.is_empty()).then(|| DrawnProfile {
             label: label.to_owned(),
             position: tables.position(label),
             parameter: tables.parameter_at(label),
@@ -107,7 +107,7 @@ impl Profile {
     }
 
     /// What a function tells of the samples, over θ.
-    pub(crate) fn over(&self, value: impl Fn(&Sample) -> f64) -> Vec<Point> {
+    pub(crate) fn over(&self, value: impl Fn(&DrawnSample) -> f64) -> Vec<Point> {
         let samples = self.samples.iter();
         samples
             .map(|sample| (sample.theta, value(sample)))
@@ -115,14 +115,14 @@ impl Profile {
     }
 
     /// The zones in the order of θ.
-    pub(crate) fn zones(&self) -> Vec<Zone> {
-        let mut zones: Vec<Zone> = Vec::new();
+    pub(crate) fn zones(&self) -> Vec<RegimeSpan> {
+        let mut zones: Vec<RegimeSpan> = Vec::new();
         for samples in self
             .samples
             .chunk_by(|one, other| one.regime == other.regime)
         {
             let start = zones.last().map_or(0, |zone| zone.samples.end);
-            zones.push(Zone {
+            zones.push(RegimeSpan {
                 regime: samples[0].regime,
                 samples: start..start + samples.len(),
                 from: samples[0].theta,
@@ -152,7 +152,7 @@ impl Profile {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Profiles {
     pub parameter: Quantity,
-    pub all: Vec<Profile>,
+    pub all: Vec<DrawnProfile>,
     /// Whether the axis of the parameter is logarithmic.
     pub logarithmic: bool,
     /// Labels of those to show; where there are none they are chosen.
@@ -162,7 +162,7 @@ pub(super) struct Profiles {
 /// A profile among those shown, with what tells it from the others.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Shown<'a> {
-    pub profile: &'a Profile,
+    pub profile: &'a DrawnProfile,
     /// Colour in the order of the parameter.
     pub colour: RGBColor,
     /// Value of the parameter as text.
@@ -182,7 +182,7 @@ impl Profiles {
         let files = store::numbered(&folder.join(PROFILES), ".csv")?;
         let mut all = Vec::new();
         for (label, path) in files {
-            all.extend(Profile::read(&path, &label.to_string(), tables)?);
+            all.extend(DrawnProfile::read(&path, &label.to_string(), tables)?);
         }
         all.sort_by(|a, b| match (a.parameter, b.parameter) {
             (Some(a), Some(b)) => a.total_cmp(&b),
@@ -201,13 +201,13 @@ impl Profiles {
 
     /// Whether two waves look the same. Beyond a fold there is another wave at the same parameter: their
     /// speeds tell them apart.
-    fn alike(&self, one: &Profile, other: &Profile) -> bool {
-        let place = |profile: &Profile| {
+    fn alike(&self, one: &DrawnProfile, other: &DrawnProfile) -> bool {
+        let place = |profile: &DrawnProfile| {
             let value = profile.parameter.unwrap_or(f64::NAN);
             if self.logarithmic { value.ln() } else { value }
         };
-        let speed = |profile: &Profile| profile.speed.unwrap_or(f64::NAN);
-        let near = |of: &dyn Fn(&Profile) -> f64| {
+        let speed = |profile: &DrawnProfile| profile.speed.unwrap_or(f64::NAN);
+        let near = |of: &dyn Fn(&DrawnProfile) -> f64| {
             let width = range(self.all.iter().map(of)).map_or(0.0, |(low, high)| high - low);
             (of(one) - of(other)).abs() <= NEAR * width
         };
@@ -216,7 +216,7 @@ impl Profiles {
 
     /// The profiles to show: those wanted, or else at most nine, one of every sequence of regimes before
     /// those that were asked for by a value and those in between; of waves that look the same one.
-    fn chosen(&self) -> Vec<&Profile> {
+    fn chosen(&self) -> Vec<&DrawnProfile> {
         let all = &self.all;
         if !self.wanted.is_empty() {
             let wanted = all.iter().filter(|one| self.wanted.contains(&one.label));
@@ -260,7 +260,7 @@ impl Profiles {
             .collect();
         let mut texts = number::distinct(&values).into_iter();
         let last = chosen.len().saturating_sub(1).max(1) as f64;
-        let show = |(index, profile): (usize, &&'_ Profile)| {
+        let show = |(index, profile): (usize, &&'_ DrawnProfile)| {
             let value = profile.parameter;
             let same = chosen.iter().filter(|other| other.parameter == value);
             let text = match value.and_then(|_| texts.next()) {

@@ -10,8 +10,8 @@ use super::view::View;
 use super::{Named, PlotError, put};
 use crate::output::layout::{SCAN, SCANNED, VIEW};
 use crate::output::render::{
-    Axis, BLACK, BLUE, Extent, Format, GREY, Key, Layer, Legend, Mark, Panel, Pen, Picture, Point,
-    Shape, VERMILLION, range,
+    Axis, BLACK, BLUE, Extent, Format, GREY, Key, Layer, Legend, Mark, MarkShape, Panel, Pen,
+    Picture, Point, VERMILLION, range,
 };
 use crate::output::store::{Store, StoreError, refused, unfinished};
 use crate::problem::{SampleSection, Scan, ScanValues, SystemProblem};
@@ -78,16 +78,7 @@ pub(crate) fn picture(
         return Err(unfinished(folder, "scan", "its pieces are not joined yet"));
     }
     let table = read(&path, &["value", "sweep", "sample", state])?;
-    let mut sweeps: BTreeMap<&str, Vec<Point>> = BTreeMap::new();
-    for row in 0..table.len() {
-        let point = (table.field(row, "value"), table.field(row, state));
-        if let (Some(x), Some(y)) = point {
-            sweeps
-                .entry(table.text(row, "sweep"))
-                .or_default()
-                .push((x, y));
-        }
-    }
+    let sweeps = sweeps(&table, state);
     let heights = sweeps.values().flatten().map(|point| point.1);
     let (low, high) = range(heights).unwrap_or((0.0, 1.0));
     // dots that fall on one another are one
@@ -102,29 +93,15 @@ pub(crate) fn picture(
             "down" => (VERMILLION, "from above"),
             _ => (BLACK, "each begun anew"),
         };
-        layers.push(Layer::Marks(points, Mark::new(Shape::Dot, DOT, colour)));
-        keys.push((Key::Mark(Mark::new(Shape::Disc, 2.5, colour)), words));
+        layers.push(Layer::Marks(points, Mark::new(MarkShape::Dot, DOT, colour)));
+        keys.push((Key::Mark(Mark::new(MarkShape::Disc, 2.5, colour)), words));
     }
     let mut legend = Legend::default().with("samples:", keys);
     let nothing = layers.is_empty();
     if let Some(run) = over {
-        let tables = Tables::read(run, &scan.parameter)?;
-        for (number, extremum) in ["max", "min"].into_iter().enumerate() {
-            let column = format!("{extremum}_{state}");
-            let ScanValues::Linear(low, high, _) = scan.values;
-            let view = View {
-                range: (low, high),
-                logarithmic: Some(false),
-                ..View::whole(&column)
-            };
-            let branch = diagram::picture(&tables, &view)?;
-            let lines = branch.panels.into_iter().flat_map(|panel| panel.layers);
-            layers
-                .extend(lines.filter(|layer| matches!(layer, Layer::Line(..) | Layer::Marks(..))));
-            if number == 0 {
-                legend.groups.extend(branch.legend.groups);
-            }
-        }
+        let (lines, key) = branch(run, scan, state)?;
+        layers.extend(lines);
+        legend.groups.extend(key.groups);
     }
     let caption = match over {
         Some(_) => format!("{state}; branch: greatest and least {state}"),
@@ -143,6 +120,43 @@ pub(crate) fn picture(
     Ok(picture.subtitled(&subtitle))
 }
 
+/// The greatest and the least value of a state along a branch over the parameter, and what explains the lines.
+fn branch(run: &Path, scan: &Scan, state: &str) -> Result<(Vec<Layer>, Legend), StoreError> {
+    let (mut layers, mut legend) = (Vec::new(), Legend::default());
+    let tables = Tables::read(run, &scan.parameter)?;
+    for (number, extremum) in ["max", "min"].into_iter().enumerate() {
+        let column = format!("{extremum}_{state}");
+        let ScanValues::Linear(low, high, _) = scan.values;
+        let view = View {
+            range: (low, high),
+            logarithmic: Some(false),
+            ..View::whole(&column)
+        };
+        let branch = diagram::picture(&tables, &view)?;
+        let lines = branch.panels.into_iter().flat_map(|panel| panel.layers);
+        layers.extend(lines.filter(|layer| matches!(layer, Layer::Line(..) | Layer::Marks(..))));
+        if number == 0 {
+            legend = branch.legend;
+        }
+    }
+    Ok((layers, legend))
+}
+
+/// The samples of every sweep: parameter and state.
+fn sweeps<'a>(table: &'a Table, state: &str) -> BTreeMap<&'a str, Vec<Point>> {
+    let mut sweeps: BTreeMap<&str, Vec<Point>> = BTreeMap::new();
+    for row in 0..table.len() {
+        let point = (table.field(row, "value"), table.field(row, state));
+        if let (Some(x), Some(y)) = point {
+            sweeps
+                .entry(table.text(row, "sweep"))
+                .or_default()
+                .push((x, y));
+        }
+    }
+    sweeps
+}
+
 /// Every finite exponent over the parameter, the largest in black and others in grey, one dot a value and sweep, with the
 /// line 0 that order and chaos lie beside.
 fn exponents(scan: &Scan, table: &Table) -> Vec<Layer> {
@@ -156,7 +170,7 @@ fn exponents(scan: &Scan, table: &Table) -> Vec<Layer> {
         });
         let points = rows.filter(|(_, y)| y.is_finite()).collect();
         let colour = if number == 0 { BLACK } else { GREY };
-        Layer::Marks(points, Mark::new(Shape::Dot, EXPONENT_DOT, colour))
+        Layer::Marks(points, Mark::new(MarkShape::Dot, EXPONENT_DOT, colour))
     });
     let zero = Layer::Across(0.0, Pen::solid(GREY, 0.6));
     std::iter::once(zero).chain(marks).collect()

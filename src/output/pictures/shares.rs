@@ -9,7 +9,8 @@ use super::orbits::constants;
 use super::tables::read;
 use crate::output::layout::SHARES;
 use crate::output::render::{
-    Axis, BLACK, CATEGORIES, Extent, Key, Layer, Legend, Mark, Panel, Pen, Picture, Point, Shape,
+    Axis, BLACK, CATEGORIES, Extent, Key, Layer, Legend, Mark, MarkShape, Panel, Pen, Picture,
+    Point,
 };
 use crate::output::store::{StoreError, unfinished};
 use crate::problem::SystemProblem;
@@ -61,8 +62,11 @@ pub(crate) fn picture(folder: &Path, problem: &SystemProblem) -> Result<Picture,
         let points = of_kind.iter().enumerate();
         let points: Vec<Point> = points.map(|(value, share)| (at(value), *share)).collect();
         layers.push(Layer::Line(points.clone(), Pen::solid(colour, 0.9)));
-        layers.push(Layer::Marks(points, Mark::new(Shape::Disc, DOT, colour)));
-        keys.push((Key::Mark(Mark::new(Shape::Disc, 2.5, colour)), name));
+        layers.push(Layer::Marks(
+            points,
+            Mark::new(MarkShape::Disc, DOT, colour),
+        ));
+        keys.push((Key::Mark(Mark::new(MarkShape::Disc, 2.5, colour)), name));
     }
     let x = Axis::new((shares.parameter.as_str(), ""), Extent::Data(0.02));
     let y = Axis::new(("share", ""), Extent::Fixed(0.0, 1.0));

@@ -2,7 +2,8 @@
 //! on, a point in its phase plane, the contact line at the beginning and at the end.
 
 use crate::output::render::{
-    Axis, BLACK, BLUE, Cell, Extent, GREY, Key, Layer, Legend, Panel, Pen, Picture, Point, range,
+    Axis, BLACK, BLUE, ColourCell, Extent, GREY, Key, Layer, Legend, Panel, Pen, Picture, Point,
+    range,
 };
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -43,7 +44,7 @@ pub(super) const SHOWN: [&str; 4] = [
 const ORBIT: f64 = 12.0;
 
 /// What is drawn of a simulation.
-struct Motion {
+struct DrawnMotion {
     /// A row per sample in time.
     series: Table,
     /// Codes of the regimes, a row of places per sample.
@@ -68,7 +69,7 @@ pub(super) fn pictures(folder: &Path, problem: &Problem) -> Result<[Picture; 4],
     let codes = needed(&folder.join(REGIMES))?;
     let line = ["phi", "U", "V_dot", "P"];
     let start = read(&folder.join(START), &line)?;
-    let motion = Motion {
+    let motion = DrawnMotion {
         series: read(&folder.join(SERIES), &["time", "V", "V_dot"])?,
         codes: codes.get(npy::HEADER..).unwrap_or_default().to_vec(),
         length: length(&start),
@@ -126,7 +127,7 @@ fn of_waves(regime: LineRegime) -> Option<signature::Regime> {
     signature::Regime::named(regime.name())
 }
 
-impl Motion {
+impl DrawnMotion {
     fn space_time(&self) -> Picture {
         let columns = columns(self.start.len());
         let times = column(&self.series, "time");
@@ -146,7 +147,7 @@ impl Motion {
                 let regime = LineRegime::ALL.get(usize::from(stretch[0]));
 
                 let place = |column: usize| length * column as f64 / columns as f64;
-                cells.push(Cell {
+                cells.push(ColourCell {
                     from: (place(from), times[row]),
                     to: (place(to), until),
                     colour: colours::of_zone(regime.and_then(|regime| of_waves(*regime))),

@@ -4,8 +4,8 @@ use super::names::{RATE, occurring};
 use super::profile::evenly;
 use super::tables::{Tables, number as value_of};
 use crate::output::render::{
-    Axis, BLACK, CATEGORIES, Cell, Extent, Key, Layer, Legend, Mark, Panel, Pen, Picture, Point,
-    Shape, VERMILLION, WHITE, mix, number,
+    Axis, BLACK, CATEGORIES, ColourCell, Extent, Key, Layer, Legend, Mark, MarkShape, Panel, Pen,
+    Picture, Point, VERMILLION, WHITE, mix, number,
 };
 use crate::output::store::StoreError;
 use crate::table::Table;
@@ -18,18 +18,18 @@ pub(super) const NONE: &str = "no spectrum was asked for";
 
 const SIZE: f64 = 4.4;
 
-const SHAPES: [Shape; 8] = [
-    Shape::Circle,
-    Shape::Plus,
-    Shape::OpenSquare,
-    Shape::Cross,
-    Shape::OpenDiamond,
-    Shape::OpenDown,
-    Shape::Up,
-    Shape::Star,
+const SHAPES: [MarkShape; 8] = [
+    MarkShape::Circle,
+    MarkShape::Plus,
+    MarkShape::OpenSquare,
+    MarkShape::Cross,
+    MarkShape::OpenDiamond,
+    MarkShape::OpenDown,
+    MarkShape::Up,
+    MarkShape::Star,
 ];
 
-pub(super) struct Eigenvalue {
+pub(super) struct DrawnEigenvalue {
     /// Place of its label among those chosen.
     pub label: usize,
     /// Place of its sector among those that occur.
@@ -44,7 +44,7 @@ pub(super) struct Chosen<'a> {
     /// The sectors that occur at these labels, in order.
     pub sectors: Vec<&'a str>,
     /// The eigenvalues at these labels.
-    pub eigenvalues: Vec<Eigenvalue>,
+    pub eigenvalues: Vec<DrawnEigenvalue>,
     count: usize,
 }
 
@@ -68,8 +68,8 @@ pub(super) fn picture(tables: &Tables) -> Result<Picture, StoreError> {
 }
 
 /// The side on which disturbances grow: right of a value.
-pub(super) fn unstable(from: f64) -> Cell {
-    Cell::upright(from, f64::INFINITY, mix(WHITE, VERMILLION, 0.12))
+pub(super) fn unstable(from: f64) -> ColourCell {
+    ColourCell::upright(from, f64::INFINITY, mix(WHITE, VERMILLION, 0.12))
 }
 
 impl<'a> Chosen<'a> {
@@ -89,7 +89,7 @@ impl<'a> Chosen<'a> {
         sectors.sort_by_key(|sector| sector.parse::<u64>().unwrap_or(u64::MAX));
         let eigenvalue = |(label, row)| {
             let sector = table.text(row, "sector");
-            Some(Eigenvalue {
+            Some(DrawnEigenvalue {
                 label: labels.iter().position(|known| *known == label)?,
                 sector: sectors.iter().position(|known| *known == sector)?,
                 value: (value_of(table, row, "re")?, value_of(table, row, "im")?),
@@ -145,7 +145,7 @@ impl<'a> Chosen<'a> {
         };
         let entries = names.enumerate().map(|(index, name)| {
             let colour = self.mark(index, 0).colour;
-            (Key::Mark(Mark::new(Shape::Disc, SIZE, colour)), name)
+            (Key::Mark(Mark::new(MarkShape::Disc, SIZE, colour)), name)
         });
         legend.with(&heading, entries)
     }

@@ -3,8 +3,8 @@
 use super::names::{Named, RATE, parameters};
 use super::tables::column;
 use crate::output::render::{
-    Axis, BLUE, Extent, GREEN, GREY, HEIGHT, Key, Layer, Legend, Mark, Panel, Pen, Picture, Point,
-    Shape, VERMILLION,
+    Axis, BLUE, Extent, GREEN, GREY, HEIGHT, Key, Layer, Legend, Mark, MarkShape, Panel, Pen,
+    Picture, Point, VERMILLION,
 };
 use crate::problem::Problem;
 use crate::table::Table;
@@ -16,7 +16,7 @@ const HALF_HEIGHT: f64 = 210.0;
 const SIZE: f64 = 3.6;
 
 /// A curve over the modes.
-struct Curve {
+struct ModeCurve {
     name: &'static str,
     mark: Mark,
     pen: Pen,
@@ -24,11 +24,11 @@ struct Curve {
     values: [Vec<f64>; 2],
 }
 
-impl Curve {
+impl ModeCurve {
     /// The curve of the columns that begin with a word.
-    fn of(modes: &Table, word: &str, name: &'static str, shape: Shape, pen: Pen) -> Curve {
+    fn of(modes: &Table, word: &str, name: &'static str, shape: MarkShape, pen: Pen) -> ModeCurve {
         let columns = ["growth", "hopf_friction"].map(|quantity| format!("{word}{quantity}"));
-        Curve {
+        ModeCurve {
             name,
             mark: Mark::new(shape, SIZE, pen.colour),
             pen,
@@ -43,19 +43,25 @@ pub(crate) fn picture(modes: &Table, problem: Option<&Problem>) -> Picture {
     let dashed = Pen::dashed(GREEN, 1.6);
     // the last one on top
     let curves = [
-        Curve::of(modes, "lead_", "tube, leading family", Shape::Up, dashed),
-        Curve::of(
+        ModeCurve::of(
+            modes,
+            "lead_",
+            "tube, leading family",
+            MarkShape::Up,
+            dashed,
+        ),
+        ModeCurve::of(
             modes,
             "full_",
             "tube, fundamental family",
-            Shape::Disc,
+            MarkShape::Disc,
             solid(BLUE),
         ),
-        Curve::of(
+        ModeCurve::of(
             modes,
             "",
             "reduced model",
-            Shape::OpenSquare,
+            MarkShape::OpenSquare,
             solid(VERMILLION),
         ),
     ];
@@ -81,7 +87,7 @@ pub(crate) fn picture(modes: &Table, problem: Option<&Problem>) -> Picture {
         ],
         false => vec![panel(growth, 0, HEIGHT)],
     };
-    let known = |curve: &&Curve| curve.values[0].iter().any(|growth| growth.is_finite());
+    let known = |curve: &&ModeCurve| curve.values[0].iter().any(|growth| growth.is_finite());
     let entries = curves.iter().rev().filter(known);
     let entries = entries.map(|curve| (Key::Mark(curve.mark), curve.name));
     let mut legend = Legend::default().with("", entries);

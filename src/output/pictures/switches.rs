@@ -7,7 +7,7 @@ use super::tables::{Tables, list, number};
 use super::view::parameter_axis;
 use crate::output::render::number::significant;
 use crate::output::render::{
-    Axis, BLACK, Extent, Key, Layer, Legend, Mark, Panel, Pen, Picture, Point, Shape,
+    Axis, BLACK, Extent, Key, Layer, Legend, Mark, MarkShape, Panel, Pen, Picture, Point,
 };
 use crate::output::store::StoreError;
 use crate::table::Table;
@@ -17,7 +17,7 @@ use crate::tube::model::signature::Regime;
 const MOST: usize = 64;
 
 /// A stretch of the branch with the same zones.
-struct Band {
+struct ZoneBand {
     regimes: Vec<Option<Regime>>,
     /// Values of the parameter with the end of each zone.
     columns: Vec<(f64, Vec<f64>)>,
@@ -36,7 +36,7 @@ pub(super) fn picture(tables: &Tables) -> Result<Picture, StoreError> {
     let top = ends.fold(0.0, f64::max);
 
     // Where the branch turns back, zones would lie on top of each other.
-    let places = |band: &Band| band.columns.iter().map(|column| column.0).collect();
+    let places = |band: &ZoneBand| band.columns.iter().map(|column| column.0).collect();
     let shaded = one_way(&bands.iter().map(places).collect::<Vec<_>>());
     let regimes = occurring(bands.iter().flat_map(|band| band.regimes.iter().copied()));
     let legend = if shaded {
@@ -80,7 +80,7 @@ pub(super) fn picture(tables: &Tables) -> Result<Picture, StoreError> {
         let points = rows
             .iter()
             .flat_map(|(x, ends)| ends.iter().map(|end| (*x, *end)));
-        let mark = Mark::new(Shape::Disc, 3.4, BLACK);
+        let mark = Mark::new(MarkShape::Disc, 3.4, BLACK);
         layers.push(Layer::Marks(points.collect(), mark));
     }
     let x = parameter_axis(tables);
@@ -95,7 +95,7 @@ pub(super) fn picture(tables: &Tables) -> Result<Picture, StoreError> {
     Ok(Picture::new(vec![panel], legend))
 }
 
-impl Band {
+impl ZoneBand {
     /// The end of a zone, or release, over the parameter.
     fn line(&self, zone: Option<usize>) -> impl Iterator<Item = Point> {
         self.columns.iter().map(move |(x, ends)| {
@@ -106,7 +106,7 @@ impl Band {
 }
 
 /// The zones along the branch.
-fn bands(branch: &Table, parameter: &str) -> Vec<Band> {
+fn bands(branch: &Table, parameter: &str) -> Vec<ZoneBand> {
     let ends = |row| {
         let ends = list(branch, row, "switches");
         let whole = !ends.is_empty() && ends.len() <= MOST;
@@ -128,7 +128,7 @@ fn bands(branch: &Table, parameter: &str) -> Vec<Band> {
     };
     let joined = joined(branch.len(), step).into_iter();
     joined
-        .map(|(signature, columns)| Band {
+        .map(|(signature, columns)| ZoneBand {
             regimes: sequence(signature),
             columns,
         })

@@ -4,9 +4,9 @@ use super::colours;
 use super::names::{
     ANGLE, DISPLACEMENT, LENGTH, STRESS, VELOCITY, occurring, regime_name, short_regime, zone_keys,
 };
-use super::profile::{NONE, Profile, Profiles, Sample, Shown};
+use super::profile::{DrawnProfile, DrawnSample, NONE, Profiles, Shown};
 use crate::output::render::{
-    Axis, BLACK, BLUE, Cell, Extent, GREY, Heading, Key, Layer, Legend, Panel, Pattern, Pen,
+    Axis, BLACK, BLUE, ColourCell, Extent, GREY, Heading, Key, Layer, Legend, Panel, Pattern, Pen,
     Picture, Point, Quantity, number,
 };
 
@@ -26,7 +26,10 @@ fn along(quantity: impl Into<Quantity>, room: f64, layers: Vec<Layer>) -> Panel 
 }
 
 /// A line for each wave.
-fn lines(shown: &[Shown], points: impl Fn(&Profile) -> Vec<Point>) -> impl Iterator<Item = Layer> {
+fn lines(
+    shown: &[Shown],
+    points: impl Fn(&DrawnProfile) -> Vec<Point>,
+) -> impl Iterator<Item = Layer> {
     let line = move |one: &Shown| Layer::Line(points(one.profile), Pen::solid(one.colour, 1.9));
     shown.iter().map(line)
 }
@@ -42,7 +45,7 @@ pub(super) fn pressure(profiles: &Profiles) -> Picture {
 
 pub(super) fn wave(profiles: &Profiles) -> Picture {
     let shown = profiles.shown();
-    let panel = |quantity, value: fn(&Sample) -> f64| {
+    let panel = |quantity, value: fn(&DrawnSample) -> f64| {
         let layers = lines(&shown, |wave| wave.over(value)).collect();
         let panel = along(quantity, 0.06, layers).high(180.0);
         panel.unless(shown.is_empty(), NONE)
@@ -76,7 +79,7 @@ pub(super) fn plane(layers: Vec<Layer>, mut legend: Legend) -> Picture {
 }
 
 /// The curve of a profile; its ends are joined when they meet but for a sample.
-fn orbit(profile: &Profile) -> Vec<Point> {
+fn orbit(profile: &DrawnProfile) -> Vec<Point> {
     let samples = profile.samples.iter();
     let mut points: Vec<Point> = samples
         .map(|sample| (sample.tangential, sample.rate))
@@ -112,11 +115,11 @@ pub(super) fn friction(profiles: &Profiles) -> Picture {
 }
 
 /// What is drawn of the friction force, what of the velocity, and the legend.
-fn friction_along(profile: &Profile, parameter: &str) -> (Vec<Layer>, Vec<Layer>, Legend) {
+fn friction_along(profile: &DrawnProfile, parameter: &str) -> (Vec<Layer>, Vec<Layer>, Legend) {
     let zones = profile.zones();
     let shades = zones
         .iter()
-        .map(|zone| Cell::upright(zone.from, zone.to, colours::of_zone(zone.regime)));
+        .map(|zone| ColourCell::upright(zone.from, zone.to, colours::of_zone(zone.regime)));
     let headings = zones.iter().map(|zone| Heading {
         ends: [zone.from, zone.to],
         names: vec![

@@ -16,8 +16,8 @@ use plotters::prelude::{DrawingBackend, SVGBackend};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{FontTransform, IntoFont, RGBColor, ShapeStyle, TextStyle};
 
-use super::frame::Frame;
-use super::mark::{Mark, Shape};
+use super::frame::PanelFrame;
+use super::mark::{Mark, MarkShape};
 use super::paint::Sheet;
 use super::palette::{Pattern, Pen, WHITE};
 use super::picture::Layer;
@@ -47,7 +47,7 @@ pub(super) struct Canvas<'a> {
     backend: SVGBackend<'a>,
     size: (u32, u32),
     /// Marks drawn so far: place and size in units of [`COLUMN`], shape, colour.
-    marks: HashSet<([i64; 3], Shape, [u8; 3])>,
+    marks: HashSet<([i64; 3], MarkShape, [u8; 3])>,
 }
 
 /// Composes a picture of this height: hands a white sheet to `paint` and returns the file's text.
@@ -144,16 +144,23 @@ impl Surface for Canvas<'_> {
         }
         let outline = outline(place, mark.shape, mark.size);
         match mark.shape {
-            Shape::Dot => self.polygon(&outline, colour),
-            Shape::Disc | Shape::Square | Shape::Up | Shape::Diamond | Shape::Star => {
+            MarkShape::Dot => self.polygon(&outline, colour),
+            MarkShape::Disc
+            | MarkShape::Square
+            | MarkShape::Up
+            | MarkShape::Diamond
+            | MarkShape::Star => {
                 self.polygon(&outline, colour)?;
                 self.outline(&outline, Pen::solid(WHITE, 1.0))
             }
-            Shape::Circle | Shape::OpenSquare | Shape::OpenDown | Shape::OpenDiamond => {
+            MarkShape::Circle
+            | MarkShape::OpenSquare
+            | MarkShape::OpenDown
+            | MarkShape::OpenDiamond => {
                 self.polygon(&outline, WHITE)?;
                 self.outline(&outline, Pen::solid(colour, 1.5))
             }
-            Shape::Plus | Shape::Cross | Shape::Tick => {
+            MarkShape::Plus | MarkShape::Cross | MarkShape::Tick => {
                 for pen in [Pen::solid(WHITE, 3.4), Pen::solid(colour, 1.8)] {
                     for stroke in outline.chunks(2) {
                         self.line(stroke, pen)?;
@@ -166,11 +173,11 @@ impl Surface for Canvas<'_> {
 }
 
 impl Sheet for Canvas<'_> {
-    fn panel(&mut self, frame: &Frame, layers: &[Layer]) -> Drawn {
+    fn panel(&mut self, frame: &PanelFrame, layers: &[Layer]) -> Drawn {
         frame.paint(self, layers)
     }
 
-    fn border(&mut self, frame: &Frame) -> Drawn {
+    fn border(&mut self, frame: &PanelFrame) -> Drawn {
         frame.border(self)
     }
 }
@@ -217,28 +224,30 @@ fn coordinate(place: &Place) -> (i32, i32) {
 }
 
 /// Corners of a shape; pairs of ends for those made of strokes.
-fn outline((x, y): Place, shape: Shape, size: f64) -> Vec<Place> {
+fn outline((x, y): Place, shape: MarkShape, size: f64) -> Vec<Place> {
     let turned = |degrees: f64, radius: f64| {
         let (sine, cosine) = degrees.to_radians().sin_cos();
         (radius * sine, -radius * cosine)
     };
     let offsets = match shape {
-        Shape::Dot => (0..6).map(|i| turned(60.0 * f64::from(i), 1.0)).collect(),
-        Shape::Disc | Shape::Circle => (0..24).map(|i| turned(15.0 * f64::from(i), 1.0)).collect(),
-        Shape::Square | Shape::OpenSquare => {
+        MarkShape::Dot => (0..6).map(|i| turned(60.0 * f64::from(i), 1.0)).collect(),
+        MarkShape::Disc | MarkShape::Circle => {
+            (0..24).map(|i| turned(15.0 * f64::from(i), 1.0)).collect()
+        }
+        MarkShape::Square | MarkShape::OpenSquare => {
             vec![(-0.88, -0.88), (0.88, -0.88), (0.88, 0.88), (-0.88, 0.88)]
         }
-        Shape::Up => [0.0, 120.0, 240.0].map(|a| turned(a, 1.3)).to_vec(),
-        Shape::OpenDown => [60.0, 180.0, 300.0].map(|a| turned(a, 1.2)).to_vec(),
-        Shape::Diamond | Shape::OpenDiamond => {
+        MarkShape::Up => [0.0, 120.0, 240.0].map(|a| turned(a, 1.3)).to_vec(),
+        MarkShape::OpenDown => [60.0, 180.0, 300.0].map(|a| turned(a, 1.2)).to_vec(),
+        MarkShape::Diamond | MarkShape::OpenDiamond => {
             vec![(0.0, -1.3), (1.05, 0.0), (0.0, 1.3), (-1.05, 0.0)]
         }
-        Shape::Star => (0..10)
+        MarkShape::Star => (0..10)
             .map(|i| turned(36.0 * f64::from(i), if i % 2 == 0 { 1.45 } else { 0.6 }))
             .collect(),
-        Shape::Plus => vec![(-1.0, 0.0), (1.0, 0.0), (0.0, -1.0), (0.0, 1.0)],
-        Shape::Cross => vec![(-0.85, -0.85), (0.85, 0.85), (-0.85, 0.85), (0.85, -0.85)],
-        Shape::Tick => vec![(0.0, -1.0), (0.0, 1.0)],
+        MarkShape::Plus => vec![(-1.0, 0.0), (1.0, 0.0), (0.0, -1.0), (0.0, 1.0)],
+        MarkShape::Cross => vec![(-0.85, -0.85), (0.85, 0.85), (-0.85, 0.85), (0.85, -0.85)],
+        MarkShape::Tick => vec![(0.0, -1.0), (0.0, 1.0)],
     };
     let placed = offsets
         .into_iter()
@@ -254,13 +263,17 @@ pub(crate) fn path(mark: Mark) -> (String, &'static str) {
         .map(|(x, y)| format!("{x:.1} {y:.1}"))
         .collect();
     let (parts, end, look) = match mark.shape {
-        Shape::Dot | Shape::Disc | Shape::Square | Shape::Up | Shape::Diamond | Shape::Star => {
-            (corners.len(), "z", "solid")
-        }
-        Shape::Circle | Shape::OpenSquare | Shape::OpenDown | Shape::OpenDiamond => {
-            (corners.len(), "z", "hollow")
-        }
-        Shape::Plus | Shape::Cross | Shape::Tick => (2, "", "ink"),
+        MarkShape::Dot
+        | MarkShape::Disc
+        | MarkShape::Square
+        | MarkShape::Up
+        | MarkShape::Diamond
+        | MarkShape::Star => (corners.len(), "z", "solid"),
+        MarkShape::Circle
+        | MarkShape::OpenSquare
+        | MarkShape::OpenDown
+        | MarkShape::OpenDiamond => (corners.len(), "z", "hollow"),
+        MarkShape::Plus | MarkShape::Cross | MarkShape::Tick => (2, "", "ink"),
     };
     let parts = corners.chunks(parts);
     let parts = parts.map(|part| format!("M{}{end}", part.join("L")));

@@ -9,7 +9,7 @@ pub(super) const CAPTION_SIZE: f64 = 18.0;
 
 /// A frame on a sheet.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Frame {
+pub(super) struct PanelFrame {
     pub from: Place,
     pub to: Place,
     pub x: Scale,
@@ -20,7 +20,7 @@ pub(super) struct Frame {
     pub labelled_below: bool,
 }
 
-impl Frame {
+impl PanelFrame {
     /// Where a point of the data lies; none for what cannot be drawn.
     pub(crate) fn place(&self, (x, y): Point) -> Option<Place> {
         (drawable(x) && drawable(y)).then(|| self.at(self.x.part(x), self.y.part(y)))

@@ -2,7 +2,7 @@
 
 use super::axis::{Scale, TICK_SIZE, Tick, Ticks};
 use super::canvas::compose;
-use super::frame::{CAPTION_SIZE, Frame};
+use super::frame::{CAPTION_SIZE, PanelFrame};
 use super::paint::Sheet;
 use super::palette::GREY;
 use super::picture::{Layer, Panel, Picture};
@@ -42,7 +42,11 @@ impl Picture {
     }
 
     /// Draws the picture with its frames.
-    pub(super) fn draw(&self, on: &mut dyn Sheet, (frames, bottom): &(Vec<Frame>, f64)) -> Drawn {
+    pub(super) fn draw(
+        &self,
+        on: &mut dyn Sheet,
+        (frames, bottom): &(Vec<PanelFrame>, f64),
+    ) -> Drawn {
         let (middle, room) = (0.5 * WIDTH, WIDTH - 20.0);
         if let Some(title) = &self.title {
             // what fits exactly must not be cut by rounding
@@ -65,12 +69,12 @@ impl Picture {
         self.legend.paint(on, *bottom)
     }
 
-    pub(super) fn height(&self, (_, bottom): &(Vec<Frame>, f64)) -> f64 {
+    pub(super) fn height(&self, (_, bottom): &(Vec<PanelFrame>, f64)) -> f64 {
         (bottom + self.legend.height()).ceil()
     }
 
     /// The frames of the panels, and where they end.
-    pub(super) fn frames(&self) -> (Vec<Frame>, f64) {
+    pub(super) fn frames(&self) -> (Vec<PanelFrame>, f64) {
         if self.beside {
             self.beside()
         } else {
@@ -85,7 +89,7 @@ impl Picture {
     }
 
     /// Frames from top to bottom, and where they end.
-    fn below(&self) -> (Vec<Frame>, f64) {
+    fn below(&self) -> (Vec<PanelFrame>, f64) {
         let scaled = |panel: &Panel| panel.scales(LENGTH, panel.ticks());
         let scales: Vec<[Scale; 2]> = self.panels.iter().map(scaled).collect();
         let figures = scales
@@ -104,7 +108,7 @@ impl Picture {
             margin = margin.max(overhang(x));
         }
         let mut top = self.top();
-        let mut frames: Vec<Frame> = Vec::with_capacity(scales.len());
+        let mut frames: Vec<PanelFrame> = Vec::with_capacity(scales.len());
         let last = scales.len().saturating_sub(1);
         for (index, (panel, [x, y])) in self.panels.iter().zip(scales).enumerate() {
             if index > 0 {
@@ -112,7 +116,7 @@ impl Picture {
             } else if has(panel, |layer| matches!(layer, Layer::Headings(_))) {
                 top += HEADINGS;
             }
-            frames.push(Frame {
+            frames.push(PanelFrame {
                 from: (left, top),
                 to: (WIDTH - margin, top + panel.height),
                 x,
@@ -126,7 +130,7 @@ impl Picture {
     }
 
     /// Square frames from left to right, and where they end.
-    fn beside(&self) -> (Vec<Frame>, f64) {
+    fn beside(&self) -> (Vec<PanelFrame>, f64) {
         let scaled = |panel: &Panel| panel.scales(HALF_LENGTH, Ticks::Within(HALF_LENGTH));
         let scales: Vec<[Scale; 2]> = self.panels.iter().map(scaled).collect();
         // Left of each frame stand its figures and, if it has one, its caption.
@@ -142,7 +146,7 @@ impl Picture {
             let left = right + room(&scale);
             right = left + side;
             let [x, y] = scale;
-            frames.push(Frame {
+            frames.push(PanelFrame {
                 from: (left, top),
                 to: (right, top + side),
                 figures: y.figures_width(),

@@ -45,7 +45,7 @@ impl Key {
 
 /// A group of entries that starts on a line of its own.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct Group {
+pub(crate) struct LegendGroup {
     /// Text in front of the entries; may be empty.
     pub heading: String,
     pub entries: Vec<(Key, String)>,
@@ -55,11 +55,11 @@ pub(crate) struct Group {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Legend {
     /// The groups from top to bottom.
-    pub groups: Vec<Group>,
+    pub groups: Vec<LegendGroup>,
 }
 
 /// An entry or a heading at its place.
-struct Item<'a> {
+struct LegendItem<'a> {
     left: f64,
     line: usize,
     key: Option<Key>,
@@ -77,7 +77,7 @@ impl Legend {
         let entries: Vec<_> = entries.map(|(key, text)| (key, text.into())).collect();
         if !(entries.is_empty() && heading.is_empty()) {
             let heading = heading.to_owned();
-            self.groups.push(Group { heading, entries });
+            self.groups.push(LegendGroup { heading, entries });
         }
         self
     }
@@ -124,13 +124,13 @@ impl Legend {
 
     /// Entries at their places, in columns as far as that takes no more lines, and the number of
     /// lines.
-    fn items(&self) -> (Vec<Item<'_>>, usize) {
+    fn items(&self) -> (Vec<LegendItem<'_>>, usize) {
         let mut items = Vec::new();
         let mut line = 0;
         for group in &self.groups {
             let mut start = MARGIN;
             if !group.heading.is_empty() {
-                items.push(Item {
+                items.push(LegendItem {
                     left: MARGIN,
                     line,
                     key: None,
@@ -154,7 +154,7 @@ impl Legend {
                 false => flowing,
             };
             let placed = group.entries.iter().zip(&places);
-            items.extend(placed.map(|((key, text), (left, row))| Item {
+            items.extend(placed.map(|((key, text), (left, row))| LegendItem {
                 left: start + left,
                 line: line + row,
                 key: Some(*key),

@@ -4,14 +4,14 @@ use plotters::style::RGBColor;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Mark {
-    pub shape: Shape,
+    pub shape: MarkShape,
     /// About half the width, in pixels.
     pub size: f64,
     pub colour: RGBColor,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) enum Shape {
+pub(crate) enum MarkShape {
     Disc,
     /// One of many: without the white rim that sets others apart.
     Dot,
@@ -31,7 +31,7 @@ pub(crate) enum Shape {
 
 impl Mark {
     /// A mark of this look.
-    pub(crate) fn new(shape: Shape, size: f64, colour: RGBColor) -> Mark {
+    pub(crate) fn new(shape: MarkShape, size: f64, colour: RGBColor) -> Mark {
         Mark {
             shape,
             size,

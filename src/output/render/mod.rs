@@ -33,10 +33,10 @@ pub(crate) use axis::{Axis, Extent, Quantity, Tick, drawable, range};
 pub(crate) use canvas::path;
 pub(crate) use format::Format;
 pub(crate) use legend::{Key, Legend};
-pub(crate) use mark::{Mark, Shape};
+pub(crate) use mark::{Mark, MarkShape};
 pub(crate) use palette::{
     BLACK, BLUE, CATEGORIES, GREEN, GREY, ORANGE, PURPLE, Pattern, Pen, SKY, VERMILLION, WHITE,
     hexadecimal, mix, ordered,
 };
-pub(crate) use picture::{Cell, HEIGHT, Heading, Layer, Name, Panel, Picture, Point};
+pub(crate) use picture::{ColourCell, HEIGHT, Heading, Layer, Panel, PanelName, Picture, Point};
 pub(crate) use surface::RenderError;

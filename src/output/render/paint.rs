@@ -1,9 +1,9 @@
 //! What stands in and around a frame, drawn on a surface.
 
 use super::axis::{Scale, TICK_SIZE, Tick};
-use super::frame::{CAPTION_SIZE, Frame};
+use super::frame::{CAPTION_SIZE, PanelFrame};
 use super::palette::{BLACK, GREY, Pen};
-use super::picture::{Cell, Heading, Layer, Point};
+use super::picture::{ColourCell, Heading, Layer, Point};
 use super::placement::{NAME_SIZE, written};
 use super::surface::{Align, Drawn, Place, Surface, Text};
 use super::text::width;
@@ -22,13 +22,13 @@ const SEAM: f64 = 1.0;
 /// A sheet that takes panels.
 pub(super) trait Sheet: Surface {
     /// What is drawn in a frame.
-    fn panel(&mut self, frame: &Frame, layers: &[Layer]) -> Drawn;
+    fn panel(&mut self, frame: &PanelFrame, layers: &[Layer]) -> Drawn;
 
     /// A frame with its ticks, figures and captions, over all panels.
-    fn border(&mut self, frame: &Frame) -> Drawn;
+    fn border(&mut self, frame: &PanelFrame) -> Drawn;
 }
 
-impl Frame {
+impl PanelFrame {
     pub(crate) fn paint(&self, canvas: &mut dyn Surface, layers: &[Layer]) -> Drawn {
         layers.iter().try_for_each(|layer| match layer {
             Layer::Line(points, pen) => {
@@ -86,7 +86,7 @@ impl Frame {
         }
     }
 
-    fn cell(&self, canvas: &mut dyn Surface, cell: &Cell) -> Drawn {
+    fn cell(&self, canvas: &mut dyn Surface, cell: &ColourCell) -> Drawn {
         let within = |scale: &Scale, value: f64| match value {
             value if value.is_nan() => None,
             value => Some(scale.part(value).clamp(0.0, 1.0)),

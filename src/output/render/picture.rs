@@ -48,9 +48,9 @@ pub(crate) enum Layer {
     Marks(Vec<Point>, Mark),
     Area(Vec<Point>, RGBColor),
     /// Filled rectangles; those with infinite ends reach to the frame.
-    Cells(Vec<Cell>),
+    Cells(Vec<ColourCell>),
     /// Names in the panel, as far as there is room.
-    Names(Vec<Name>),
+    Names(Vec<PanelName>),
     /// Names of stretches of the horizontal axis, above the frame.
     Headings(Vec<Heading>),
     /// A length of the vertical axis, right of the frame.
@@ -65,7 +65,7 @@ pub(crate) enum Layer {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Cell {
+pub(crate) struct ColourCell {
     pub from: Point,
     pub to: Point,
     pub colour: RGBColor,
@@ -73,7 +73,7 @@ pub(crate) struct Cell {
 
 /// A name in a panel.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Name {
+pub(crate) struct PanelName {
     /// Of names with the same number the first that has room is written.
     pub group: usize,
     pub at: Point,
@@ -152,10 +152,10 @@ impl Panel {
     }
 }
 
-impl Cell {
+impl ColourCell {
     /// A stretch of the horizontal axis over the whole height.
-    pub(crate) fn upright(from: f64, to: f64, colour: RGBColor) -> Cell {
-        Cell {
+    pub(crate) fn upright(from: f64, to: f64, colour: RGBColor) -> ColourCell {
+        ColourCell {
             from: (from, f64::NEG_INFINITY),
             to: (to, f64::INFINITY),
             colour,

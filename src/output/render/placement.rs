@@ -1,7 +1,7 @@
 //! Names in a panel: where there is room for them.
 
-use super::frame::Frame;
-use super::picture::{Layer, Name};
+use super::frame::PanelFrame;
+use super::picture::{Layer, PanelName};
 use super::surface::Place;
 use super::text::width;
 
@@ -25,7 +25,7 @@ impl Room {
     }
 
     /// Whether the room lies within the frame, clear of its border.
-    fn inside(&self, frame: &Frame) -> bool {
+    fn inside(&self, frame: &PanelFrame) -> bool {
         let (centre, half) = (self.centre, self.half);
         centre.0 - half.0 - EDGE >= frame.from.0
             && centre.0 + half.0 + EDGE <= frame.to.0
@@ -37,9 +37,9 @@ impl Room {
 /// The names that are written, each with its middle at its place: of each group the first that lies
 /// within the frame and covers neither a line nor another name.
 pub(super) fn written<'a>(
-    frame: &Frame,
+    frame: &PanelFrame,
     layers: &[Layer],
-    names: &'a [Name],
+    names: &'a [PanelName],
 ) -> Vec<(Place, &'a str)> {
     let places = |layer: &Layer| -> Vec<Place> {
         let Layer::Line(points, _) = layer else {
@@ -89,7 +89,7 @@ mod tests {
             let axis = Axis::new(("parameter", "p"), Extent::Fixed(low, high));
             Scale::of(&axis, std::iter::empty(), Ticks::About(5))
         };
-        let frame = Frame {
+        let frame = PanelFrame {
             from: (60.0, 40.0),
             to: (460.0, 340.0),
             x: scale(2.0, 4.0),
@@ -101,7 +101,7 @@ mod tests {
             .map(|step| (3.0, 0.001 * f64::from(step)))
             .collect();
         let layers = [Layer::Line(line, Pen::solid(BLUE, 2.0))];
-        let name = |group, at, text: &str| Name {
+        let name = |group, at, text: &str| PanelName {
             group,
             at,
             text: text.to_owned(),

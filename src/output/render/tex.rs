@@ -11,11 +11,11 @@ use plotters::style::RGBColor;
 
 use super::axis::{Scale, TICK_SIZE, Tick, drawable};
 use super::canvas::thinned;
-use super::frame::Frame;
-use super::mark::{Mark, Shape};
+use super::frame::PanelFrame;
+use super::mark::{Mark, MarkShape};
 use super::paint;
 use super::palette::{BLACK, Pattern, Pen, WHITE};
-use super::picture::{Cell, Layer, Picture, Point};
+use super::picture::{ColourCell, Layer, Picture, Point};
 use super::surface::{Align, Drawn, Place, RenderError, Surface, Text, WIDTH};
 
 const PIXELS: f64 = 6.0;
@@ -26,7 +26,7 @@ const FAR: f64 = 20.0;
 /// Part of the magnitude of an axis that its length has at least, for coordinates to be the data itself.
 const SHORT: f64 = 1e-3;
 
-struct Sheet {
+struct TexSheet {
     text: String,
     height: f64,
     colours: BTreeSet<[u8; 3]>,
@@ -39,7 +39,7 @@ impl Picture {
     /// None: writing to a string does not fail.
     pub(super) fn tex(&self) -> Result<String, RenderError> {
         let frames = self.frames();
-        let mut sheet = Sheet {
+        let mut sheet = TexSheet {
             text: String::new(),
             height: self.height(&frames),
             colours: BTreeSet::new(),
@@ -65,7 +65,7 @@ impl Picture {
     }
 }
 
-impl Surface for Sheet {
+impl Surface for TexSheet {
     fn line(&mut self, places: &[Place], pen: Pen) -> Drawn {
         let places: Vec<String> = places
             .iter()
@@ -114,9 +114,9 @@ impl Surface for Sheet {
     }
 }
 
-impl paint::Sheet for Sheet {
+impl paint::Sheet for TexSheet {
     /// A frame with its axes and what is drawn in it, then what stands outside of it.
-    fn panel(&mut self, frame: &Frame, layers: &[Layer]) -> Drawn {
+    fn panel(&mut self, frame: &PanelFrame, layers: &[Layer]) -> Drawn {
         let (width, height) = (frame.to.0 - frame.from.0, frame.to.1 - frame.from.1);
         let (x, y) = (Coordinates::of(&frame.x), Coordinates::of(&frame.y));
         for (name, axis) in [("x", &x), ("y", &y)] {
@@ -150,12 +150,12 @@ impl paint::Sheet for Sheet {
         texts.try_for_each(|layer| frame.outside(self, layers, layer))
     }
 
-    fn border(&mut self, _: &Frame) -> Drawn {
+    fn border(&mut self, _: &PanelFrame) -> Drawn {
         Ok(())
     }
 }
 
-impl Sheet {
+impl TexSheet {
     /// A piece of the file.
     fn add(&mut self, piece: std::fmt::Arguments) -> Drawn {
         // writing to a string does not fail
@@ -190,18 +190,18 @@ impl Sheet {
 
     fn look(&mut self, mark: Mark) -> String {
         let (name, filled) = match mark.shape {
-            Shape::Disc | Shape::Dot => ("*", true),
-            Shape::Circle => ("*", false),
-            Shape::Square => ("square*", true),
-            Shape::OpenSquare => ("square*", false),
-            Shape::Up => ("triangle*", true),
-            Shape::OpenDown => ("triangle*", false),
-            Shape::Diamond => ("diamond*", true),
-            Shape::OpenDiamond => ("diamond*", false),
-            Shape::Star => ("star", false),
-            Shape::Plus => ("+", false),
-            Shape::Cross => ("x", false),
-            Shape::Tick => ("|", false),
+            MarkShape::Disc | MarkShape::Dot => ("*", true),
+            MarkShape::Circle => ("*", false),
+            MarkShape::Square => ("square*", true),
+            MarkShape::OpenSquare => ("square*", false),
+            MarkShape::Up => ("triangle*", true),
+            MarkShape::OpenDown => ("triangle*", false),
+            MarkShape::Diamond => ("diamond*", true),
+            MarkShape::OpenDiamond => ("diamond*", false),
+            MarkShape::Star => ("star", false),
+            MarkShape::Plus => ("+", false),
+            MarkShape::Cross => ("x", false),
+            MarkShape::Tick => ("|", false),
         };
         let colour = self.colour(mark.colour);
         let (draw, fill) = if filled {
@@ -209,7 +209,7 @@ impl Sheet {
         } else {
             (&*colour, "white")
         };
-        let turn = if mark.shape == Shape::OpenDown {
+        let turn = if mark.shape == MarkShape::OpenDown {
             ", rotate=180"
         } else {
             ""
@@ -222,7 +222,7 @@ impl Sheet {
     }
 
     /// The data in a frame, in the coordinates of its axes.
-    fn inside(&mut self, frame: &Frame, [x, y]: [&Coordinates; 2], layer: &Layer) -> Drawn {
+    fn inside(&mut self, frame: &PanelFrame, [x, y]: [&Coordinates; 2], layer: &Layer) -> Drawn {
         let has = |point: &&Point| x.has(point.0) && y.has(point.1);
         let joined = |points: &[Point], frame: &str, between: &str| -> String {
             let at = |point: &Point| format!("({frame}{},{})", x.at(point.0), y.at(point.1));
@@ -268,7 +268,7 @@ impl Sheet {
                 }
             }
             Layer::Cells(cells) => {
-                for Cell { from, to, colour } in cells {
+                for ColourCell { from, to, colour } in cells {
                     let corners = [x.part(from.0), y.part(from.1), x.part(to.0), y.part(to.1)];
                     if corners.iter().any(|corner| corner.is_nan()) {
                         continue;

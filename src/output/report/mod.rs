@@ -11,8 +11,8 @@ use super::layout::{ACCURACY, BRANCH, CERTIFICATES, CURVE, MAP, SCAN, SERIES, ST
 use super::origin;
 use super::pictures::page;
 use super::run::RunFolder;
-use super::store::{self, Kind, SOURCE, Store, StoreError, VERSION, damaged, unfinished};
-use crate::branch::run::Runner;
+use super::store::{self, FolderKind, SOURCE, Store, StoreError, VERSION, damaged, unfinished};
+use crate::branch::run::WaveRunner;
 use crate::problem::Any;
 use crate::table::Table;
 use branch::Explorer;
@@ -42,7 +42,7 @@ pub(crate) fn page(store: &Store) -> Result<String, StoreError> {
     let title = problem.as_ref().and_then(|problem| problem.title());
     let title = title.map(str::to_owned);
     let shown = |picture: &str| page::description(picture, store.kind(), problem.as_ref());
-    let kind = store.kind().map_or("", Kind::name);
+    let kind = store.kind().map_or("", FolderKind::name);
     let title = title.unwrap_or_else(|| format!("Results of {kind}"));
     let mut left = Vec::new();
     let mut tables = String::new();
@@ -103,16 +103,16 @@ pub(crate) fn page(store: &Store) -> Result<String, StoreError> {
 /// Refuses a folder without the table that all the rest belongs to, or without what must be saved with it.
 fn complete(store: &Store, saved: bool) -> Result<(), StoreError> {
     let (table, verb) = match store.kind() {
-        Some(Kind::Run) if saved => (BRANCH, None),
-        Some(Kind::Run) => return RunFolder::<Runner>::saved(store).map(|_| ()),
-        Some(Kind::Map) => (MAP, Some("map")),
-        Some(Kind::Scan) => (SCAN, Some("scan")),
-        Some(Kind::Curve) => (CURVE, Some("curve")),
-        Some(Kind::Accuracy) => (ACCURACY, Some("accuracy")),
-        Some(Kind::Simulation) => (SERIES, (!saved).then_some("simulate")),
-        Some(Kind::Certificate) => (CERTIFICATES, None),
-        Some(Kind::Steady) => (STEADY, None),
-        Some(Kind::MapShard | Kind::ScanShard) | None => return Ok(()),
+        Some(FolderKind::Run) if saved => (BRANCH, None),
+        Some(FolderKind::Run) => return RunFolder::<WaveRunner>::saved(store).map(|_| ()),
+        Some(FolderKind::Map) => (MAP, Some("map")),
+        Some(FolderKind::Scan) => (SCAN, Some("scan")),
+        Some(FolderKind::Curve) => (CURVE, Some("curve")),
+        Some(FolderKind::Accuracy) => (ACCURACY, Some("accuracy")),
+        Some(FolderKind::Simulation) => (SERIES, (!saved).then_some("simulate")),
+        Some(FolderKind::Certificate) => (CERTIFICATES, None),
+        Some(FolderKind::Steady) => (STEADY, None),
+        Some(FolderKind::MapShard | FolderKind::ScanShard) | None => return Ok(()),
     };
     let path = store.path().join(table);
     let there = path.exists() && !store::table(&path)?.columns().all(str::is_empty);

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::error::{READ, StoreError, io_error, refused};
 use super::file::found;
-use super::manifest::{Header, Kind, Manifest};
+use super::manifest::{FolderKind, Header, Manifest};
 use super::place::stranger;
 
 /// What is to be done with results that are there.
@@ -30,7 +30,7 @@ impl Existing {
 /// Whether a folder may be used as asked for; returns whether it holds results.
 pub(super) fn admit(
     path: &Path,
-    kind: Kind,
+    kind: FolderKind,
     header: &Header,
     manifest: &Manifest,
     existing: Existing,

@@ -253,22 +253,22 @@ pub(crate) fn length_of_lines(text: &[u8], lines: Option<usize>) -> Option<usize
 
 /// A file that grows at its end.
 #[derive(Debug)]
-pub(crate) struct Growing {
+pub(crate) struct GrowingFile {
     file: File,
     path: PathBuf,
 }
 
-impl Growing {
+impl GrowingFile {
     /// A new file with this beginning.
-    pub(super) fn create(path: PathBuf, head: &[u8]) -> Result<Growing, StoreError> {
+    pub(super) fn create(path: PathBuf, head: &[u8]) -> Result<GrowingFile, StoreError> {
         let file = new_file(&path)?;
-        let mut growing = Growing { file, path };
+        let mut growing = GrowingFile { file, path };
         growing.push(head)?;
         Ok(growing)
     }
 
     /// A file that is there, cut back to `length` bytes; a copy of it where it has another name too.
-    pub(super) fn cut(path: PathBuf, length: usize) -> Result<Growing, StoreError> {
+    pub(super) fn cut(path: PathBuf, length: usize) -> Result<GrowingFile, StoreError> {
         if !found(&path)?.is_some_and(|there| there.is_file()) {
             return Err(damaged(&path, "it is no longer there"));
         }
@@ -284,7 +284,7 @@ impl Growing {
         file.set_len(length as u64)
             .and_then(|()| file.seek(SeekFrom::End(0)))
             .map_err(io_error("cut it", &path))?;
-        Ok(Growing { file, path })
+        Ok(GrowingFile { file, path })
     }
 
     /// Adds bytes.

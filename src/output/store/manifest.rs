@@ -11,7 +11,7 @@ use super::file::found;
 pub(crate) const MANIFEST: &str = "brakewave.manifest";
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Kind {
+pub(crate) enum FolderKind {
     Run,
     Map,
     /// Some rows of a map.
@@ -30,30 +30,30 @@ pub(crate) enum Kind {
     Steady,
 }
 
-impl Kind {
+impl FolderKind {
     /// All of them, with their words in a manifest.
-    const NAMES: [(Kind, &str); 10] = [
-        (Kind::Run, "run"),
-        (Kind::Map, "map"),
-        (Kind::MapShard, "map-shard"),
-        (Kind::Scan, "scan"),
-        (Kind::ScanShard, "scan-shard"),
-        (Kind::Curve, "curve"),
-        (Kind::Accuracy, "accuracy"),
-        (Kind::Simulation, "simulation"),
-        (Kind::Certificate, "certificate"),
-        (Kind::Steady, "steady"),
+    const NAMES: [(FolderKind, &str); 10] = [
+        (FolderKind::Run, "run"),
+        (FolderKind::Map, "map"),
+        (FolderKind::MapShard, "map-shard"),
+        (FolderKind::Scan, "scan"),
+        (FolderKind::ScanShard, "scan-shard"),
+        (FolderKind::Curve, "curve"),
+        (FolderKind::Accuracy, "accuracy"),
+        (FolderKind::Simulation, "simulation"),
+        (FolderKind::Certificate, "certificate"),
+        (FolderKind::Steady, "steady"),
     ];
 
     /// The kind of a word in a manifest.
-    pub(super) fn of(name: &str) -> Option<Kind> {
-        let known = Kind::NAMES.iter().find(|known| known.1 == name);
+    pub(super) fn of(name: &str) -> Option<FolderKind> {
+        let known = FolderKind::NAMES.iter().find(|known| known.1 == name);
         known.map(|known| known.0)
     }
 
     /// Its word in a manifest.
     pub(crate) fn name(self) -> &'static str {
-        let known = Kind::NAMES.iter().find(|known| known.0 == self);
+        let known = FolderKind::NAMES.iter().find(|known| known.0 == self);
         known.map_or("", |known| known.1)
     }
 

@@ -13,14 +13,15 @@
 
 mod admit;
 mod checkpoint;
+mod content;
 mod error;
 mod file;
 mod manifest;
 mod place;
 
 use std::collections::BTreeSet;
-use std::fs::{self, File, OpenOptions, TryLockError};
-use std::io::{BufWriter, Write};
+use std::fs::{self, OpenOptions, TryLockError};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -32,13 +33,11 @@ pub(crate) use admit::Existing;
 pub(crate) use checkpoint::Checkpoint;
 pub use error::{Offers, StoreError};
 pub(crate) use error::{READ, damaged, io_error, refused, resumable, unfinished};
-pub(crate) use file::{Growing, VERSION, bytes, decode, encode, hash, numbered, read, table};
-pub(crate) use manifest::{Kind, MANIFEST};
+pub(crate) use file::{GrowingFile, VERSION, bytes, decode, encode, hash, numbered, read, table};
+pub(crate) use manifest::{FolderKind, MANIFEST};
 
 use admit::admit;
-use file::{
-    found, is_at, is_left_over, is_shared, length_of_lines, number, remove, replace, swap, unshare,
-};
+use file::{found, is_at, is_left_over, is_shared, number, remove, unshare};
 use manifest::{Header, Manifest};
 use place::{make, real, stranger, unmake};
 
@@ -68,7 +67,7 @@ impl Store {
     /// written by another process.
     pub(crate) fn open(
         path: &Path,
-        kind: Kind,
+        kind: FolderKind,
         problem: &impl Serialize,
         existing: Existing,
         inputs: &[PathBuf],
@@ -190,8 +189,8 @@ impl Store {
     }
 
     /// What the folder holds; none where another version has a word of its own for it.
-    pub(crate) fn kind(&self) -> Option<Kind> {
-        Kind::of(&self.header.kind)
+    pub(crate) fn kind(&self) -> Option<FolderKind> {
+        FolderKind::of(&self.header.kind)
     }
 
     /// Names of the files of the program, in alphabetical order.
@@ -420,140 +419,6 @@ impl Store {
         Ok(path)
     }
 
-    /// A new file that begins with `bytes`, open for more.
-    ///
-    /// # Errors
-    /// When something else has its name, or the system refuses.
-    pub(crate) fn create(&self, name: &str, head: &[u8]) -> Result<Growing, StoreError> {
-        Growing::create(self.place(name)?, head)
-    }
-
-    /// A file of an earlier run, cut back to `length` bytes and open for more.
-    ///
-    /// # Errors
-    /// When it is shorter, no file of the list, or the system refuses.
-    pub(crate) fn cut(&self, name: &str, length: usize) -> Result<Growing, StoreError> {
-        Growing::cut(self.unlinked(name)?, length)
-    }
-
-    /// The first lines of a file of an earlier run, or all that are finished.
-    ///
-    /// # Errors
-    /// When it cannot be read, or has fewer.
-    pub(crate) fn lines(&self, name: &str, lines: Option<usize>) -> Result<Vec<u8>, StoreError> {
-        let path = self.path.join(name);
-        let mut text = bytes(&path).map_err(|_| damaged(&path, "it cannot be read"))?;
-        let length = length_of_lines(&text, lines);
-        let length = length.ok_or_else(|| damaged(&path, "it has fewer rows than were saved"))?;
-        text.truncate(length);
-        Ok(text)
-    }
-
-    /// A table: new with its header, or cut back to the header and the rows kept.
-    ///
-    /// # Errors
-    /// When there are fewer rows, or the system refuses.
-    pub(crate) fn table(
-        &self,
-        name: &str,
-        header: &str,
-        kept: Option<usize>,
-    ) -> Result<Growing, StoreError> {
-        match kept {
-            None => self.create(name, header.as_bytes()),
-            Some(rows) => self.cut(name, self.lines(name, Some(rows + 1))?.len()),
-        }
-    }
-
-    /// The checkpoint of an interrupted run. There is none where nothing has been saved that would be
-    /// missed: `table` has not more than these lines then.
-    ///
-    /// # Errors
-    /// When it is damaged, or missing.
-    pub(crate) fn interrupted<C: Checkpoint>(
-        &self,
-        problem: &C::Problem,
-        table: &str,
-        lines: usize,
-    ) -> Result<Option<C>, StoreError> {
-        if !self.resumes {
-            return Ok(None);
-        }
-        let saved: Option<C> = self.saved(table, lines)?;
-        if saved
-            .as_ref()
-            .is_some_and(|saved| saved.problem() != problem)
-        {
-            let path = self.path.join(C::FILE);
-            return Err(damaged(&path, "it holds another problem than the manifest"));
-        }
-        Ok(saved)
-    }
-
-    /// The checkpoint of a folder, as [`Store::interrupted`].
-    ///
-    /// # Errors
-    /// When it is damaged, or missing.
-    pub(crate) fn saved<C: Checkpoint>(
-        &self,
-        table: &str,
-        lines: usize,
-    ) -> Result<Option<C>, StoreError> {
-        let path = self.path.join(C::FILE);
-        if path.exists() {
-            return C::read(&self.path).map(Some);
-        }
-        let rows = bytes(&self.path.join(table)).unwrap_or_default();
-        match length_of_lines(&rows, Some(lines + 1)) {
-            Some(_) => Err(damaged(&path, "it is missing")),
-            None => Ok(None),
-        }
-    }
-
-    /// Replaces a file as a whole, never seen half written.
-    ///
-    /// # Errors
-    /// When something else has its name, or the system refuses.
-    pub(crate) fn replace(&self, name: &str, bytes: &[u8]) -> Result<(), StoreError> {
-        self.write(name, |path, out| {
-            out.write_all(bytes).map_err(io_error("write it", path))
-        })
-    }
-
-    /// The same for what can be made again from other files, a picture: it is left to the system when it comes to the
-    /// disk. A kill leaves the old one or the new one; only a power failure can lose both.
-    ///
-    /// # Errors
-    /// As [`Store::replace`].
-    pub(crate) fn replace_derived(&self, name: &str, bytes: &[u8]) -> Result<(), StoreError> {
-        let path = self.place(name)?;
-        let write =
-            |out: &mut BufWriter<File>| out.write_all(bytes).map_err(io_error("write it", &path));
-        swap(&path, write, |_| Ok(()))
-    }
-
-    /// The same as [`Store::replace`] for what is written piece by piece.
-    ///
-    /// # Errors
-    /// As [`Store::replace`].
-    pub(crate) fn write(
-        &self,
-        name: &str,
-        write: impl FnOnce(&Path, &mut BufWriter<File>) -> Result<(), StoreError>,
-    ) -> Result<(), StoreError> {
-        let path = self.place(name)?;
-        replace(&path, |out| write(&path, out))
-    }
-
-    /// Replaces a file by a value as RON.
-    ///
-    /// # Errors
-    /// As [`Store::replace`].
-    pub(crate) fn save(&self, name: &str, value: &impl Serialize) -> Result<(), StoreError> {
-        let text = encode(&self.path.join(name), value)?;
-        self.replace(name, text.as_bytes())
-    }
-
     /// Brings the list itself to the disk.
     ///
     /// # Errors
@@ -582,7 +447,7 @@ mod tests {
     fn what_is_left_over_is_removed() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("out");
-        let open = |existing| Store::open(&path, Kind::Run, &1, existing, &[]).unwrap();
+        let open = |existing| Store::open(&path, FolderKind::Run, &1, existing, &[]).unwrap();
         let store = open(Existing::Refuse);
         store.begin(&["branch.ron"], Vec::new(), None).unwrap();
         store.replace("profiles/1.csv", b"1").unwrap();

@@ -13,7 +13,7 @@
 
 use std::f64::consts::PI;
 
-use super::jet::{DURATION, Dual, ENTRY_W, ENTRY_Y, EXCESS, Jet};
+use super::jet::{DURATION, ENTRY_W, ENTRY_Y, EXCESS, Jet, MultiDual};
 use super::{FlowError, Frame};
 
 /// Up to this |Δ|t² the series of C, S and ∂S/∂Δ are used. Their terms fall faster than
@@ -40,7 +40,7 @@ pub struct ContactFlow {
 
 /// exp(At) with the pieces from which its derivatives are made.
 #[derive(Clone, Copy, Debug)]
-struct Propagator {
+struct ContactExponential {
     matrix: [[f64; 2]; 2],
     /// e^{pt}S.
     s: f64,
@@ -59,7 +59,7 @@ impl ContactFlow {
     }
 
     /// The equation mÿ − sẏ + hy = 0.
-    pub(super) fn of(frame: &Frame, sliding: f64, m: Dual<2>, s: Dual<2>) -> ContactFlow {
+    pub(super) fn of(frame: &Frame, sliding: f64, m: MultiDual<2>, s: MultiDual<2>) -> ContactFlow {
         let (p, q) = (s * 0.5 / m, frame.number(|of| of.h) / m);
         ContactFlow {
             p: p.value,
@@ -76,7 +76,7 @@ impl ContactFlow {
 
     /// 2p and q as jets of the frame.
     pub(super) fn coefficients(&self) -> [Jet; 2] {
-        let jet = |value: f64, by: [f64; 2]| Jet::lifted(Dual { value, by });
+        let jet = |value: f64, by: [f64; 2]| Jet::lifted(MultiDual { value, by });
         [jet(self.p, self.p_by) * 2.0, jet(self.q, self.q_by)]
     }
 
@@ -86,7 +86,7 @@ impl ContactFlow {
         [m00 * value + m01 * slope, m10 * value + m11 * slope]
     }
 
-    fn propagator(&self, t: f64) -> Propagator {
+    fn propagator(&self, t: f64) -> ContactExponential {
         let (p, q) = (self.p, self.q);
         let delta = p * p - q;
         let argument = delta * t * t;
@@ -98,7 +98,7 @@ impl ContactFlow {
             let (e1, e2) = ((r1 * t).exp(), (r2 * t).exp());
             let s = e2 * ((r1 - r2) * t).exp_m1() / (r1 - r2);
             let c = 0.5 * (e1 + e2);
-            return Propagator {
+            return ContactExponential {
                 matrix: [[e2 - r2 * s, s], [-q * s, e2 + r1 * s]],
                 s,
                 c_by: 0.5 * t * s,
@@ -127,7 +127,7 @@ impl ContactFlow {
             s = sine / frequency;
             s_by = 0.5 * (t * c - s) / delta;
         }
-        Propagator {
+        ContactExponential {
             matrix: [
                 [growth * (c - p * s), growth * s],
                 [-q * growth * s, growth * (c + p * s)],

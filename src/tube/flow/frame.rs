@@ -1,7 +1,7 @@
 //! The frame of a wave: the numbers of its equations, with their derivatives.
 
 use super::FlowError;
-use super::jet::{Dual, Jet};
+use super::jet::{Jet, MultiDual};
 use crate::tube::model::Constants;
 use crate::tube::model::FrictionLaw;
 
@@ -116,8 +116,8 @@ impl Frame {
     }
 
     /// A quantity with its derivatives in ln e and in the parameter.
-    pub(super) fn number(&self, of: impl Fn(&Quantities) -> f64) -> Dual<2> {
-        Dual {
+    pub(super) fn number(&self, of: impl Fn(&Quantities) -> f64) -> MultiDual<2> {
+        MultiDual {
             value: of(&self.at),
             by: [of(&self.by[0]), of(&self.by[1])],
         }

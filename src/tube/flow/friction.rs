@@ -1,6 +1,6 @@
 //! The friction laws as functions of the sliding velocity: Q = fSP with S = S(W).
 
-use super::jet::Number;
+use super::jet::JetNumber;
 use crate::tube::model::FrictionLaw;
 
 /// (e^x − 1)/x and its derivative.
@@ -25,7 +25,7 @@ fn exponential_quotient(x: f64) -> (f64, f64) {
 
 /// S(W) of a law in a sliding direction σ: Q = fSP.
 #[inline]
-pub(crate) fn multiplier<N: Number>(law: FrictionLaw, sigma: f64, w: N, smoothing: N) -> N {
+pub(crate) fn multiplier<N: JetNumber>(law: FrictionLaw, sigma: f64, w: N, smoothing: N) -> N {
     match law {
         FrictionLaw::Coulomb | FrictionLaw::Static { .. } => w.map(sigma, 0.0),
         FrictionLaw::Stribeck { ratio, velocity } => {
@@ -44,7 +44,7 @@ pub(crate) fn multiplier<N: Number>(law: FrictionLaw, sigma: f64, w: N, smoothin
 }
 
 /// (S(1 + d) − S(1))/d, regular as d → 0.
-pub(super) fn multiplier_quotient<N: Number>(law: FrictionLaw, sigma: f64, d: N) -> N {
+pub(super) fn multiplier_quotient<N: JetNumber>(law: FrictionLaw, sigma: f64, d: N) -> N {
     match law {
         FrictionLaw::Stribeck { ratio, velocity } => {
             let scale = sigma / velocity;

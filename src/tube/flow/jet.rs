@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 /// A number with its derivatives in D quantities.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Dual<const D: usize> {
+pub struct MultiDual<const D: usize> {
     /// The number without its derivatives.
     pub value: f64,
     /// Its derivatives in the D quantities, in their order.
@@ -16,7 +16,7 @@ pub struct Dual<const D: usize> {
 
 /// A number with its derivatives in the seven quantities a zone depends on, in the order of
 /// [`ENTRY_Y`], [`ENTRY_W`], [`DURATION`], [`EXCESS`], [`PARAMETER`], [`LAYER`], [`RADIAL_LAYER`].
-pub type Jet = Dual<SOURCES>;
+pub type Jet = MultiDual<SOURCES>;
 
 /// Index of Y at the entry of the zone.
 pub const ENTRY_Y: usize = 0;
@@ -90,40 +90,40 @@ mod saved {
     }
 }
 
-impl<const D: usize> Dual<D> {
+impl<const D: usize> MultiDual<D> {
     /// A number that does not vary.
-    pub(crate) fn constant(value: f64) -> Dual<D> {
-        Dual {
+    pub(crate) fn constant(value: f64) -> MultiDual<D> {
+        MultiDual {
             value,
             by: [0.0; D],
         }
     }
 
-    pub(crate) fn variable(value: f64, index: usize) -> Dual<D> {
-        let mut dual = Dual::constant(value);
+    pub(crate) fn variable(value: f64, index: usize) -> MultiDual<D> {
+        let mut dual = MultiDual::constant(value);
         dual.by[index] = 1.0;
         dual
     }
 
-    pub(crate) fn inverse(self) -> Dual<D> {
+    pub(crate) fn inverse(self) -> MultiDual<D> {
         let inverse = 1.0 / self.value;
-        Dual {
+        MultiDual {
             value: inverse,
             by: self.by.map(|by| -by * inverse * inverse),
         }
     }
 
     /// A quantity itself among all those that a zone depends on; one that does not vary among fewer.
-    pub(crate) fn own(value: f64, index: usize) -> Dual<D> {
+    pub(crate) fn own(value: f64, index: usize) -> MultiDual<D> {
         match D {
-            SOURCES => Dual::variable(value, index),
-            _ => Dual::constant(value),
+            SOURCES => MultiDual::variable(value, index),
+            _ => MultiDual::constant(value),
         }
     }
 
     /// A number of the frame among all quantities that a zone depends on, or among none.
-    pub(crate) fn lifted(of: Dual<2>) -> Dual<D> {
-        let mut lifted = Dual::constant(of.value);
+    pub(crate) fn lifted(of: MultiDual<2>) -> MultiDual<D> {
+        let mut lifted = MultiDual::constant(of.value);
         if D == SOURCES {
             lifted.by[EXCESS] = of.by[0];
             lifted.by[PARAMETER] = of.by[1];
@@ -132,15 +132,15 @@ impl<const D: usize> Dual<D> {
     }
 }
 
-impl<const D: usize> Default for Dual<D> {
-    fn default() -> Dual<D> {
-        Dual::constant(0.0)
+impl<const D: usize> Default for MultiDual<D> {
+    fn default() -> MultiDual<D> {
+        MultiDual::constant(0.0)
     }
 }
 
-impl<const D: usize> Add for Dual<D> {
-    type Output = Dual<D>;
-    fn add(mut self, other: Dual<D>) -> Dual<D> {
+impl<const D: usize> Add for MultiDual<D> {
+    type Output = MultiDual<D>;
+    fn add(mut self, other: MultiDual<D>) -> MultiDual<D> {
         self.value += other.value;
         self.by
             .iter_mut()
@@ -150,9 +150,9 @@ impl<const D: usize> Add for Dual<D> {
     }
 }
 
-impl<const D: usize> Sub for Dual<D> {
-    type Output = Dual<D>;
-    fn sub(mut self, other: Dual<D>) -> Dual<D> {
+impl<const D: usize> Sub for MultiDual<D> {
+    type Output = MultiDual<D>;
+    fn sub(mut self, other: MultiDual<D>) -> MultiDual<D> {
         self.value -= other.value;
         self.by
             .iter_mut()
@@ -162,18 +162,18 @@ impl<const D: usize> Sub for Dual<D> {
     }
 }
 
-impl<const D: usize> Neg for Dual<D> {
-    type Output = Dual<D>;
-    fn neg(self) -> Dual<D> {
+impl<const D: usize> Neg for MultiDual<D> {
+    type Output = MultiDual<D>;
+    fn neg(self) -> MultiDual<D> {
         self * -1.0
     }
 }
 
 #[allow(clippy::suspicious_arithmetic_impl)] // the product rule adds
-impl<const D: usize> Mul for Dual<D> {
-    type Output = Dual<D>;
-    fn mul(self, other: Dual<D>) -> Dual<D> {
-        Dual {
+impl<const D: usize> Mul for MultiDual<D> {
+    type Output = MultiDual<D>;
+    fn mul(self, other: MultiDual<D>) -> MultiDual<D> {
+        MultiDual {
             value: self.value * other.value,
             by: std::array::from_fn(|index| {
                 self.by[index] * other.value + self.value * other.by[index]
@@ -182,33 +182,33 @@ impl<const D: usize> Mul for Dual<D> {
     }
 }
 
-impl<const D: usize> Add<f64> for Dual<D> {
-    type Output = Dual<D>;
-    fn add(mut self, constant: f64) -> Dual<D> {
+impl<const D: usize> Add<f64> for MultiDual<D> {
+    type Output = MultiDual<D>;
+    fn add(mut self, constant: f64) -> MultiDual<D> {
         self.value += constant;
         self
     }
 }
 
-impl<const D: usize> Sub<f64> for Dual<D> {
-    type Output = Dual<D>;
-    fn sub(self, constant: f64) -> Dual<D> {
+impl<const D: usize> Sub<f64> for MultiDual<D> {
+    type Output = MultiDual<D>;
+    fn sub(self, constant: f64) -> MultiDual<D> {
         self + -constant
     }
 }
 
-impl<const D: usize> Mul<f64> for Dual<D> {
-    type Output = Dual<D>;
-    fn mul(mut self, factor: f64) -> Dual<D> {
+impl<const D: usize> Mul<f64> for MultiDual<D> {
+    type Output = MultiDual<D>;
+    fn mul(mut self, factor: f64) -> MultiDual<D> {
         self.value *= factor;
         self.by.iter_mut().for_each(|by| *by *= factor);
         self
     }
 }
 
-impl<const D: usize> Div<f64> for Dual<D> {
-    type Output = Dual<D>;
-    fn div(mut self, divisor: f64) -> Dual<D> {
+impl<const D: usize> Div<f64> for MultiDual<D> {
+    type Output = MultiDual<D>;
+    fn div(mut self, divisor: f64) -> MultiDual<D> {
         self.value /= divisor;
         self.by.iter_mut().for_each(|by| *by /= divisor);
         self
@@ -216,11 +216,11 @@ impl<const D: usize> Div<f64> for Dual<D> {
 }
 
 #[allow(clippy::suspicious_arithmetic_impl)] // the quotient rule multiplies and subtracts
-impl<const D: usize> Div for Dual<D> {
-    type Output = Dual<D>;
-    fn div(self, other: Dual<D>) -> Dual<D> {
+impl<const D: usize> Div for MultiDual<D> {
+    type Output = MultiDual<D>;
+    fn div(self, other: MultiDual<D>) -> MultiDual<D> {
         let value = self.value / other.value;
-        Dual {
+        MultiDual {
             value,
             by: std::array::from_fn(|i| (self.by[i] - value * other.by[i]) / other.value),
         }
@@ -228,7 +228,7 @@ impl<const D: usize> Div for Dual<D> {
 }
 
 /// A number with derivatives or without: right sides are written once for both.
-pub trait Number:
+pub trait JetNumber:
     Copy
     + Add<Output = Self>
     + Sub<Output = Self>
@@ -245,7 +245,7 @@ pub trait Number:
     fn of(jet: Jet) -> Self;
 }
 
-impl Number for f64 {
+impl JetNumber for f64 {
     fn value(self) -> f64 {
         self
     }
@@ -257,19 +257,19 @@ impl Number for f64 {
     }
 }
 
-impl<const D: usize> Number for Dual<D> {
+impl<const D: usize> JetNumber for MultiDual<D> {
     fn value(self) -> f64 {
         self.value
     }
-    fn map(self, value: f64, slope: f64) -> Dual<D> {
-        Dual {
+    fn map(self, value: f64, slope: f64) -> MultiDual<D> {
+        MultiDual {
             value,
             ..self * slope
         }
     }
-    fn of(jet: Jet) -> Dual<D> {
+    fn of(jet: Jet) -> MultiDual<D> {
         let kept = |index| if D == SOURCES { jet.by[index] } else { 0.0 };
-        Dual {
+        MultiDual {
             value: jet.value,
             by: std::array::from_fn(kept),
         }

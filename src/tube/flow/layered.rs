@@ -29,10 +29,10 @@
 //! N = βR⁻¹ → B⁻¹M makes of the concentrated reaction β(Ü, V̈)⁻ its impulse.
 
 use super::jet::{
-    DURATION, Dual, ENTRY_W, ENTRY_Y, EXCESS, Jet, LAYER, PARAMETER, RADIAL_LAYER, SOURCES,
+    DURATION, ENTRY_W, ENTRY_Y, EXCESS, Jet, LAYER, MultiDual, PARAMETER, RADIAL_LAYER, SOURCES,
 };
 use super::material::THIN;
-use super::piece::Piece;
+use super::piece::SeparationPiece;
 use super::separation::SeparationFlow;
 use super::solvent::{polynomial, solvent};
 use super::square::{Pair, Square};
@@ -61,9 +61,9 @@ pub struct LayeredFlow {
     drag: Square<2>,
     stiffness: Square<2>,
     /// β.
-    beta: Dual<2>,
-    mismatch: Dual<2>,
-    steady: Dual<2>,
+    beta: MultiDual<2>,
+    mismatch: MultiDual<2>,
+    steady: MultiDual<2>,
 }
 
 /// z and its derivatives at one instant.
@@ -116,7 +116,7 @@ impl LayeredFlow {
             stiffness,
             beta: frame.number(|q| q.material),
             mismatch: frame.number(|q| q.mismatch),
-            steady: Dual {
+            steady: MultiDual {
                 value: steady.value,
                 by: [steady.by[EXCESS], steady.by[PARAMETER]],
             },
@@ -134,7 +134,7 @@ impl LayeredFlow {
     }
 
     fn matrix<const D: usize>(&self, of: &Square<2>) -> Square<D> {
-        of.map(Dual::lifted)
+        of.map(MultiDual::lifted)
     }
 
     /// R⁻¹, for β > 0.
@@ -152,7 +152,7 @@ impl LayeredFlow {
     }
 
     /// What is left of the layers' velocity, and of their acceleration, a time before the end.
-    fn rest<const D: usize>(&self, time: Dual<D>, end: Pair<D>) -> [Pair<D>; 2] {
+    fn rest<const D: usize>(&self, time: MultiDual<D>, end: Pair<D>) -> [Pair<D>; 2] {
         if self.forgotten(time.value) {
             return Default::default();
         }
@@ -162,15 +162,15 @@ impl LayeredFlow {
     }
 
     /// (G_U, G_V) and (V, V̇) at the entry as the zone's own unknowns, and its duration.
-    fn sources<const D: usize>(&self, slide: &Slide) -> ([Pair<D>; 2], Dual<D>) {
+    fn sources<const D: usize>(&self, slide: &Slide) -> ([Pair<D>; 2], MultiDual<D>) {
         let [y, w] = slide.entry;
         let end = [
-            Dual::own(slide.radial, RADIAL_LAYER),
-            Dual::own(slide.layer, LAYER),
+            MultiDual::own(slide.radial, RADIAL_LAYER),
+            MultiDual::own(slide.layer, LAYER),
         ];
-        let v = Dual::own(y, ENTRY_Y) + Dual::lifted(self.steady);
-        let entry = [v, Dual::own(w, ENTRY_W)];
-        ([end, entry], Dual::own(slide.duration, DURATION))
+        let v = MultiDual::own(y, ENTRY_Y) + MultiDual::lifted(self.steady);
+        let entry = [v, MultiDual::own(w, ENTRY_W)];
+        ([end, entry], MultiDual::own(slide.duration, DURATION))
     }
 
     /// The slow motion and the acceleration at the entry.
@@ -178,7 +178,10 @@ impl LayeredFlow {
         let ([end, [v, w]], duration) = self.sources(slide);
         let [rate, acceleration] = self.rest(duration, end);
         let place = self.matrix(&self.layers) * rate;
-        let position = [Dual::<D>::lifted(self.mismatch) - place[0], v - place[1]];
+        let position = [
+            MultiDual::<D>::lifted(self.mismatch) - place[0],
+            v - place[1],
+        ];
         let slow = [position, [-rate[0], w - rate[1]]];
         (slow, plus(self.slow_acceleration(slow), acceleration))
     }
@@ -232,14 +235,14 @@ impl LayeredFlow {
     /// (G, G_U) of the first part of a zone that is cut at a time.
     pub(crate) fn layers_at(&self, slide: &Slide, t: f64) -> [f64; 2] {
         let ([end, _], _) = self.sources::<0>(slide);
-        let [[radial, layer], _] = self.rest(Dual::constant(slide.duration - t), end);
+        let [[radial, layer], _] = self.rest(MultiDual::constant(slide.duration - t), end);
         [layer.value, radial.value]
     }
 
     /// (G, G_U) of a zone of no duration that is entered at (Y, W) with this V̈, and U̇ = Ü = 0.
     pub(crate) fn layers_of(&self, [y, w]: [f64; 2], acceleration: f64) -> [f64; 2] {
         let acceleration = [0.0, acceleration];
-        let number = Dual::<0>::constant;
+        let number = MultiDual::<0>::constant;
         let position = [number(self.mismatch.value), number(y + self.steady.value)];
         let slow = self.slow_acceleration([position, [number(0.0), number(w)]]);
         // R⁻¹G + M̂⁻¹(ŜG + HRG) is what the slow motion lacks
@@ -270,7 +273,7 @@ impl LayeredFlow {
         let layers = self.matrix(&self.layers);
         let position = plus(slow[0], layers * end);
         let rate = plus(slow[1], end);
-        let beta = Dual::lifted(self.beta);
+        let beta = MultiDual::lifted(self.beta);
         let impulse = plus(
             self.slow_acceleration(slow).map(|x| beta * x),
             self.matrix(&self.rates) * end,
@@ -279,7 +282,7 @@ impl LayeredFlow {
         let order = m as f64;
         let [gap, slope] = if self.norm() * t.abs() > SHORT_ZONE {
             let factor = power(m).inverse();
-            let gap = position[0] - Dual::lifted(self.mismatch);
+            let gap = position[0] - MultiDual::lifted(self.mismatch);
             [
                 gap * factor,
                 (rate[0] - gap * duration.inverse() * order) * factor,
@@ -315,7 +318,7 @@ impl LayeredFlow {
             return Err(FlowError::Overflow { duration: t });
         }
         Ok(ZoneEnd {
-            y: position[1] - Dual::lifted(self.steady),
+            y: position[1] - MultiDual::lifted(self.steady),
             w: rate[1],
             radial_rate: rate[0],
             switching: first,
@@ -364,7 +367,11 @@ impl LayeredFlow {
     }
 
     /// The pieces of a zone, U − δ having an m-fold zero at the entry.
-    pub(crate) fn pieces(&self, slide: &Slide, m: usize) -> Result<Vec<Piece>, FlowError> {
+    pub(crate) fn pieces(
+        &self,
+        slide: &Slide,
+        m: usize,
+    ) -> Result<Vec<SeparationPiece>, FlowError> {
         let stretches = self.stretches(slide.duration).into_iter().enumerate();
         stretches
             .map(|(index, stretch)| self.piece(slide, stretch, if index == 0 { m } else { 0 }))
@@ -372,7 +379,7 @@ impl LayeredFlow {
     }
 
     /// A zone cut up: thinner towards the end, where the layers are.
-    fn stretches(&self, duration: f64) -> Vec<Stretch> {
+    fn stretches(&self, duration: f64) -> Vec<LayeredSegment> {
         let radian = 1.0 / self.norm();
         let [short, long] = self.layer_times();
         // distances from the end up to which the longer, and both layers, are there
@@ -391,7 +398,7 @@ impl LayeredFlow {
             }
             let count = (length / longest).ceil().max(1.0) as usize;
             let length = length / count as f64;
-            pieces.extend((0..count).map(|index| Stretch {
+            pieces.extend((0..count).map(|index| LayeredSegment {
                 start: start + length * index as f64,
                 length,
                 layers,
@@ -402,8 +409,13 @@ impl LayeredFlow {
     }
 
     /// A stretch as a piece, the first m coefficients of U − δ being zero.
-    fn piece(&self, slide: &Slide, stretch: Stretch, m: usize) -> Result<Piece, FlowError> {
-        let Stretch {
+    fn piece(
+        &self,
+        slide: &Slide,
+        stretch: LayeredSegment,
+        m: usize,
+    ) -> Result<SeparationPiece, FlowError> {
+        let LayeredSegment {
             start,
             length,
             layers,
@@ -455,7 +467,7 @@ impl LayeredFlow {
             (gap[0], gap[1]) = (here, slope * length);
         }
         gap[..m].fill(0.0);
-        Ok(Piece {
+        Ok(SeparationPiece {
             start,
             length,
             gap,
@@ -490,7 +502,7 @@ impl LayeredFlow {
 }
 
 /// A stretch of a zone.
-struct Stretch {
+struct LayeredSegment {
     /// Its beginning after the entry.
     start: f64,
     length: f64,

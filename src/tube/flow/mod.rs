@@ -43,7 +43,7 @@ use layered::LayeredFlow;
 use material::MaterialFlow;
 use method::Method;
 use numeric::{Integrator, NumericalContact, NumericalSeparation};
-use piece::Piece;
+use piece::SeparationPiece;
 use separation::SeparationFlow;
 
 /// Why a method cannot solve the equations of a zone.
@@ -402,7 +402,7 @@ impl FreeFlow {
         frame: &Frame,
         slide: &Slide,
         order: usize,
-    ) -> Result<Vec<Piece>, FlowError> {
+    ) -> Result<Vec<SeparationPiece>, FlowError> {
         match self.layered()? {
             Some(flow) => flow.pieces(slide, order),
             None => Ok(piece::undamped(frame, self.norm(), slide, order)),

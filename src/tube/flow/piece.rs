@@ -5,7 +5,7 @@ use crate::orbit::sign::{COEFFICIENTS, DEGREE, REMAINDER};
 
 /// A piece of a zone: Taylor coefficients of U − δ and of V in the time over its length, and how much the
 /// former leave out.
-pub(crate) struct Piece {
+pub(crate) struct SeparationPiece {
     /// Its beginning after the entry.
     pub start: f64,
     pub length: f64,
@@ -18,7 +18,12 @@ pub(crate) struct Piece {
 
 /// The pieces of a zone without material damping, of at most one radian, `norm` being radians per unit of
 /// time. U − δ has a zero of this order at the entry.
-pub(super) fn undamped(frame: &Frame, norm: f64, slide: &Slide, order: usize) -> Vec<Piece> {
+pub(super) fn undamped(
+    frame: &Frame,
+    norm: f64,
+    slide: &Slide,
+    order: usize,
+) -> Vec<SeparationPiece> {
     let at = &frame.at;
     let steady = frame.steady().value;
     let radians = norm * slide.duration;
@@ -61,7 +66,7 @@ pub(super) fn undamped(frame: &Frame, norm: f64, slide: &Slide, order: usize) ->
             horner(&tangential, 1.0) - steady,
             horner_slope(&tangential, 1.0) / h,
         ];
-        Piece {
+        SeparationPiece {
             start: piece as f64 * h,
             length: h,
             gap,

@@ -12,7 +12,9 @@ use nalgebra::{Matrix4, RowVector4, Vector4};
 
 use super::contact::{SHORT_TERMS, SHORT_ZONE};
 use super::exponential::MatrixJet;
-use super::jet::{DURATION, Dual, ENTRY_W, ENTRY_Y, EXCESS, Jet, Number, PARAMETER, SOURCES};
+use super::jet::{
+    DURATION, ENTRY_W, ENTRY_Y, EXCESS, Jet, JetNumber, MultiDual, PARAMETER, SOURCES,
+};
 use super::square::{Pair, Square};
 use super::{FlowError, Frame, Quantities, ZoneEnd};
 
@@ -45,7 +47,7 @@ impl SeparationFlow {
     pub(super) fn of(frame: &Frame, drag: &Square<2>, stiffness: &Square<2>) -> SeparationFlow {
         let at = &frame.at;
         let scale = Vector4::new(at.g.sqrt(), at.mb.sqrt(), at.h.sqrt(), at.ma.sqrt());
-        let fill = |unit: f64, of: &dyn Fn(&Dual<2>) -> f64| {
+        let fill = |unit: f64, of: &dyn Fn(&MultiDual<2>) -> f64| {
             Matrix4::from_fn(|i, j| {
                 let entry = match (i % 2, j % 2) {
                     (0, 1) if i / 2 == j / 2 => unit,
@@ -77,7 +79,7 @@ impl SeparationFlow {
     fn scaled<const D: usize>(
         &self,
         [position, rate]: &[Pair<D>; 2],
-        of: impl Fn(&Dual<D>) -> f64,
+        of: impl Fn(&MultiDual<D>) -> f64,
     ) -> Vector4<f64> {
         let [u, u_rate, v, w] = [&position[0], &rate[0], &position[1], &rate[1]].map(of);
         Vector4::new(u, u_rate, v, w).component_mul(&self.scale)
@@ -112,7 +114,7 @@ impl SeparationFlow {
                 };
             }
         }
-        let jet = |row: usize| Dual {
+        let jet = |row: usize| MultiDual {
             value: x[row] / self.scale[row],
             by: by.map(|by| by[row] / self.scale[row]),
         };
@@ -157,10 +159,10 @@ impl SeparationFlow {
 
     /// (U, V) and (U̇, V̇) at the entry (Y, W), where U = δ and U̇ = 0.
     fn entry<const D: usize>(&self, [y, w]: [f64; 2]) -> [Pair<D>; 2] {
-        let v = Dual::own(y, ENTRY_Y) + Dual::of(self.steady);
+        let v = MultiDual::own(y, ENTRY_Y) + MultiDual::of(self.steady);
         [
-            [Dual::of(self.mismatch), v],
-            [Dual::default(), Dual::own(w, ENTRY_W)],
+            [MultiDual::of(self.mismatch), v],
+            [MultiDual::default(), MultiDual::own(w, ENTRY_W)],
         ]
     }
 

@@ -3,7 +3,7 @@
 
 use nalgebra::{Matrix4, Vector4};
 
-use super::jet::Dual;
+use super::jet::MultiDual;
 use super::material::layer_time;
 use super::square::Square;
 use super::{Frame, Quantities};
@@ -35,7 +35,7 @@ pub(super) fn polynomial(frame: &Frame) -> Polynomial {
 /// The coupling taken down to a part of it.
 fn partly_coupled(of: &Polynomial, part: f64) -> [Square<0>; 4] {
     of.map(|square| {
-        let mut square = square.map(|entry| Dual::constant(entry.value));
+        let mut square = square.map(|entry| MultiDual::constant(entry.value));
         square.0[0][1].value *= part;
         square.0[1][0].value *= part;
         square
@@ -56,7 +56,7 @@ fn linearised([_, m, s, h]: &[Square<0>; 4], r: Square<0>, right: Square<0>) -> 
     }
     let right = Vector4::from_fn(|row, _| right.0[row / 2][row % 2].value);
     let x = matrix.lu().solve(&right)?;
-    let entry = |row: usize| Dual::constant(x[row]);
+    let entry = |row: usize| MultiDual::constant(x[row]);
     Some(Square([[entry(0), entry(1)], [entry(2), entry(3)]]))
 }
 
@@ -67,7 +67,7 @@ pub(super) fn solvent(of: &Polynomial) -> Option<Square<2>> {
     let [first, m, s, h] = of;
     let bare = |i: usize| {
         let entry = |of: &Square<2>| of.0[i][i].value;
-        Some(Dual::constant(layer_time(
+        Some(MultiDual::constant(layer_time(
             -entry(first),
             entry(m),
             entry(s),
@@ -102,13 +102,13 @@ pub(super) fn solvent(of: &Polynomial) -> Option<Square<2>> {
     })?;
     let full = partly_coupled(of, 1.0);
     // the derivatives: those of the coefficients at R held fixed
-    let mut r = found.map(|entry| Dual::<2>::constant(entry.value));
+    let mut r = found.map(|entry| MultiDual::<2>::constant(entry.value));
     let fixed = *first + (*m + (*s + *h * r) * r) * r;
     for index in 0..2 {
         let moved = linearised(
             &full,
             found,
-            fixed.map(|entry| Dual::constant(-entry.by[index])),
+            fixed.map(|entry| MultiDual::constant(-entry.by[index])),
         )?;
         for i in 0..2 {
             for j in 0..2 {

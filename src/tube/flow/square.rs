@@ -3,10 +3,10 @@
 use std::array::from_fn;
 use std::ops::{Add, Mul, Neg, Sub};
 
-use super::jet::{Dual, Number};
+use super::jet::{JetNumber, MultiDual};
 
 /// Two numbers: a radial and a tangential one.
-pub(crate) type Pair<const D: usize> = [Dual<D>; 2];
+pub(crate) type Pair<const D: usize> = [MultiDual<D>; 2];
 
 /// A matrix of order two; row and column 0 are radial, 1 tangential.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,22 +17,25 @@ const DEGREE: u32 = 18;
 
 impl<const D: usize> Square<D> {
     /// The matrix with these two numbers on its diagonal.
-    pub(crate) fn diagonal(radial: Dual<D>, tangential: Dual<D>) -> Square<D> {
-        let zero = Dual::default();
+    pub(crate) fn diagonal(radial: MultiDual<D>, tangential: MultiDual<D>) -> Square<D> {
+        let zero = MultiDual::default();
         Square([[radial, zero], [zero, tangential]])
     }
 
     /// A multiple of the unit matrix.
     pub(crate) fn unit(factor: f64) -> Square<D> {
-        Square::diagonal(Dual::constant(factor), Dual::constant(factor))
+        Square::diagonal(MultiDual::constant(factor), MultiDual::constant(factor))
     }
 
-    fn entries(self, f: impl Fn(Dual<D>) -> Dual<D>) -> Square<D> {
+    fn entries(self, f: impl Fn(MultiDual<D>) -> MultiDual<D>) -> Square<D> {
         Square(self.0.map(|row| row.map(&f)))
     }
 
     /// The matrix with its derivatives in other quantities.
-    pub(crate) fn map<const E: usize>(&self, f: impl Fn(Dual<D>) -> Dual<E>) -> Square<E> {
+    pub(crate) fn map<const E: usize>(
+        &self,
+        f: impl Fn(MultiDual<D>) -> MultiDual<E>,
+    ) -> Square<E> {
         Square(self.0.map(|row| row.map(&f)))
     }
 
@@ -64,7 +67,7 @@ impl<const D: usize> Square<D> {
         let Some([(large, onto_large), (small, onto_small)]) = self.apart() else {
             return self.doubled_moments();
         };
-        let of = |x: Dual<D>| {
+        let of = |x: MultiDual<D>| {
             let moments = Square::diagonal(x, x).doubled_moments();
             moments.map(|moment| moment.0[0][0])
         };
@@ -75,7 +78,7 @@ impl<const D: usize> Square<D> {
     /// Both eigenvalues, positive ones that are far apart, with the projections on their vectors; the
     /// larger belongs to the first row. An entry that would cancel comes from
     /// (l − a)(l − d) = bc.
-    fn apart(&self) -> Option<[(Dual<D>, Square<D>); 2]> {
+    fn apart(&self) -> Option<[(MultiDual<D>, Square<D>); 2]> {
         /// Eigenvalues of a smaller ratio are not told apart.
         const FAR: f64 = 16.0;
         let [[a, b], [c, d]] = self.0;
@@ -150,9 +153,9 @@ impl<const D: usize> Mul<Pair<D>> for Square<D> {
     }
 }
 
-impl<const D: usize> Mul<Dual<D>> for Square<D> {
+impl<const D: usize> Mul<MultiDual<D>> for Square<D> {
     type Output = Square<D>;
-    fn mul(self, factor: Dual<D>) -> Square<D> {
+    fn mul(self, factor: MultiDual<D>) -> Square<D> {
         self.entries(|entry| entry * factor)
     }
 }
@@ -194,7 +197,7 @@ mod tests {
     #[test]
     fn moments_are_incomplete_gamma_functions() {
         for (x, y) in [(1e6_f64, 40.0_f64), (7e9, 3.0)] {
-            let matrix = Square::<0>::diagonal(Dual::constant(x), Dual::constant(y));
+            let matrix = Square::<0>::diagonal(MultiDual::constant(x), MultiDual::constant(y));
             for (index, value) in [x, y].into_iter().enumerate() {
                 let moments = matrix.moments();
                 let (mut p, mut factorial) = (-(-value).exp_m1() / value, 1.0);
@@ -223,7 +226,7 @@ mod tests {
 
     fn moments_agree(last: f64) {
         let matrix = |t: f64| {
-            let entry = |value: f64| Dual {
+            let entry = |value: f64| MultiDual {
                 value: value * t,
                 by: [value],
             };

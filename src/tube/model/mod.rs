@@ -59,7 +59,7 @@ impl Constants {
 pub struct Model {
     /// Origin of a, b, D, g, h.
     #[serde(rename = "coefficients")]
-    pub source: Source,
+    pub source: CoefficientSource,
     /// Friction coefficient f ≥ 0.
     pub friction: f64,
     /// Mismatch δ > 0, in units of the inner radius R.
@@ -78,7 +78,7 @@ pub struct Model {
 /// Where the coefficients of (M) come from.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub enum Source {
+pub enum CoefficientSource {
     /// Computed from the tube; see [`Geometry`].
     Geometry {
         /// Poisson's ratio ν in (−1, ½).
@@ -104,20 +104,22 @@ pub enum Source {
     },
 }
 
-impl Source {
+impl CoefficientSource {
     /// The tube; `None` where the coefficients are given.
     pub fn geometry(self) -> Option<Geometry> {
         match self {
-            Source::Geometry { nu, xi, gamma } => Some(Geometry { nu, xi, gamma }),
-            Source::Given { .. } => None,
+            CoefficientSource::Geometry { nu, xi, gamma } => Some(Geometry { nu, xi, gamma }),
+            CoefficientSource::Given { .. } => None,
         }
     }
 
     /// a, b, D, g, h.
     pub fn coefficients(self) -> Coefficients {
         match self {
-            Source::Geometry { nu, xi, gamma } => Geometry { nu, xi, gamma }.coefficients(),
-            Source::Given {
+            CoefficientSource::Geometry { nu, xi, gamma } => {
+                Geometry { nu, xi, gamma }.coefficients()
+            }
+            CoefficientSource::Given {
                 a,
                 b,
                 coupling,
@@ -134,14 +136,14 @@ impl Source {
     }
 }
 
-impl From<Geometry> for Source {
-    fn from(Geometry { nu, xi, gamma }: Geometry) -> Source {
-        Source::Geometry { nu, xi, gamma }
+impl From<Geometry> for CoefficientSource {
+    fn from(Geometry { nu, xi, gamma }: Geometry) -> CoefficientSource {
+        CoefficientSource::Geometry { nu, xi, gamma }
     }
 }
 
-impl From<Coefficients> for Source {
-    fn from(given: Coefficients) -> Source {
+impl From<Coefficients> for CoefficientSource {
+    fn from(given: Coefficients) -> CoefficientSource {
         let Coefficients {
             a,
             b,
@@ -149,7 +151,7 @@ impl From<Coefficients> for Source {
             g,
             h,
         } = given;
-        Source::Given {
+        CoefficientSource::Given {
             a,
             b,
             coupling,
@@ -164,7 +166,7 @@ impl Model {
     pub const fn tube(geometry: Geometry, friction: f64, mismatch: f64) -> Model {
         let Geometry { nu, xi, gamma } = geometry;
         Model {
-            source: Source::Geometry { nu, xi, gamma },
+            source: CoefficientSource::Geometry { nu, xi, gamma },
             friction,
             mismatch,
             damping: Damping {

@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 
 use super::coefficients::{Coefficients, Geometry};
 use super::laws::FrictionLaw;
-use super::range::Range;
-use super::{Constants, Model, Source};
+use super::range::AdmittedRange;
+use super::{CoefficientSource, Constants, Model};
 
 /// A parameter that a branch can be followed in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -41,7 +41,7 @@ struct Properties {
     /// Path in a problem file.
     path: &'static str,
     /// Values with which the model makes sense.
-    range: Range,
+    range: AdmittedRange,
     rule: &'static str,
     /// What a model without it has instead, and how the problem file gives it one.
     absent: (&'static str, &'static str),
@@ -70,7 +70,7 @@ const TABLE: [Properties; 8] = [
         words: "mismatch",
         symbol: "δ",
         path: "model.mismatch",
-        range: Range::above(0.0),
+        range: AdmittedRange::above(0.0),
         rule: "the mismatch must be {}",
         absent: NEVER,
         place: |model| Some(&mut model.mismatch),
@@ -85,7 +85,7 @@ const TABLE: [Properties; 8] = [
         words: "friction",
         symbol: "f",
         path: "model.friction",
-        range: Range::from(0.0),
+        range: AdmittedRange::from(0.0),
         rule: "the friction coefficient must be {}",
         absent: NEVER,
         place: |model| Some(&mut model.friction),
@@ -100,7 +100,7 @@ const TABLE: [Properties; 8] = [
         words: "mass damping",
         symbol: "α",
         path: "model.damping.mass",
-        range: Range::from(0.0),
+        range: AdmittedRange::from(0.0),
         rule: "damping must be {}",
         absent: NEVER,
         place: |model| Some(&mut model.damping.mass),
@@ -115,7 +115,7 @@ const TABLE: [Properties; 8] = [
         words: "stiffness damping",
         symbol: "β",
         path: "model.damping.stiffness",
-        range: Range::from(0.0),
+        range: AdmittedRange::from(0.0),
         rule: "damping must be {}",
         absent: NEVER,
         place: |model| Some(&mut model.damping.stiffness),
@@ -130,12 +130,12 @@ const TABLE: [Properties; 8] = [
         words: "",
         symbol: "γ",
         path: "model.coefficients.gamma",
-        range: Range::above(0.0),
+        range: AdmittedRange::above(0.0),
         rule: "gamma must be {}",
         absent: GIVEN,
         place: |model| match &mut model.source {
-            Source::Geometry { gamma, .. } => Some(gamma),
-            Source::Given { .. } => None,
+            CoefficientSource::Geometry { gamma, .. } => Some(gamma),
+            CoefficientSource::Given { .. } => None,
         },
         derivative: |model| of_tube(model, Geometry::derivative_in_gamma),
     },
@@ -145,12 +145,12 @@ const TABLE: [Properties; 8] = [
         words: "Poisson's ratio",
         symbol: "ν",
         path: "model.coefficients.nu",
-        range: Range::above(-1.0).below(0.5),
+        range: AdmittedRange::above(-1.0).below(0.5),
         rule: "Poisson's ratio must lie {}",
         absent: GIVEN,
         place: |model| match &mut model.source {
-            Source::Geometry { nu, .. } => Some(nu),
-            Source::Given { .. } => None,
+            CoefficientSource::Geometry { nu, .. } => Some(nu),
+            CoefficientSource::Given { .. } => None,
         },
         derivative: |model| of_tube(model, Geometry::derivative_in_nu),
     },
@@ -160,12 +160,12 @@ const TABLE: [Properties; 8] = [
         words: "radius ratio",
         symbol: "ξ",
         path: "model.coefficients.xi",
-        range: Range::above(1.0),
+        range: AdmittedRange::above(1.0),
         rule: "the ratio of the radii must be {}",
         absent: GIVEN,
         place: |model| match &mut model.source {
-            Source::Geometry { xi, .. } => Some(xi),
-            Source::Given { .. } => None,
+            CoefficientSource::Geometry { xi, .. } => Some(xi),
+            CoefficientSource::Given { .. } => None,
         },
         derivative: |model| of_tube(model, Geometry::derivative_in_xi),
     },
@@ -175,7 +175,7 @@ const TABLE: [Properties; 8] = [
         words: "smoothing",
         symbol: "ε",
         path: "model.friction_law.epsilon",
-        range: Range::above(0.0),
+        range: AdmittedRange::above(0.0),
         rule: "the smoothing must be {}",
         absent: (
             "the friction law has no smoothing",

@@ -5,42 +5,42 @@ use std::ops::RangeBounds;
 
 /// A range of admitted numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Range {
+pub(crate) struct AdmittedRange {
     least: Bound<f64>,
     most: Bound<f64>,
 }
 
-impl Range {
-    pub const fn above(least: f64) -> Range {
-        Range {
+impl AdmittedRange {
+    pub const fn above(least: f64) -> AdmittedRange {
+        AdmittedRange {
             least: Excluded(least),
             most: Unbounded,
         }
     }
 
-    pub const fn from(least: f64) -> Range {
-        Range {
+    pub const fn from(least: f64) -> AdmittedRange {
+        AdmittedRange {
             least: Included(least),
             most: Unbounded,
         }
     }
 
-    pub(crate) const fn upto(most: f64) -> Range {
-        Range {
+    pub(crate) const fn upto(most: f64) -> AdmittedRange {
+        AdmittedRange {
             least: Unbounded,
             most: Included(most),
         }
     }
 
-    pub const fn below(self, most: f64) -> Range {
-        Range {
+    pub const fn below(self, most: f64) -> AdmittedRange {
+        AdmittedRange {
             most: Excluded(most),
             ..self
         }
     }
 
-    pub const fn to(self, most: f64) -> Range {
-        Range {
+    pub const fn to(self, most: f64) -> AdmittedRange {
+        AdmittedRange {
             most: Included(most),
             ..self
         }

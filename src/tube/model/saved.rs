@@ -3,7 +3,7 @@
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::coefficients::{Coefficients, Geometry};
-use super::{Damping, FrictionLaw, Impact, Model, Source};
+use super::{CoefficientSource, Damping, FrictionLaw, Impact, Model};
 
 #[derive(Serialize, Deserialize)]
 enum SavedSource {
@@ -43,8 +43,8 @@ pub(crate) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<
     let saved = SavedModel::deserialize(deserializer)?;
     Ok(Model {
         source: match saved.source {
-            SavedSource::Geometry(tube) => Source::from(tube),
-            SavedSource::Given(coefficients) => Source::from(coefficients),
+            SavedSource::Geometry(tube) => CoefficientSource::from(tube),
+            SavedSource::Given(coefficients) => CoefficientSource::from(coefficients),
         },
         friction: saved.friction,
         mismatch: saved.mismatch,

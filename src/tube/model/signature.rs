@@ -78,7 +78,7 @@ impl FrictionLaw {
 
 /// How a zone is entered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-pub enum Entry {
+pub enum ZoneEntry {
     /// stick → slip at Q = fP; V̇ = 1 and V̈ = 0, the whole state is reset.
     Release,
     /// Sliding comes to V̇ = 1 and |Q| ≤ fP holds: stick begins.
@@ -103,36 +103,36 @@ pub enum Entry {
 /// One zone of a signature.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Zone {
+pub struct WaveZone {
     /// Regime that holds in the zone.
     pub regime: Regime,
     /// Switch at its beginning; that at its end is the entry of the next zone.
-    pub entry: Entry,
+    pub entry: ZoneEntry,
 }
 
 /// The cyclic sequence of zones of a wave, time-forward along a material point.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-pub struct Signature(pub Vec<Zone>);
+pub struct Signature(pub Vec<WaveZone>);
 
 impl Signature {
     /// One zone of slip: a wave on steady sliding at its Hopf point.
     pub(crate) fn slip_alone() -> Signature {
-        Signature(vec![Zone {
+        Signature(vec![WaveZone {
             regime: Regime::Slip,
-            entry: Entry::Section,
+            entry: ZoneEntry::Section,
         }])
     }
 
     /// slip-stick, as it starts in closed form.
     pub fn slip_stick() -> Signature {
         Signature(vec![
-            Zone {
+            WaveZone {
                 regime: Regime::Slip,
-                entry: Entry::Release,
+                entry: ZoneEntry::Release,
             },
-            Zone {
+            WaveZone {
                 regime: Regime::Stick,
-                entry: Entry::Arrest,
+                entry: ZoneEntry::Arrest,
             },
         ])
     }
@@ -165,8 +165,8 @@ impl Signature {
     /// regimes. Several places only where the cycle repeats itself.
     pub(crate) fn beginnings(&self) -> Vec<usize> {
         let mut places: Vec<usize> = (0..self.len()).collect();
-        if self.0.iter().any(|zone| zone.entry == Entry::Release) {
-            places.retain(|&index| self.0[index].entry == Entry::Release);
+        if self.0.iter().any(|zone| zone.entry == ZoneEntry::Release) {
+            places.retain(|&index| self.0[index].entry == ZoneEntry::Release);
         }
         let from = |index: usize| (0..self.len()).map(move |step| self.zone(index + step));
         let first = places
@@ -178,7 +178,7 @@ impl Signature {
     }
 
     /// The zone at an index taken modulo the number of zones.
-    pub fn zone(&self, index: usize) -> Zone {
+    pub fn zone(&self, index: usize) -> WaveZone {
         self.0[index % self.0.len()]
     }
 
@@ -189,9 +189,9 @@ impl Signature {
 
     /// contact alone, cut at V̇ = 0, under a smooth friction law.
     pub fn contact() -> Signature {
-        Signature(vec![Zone {
+        Signature(vec![WaveZone {
             regime: Regime::Contact,
-            entry: Entry::Section,
+            entry: ZoneEntry::Section,
         }])
     }
 
@@ -225,22 +225,22 @@ impl fmt::Display for Regimes {
 }
 
 /// Every switch that can lead from one regime into another under an impact law: the table above.
-pub fn switches(from: Regime, to: Regime, impact: Impact) -> &'static [Entry] {
+pub fn switches(from: Regime, to: Regime, impact: Impact) -> &'static [ZoneEntry] {
     use Regime::{Contact, Reverse, Separation, Slip, Stick};
     match (from, to) {
-        (Stick, Slip) => &[Entry::Release],
-        (Slip | Reverse, Stick) => &[Entry::Arrest],
-        (Slip, Reverse) | (Reverse, Slip) => &[Entry::Reversal],
-        (Slip | Reverse | Contact, Separation) => &[Entry::TakeOff],
-        (Separation, Contact) => &[Entry::Landing],
+        (Stick, Slip) => &[ZoneEntry::Release],
+        (Slip | Reverse, Stick) => &[ZoneEntry::Arrest],
+        (Slip, Reverse) | (Reverse, Slip) => &[ZoneEntry::Reversal],
+        (Slip | Reverse | Contact, Separation) => &[ZoneEntry::TakeOff],
+        (Separation, Contact) => &[ZoneEntry::Landing],
         (Separation, Slip | Reverse) => match impact {
-            Impact::Frictionless => &[Entry::Landing],
-            Impact::Coulomb => &[Entry::Landing, Entry::ArrestedLanding],
+            Impact::Frictionless => &[ZoneEntry::Landing],
+            Impact::Coulomb => &[ZoneEntry::Landing, ZoneEntry::ArrestedLanding],
         },
-        (Separation, Separation) => &[Entry::Touch],
+        (Separation, Separation) => &[ZoneEntry::Touch],
         (Separation, Stick) => match impact {
             Impact::Frictionless => &[],
-            Impact::Coulomb => &[Entry::ArrestedLanding],
+            Impact::Coulomb => &[ZoneEntry::ArrestedLanding],
         },
         _ => &[],
     }
@@ -248,16 +248,16 @@ pub fn switches(from: Regime, to: Regime, impact: Impact) -> &'static [Entry] {
 
 /// Every chain of zones that leads from `from` into `to` with at most `longest` zones between,
 /// shortest first. The last zone of each chain is `to` with its entry.
-pub fn paths(from: Regime, to: Regime, longest: usize, impact: Impact) -> Vec<Vec<Zone>> {
+pub fn paths(from: Regime, to: Regime, longest: usize, impact: Impact) -> Vec<Vec<WaveZone>> {
     let mut finished = Vec::new();
-    let mut open: Vec<Vec<Zone>> = vec![Vec::new()];
+    let mut open: Vec<Vec<WaveZone>> = vec![Vec::new()];
     for length in 0..=longest {
         let mut longer = Vec::new();
         for chain in &open {
             let last = chain.last().map_or(from, |zone| zone.regime);
             for &entry in switches(last, to, impact) {
                 let mut chain = chain.clone();
-                chain.push(Zone { regime: to, entry });
+                chain.push(WaveZone { regime: to, entry });
                 finished.push(chain);
             }
             if length == longest {
@@ -266,7 +266,7 @@ pub fn paths(from: Regime, to: Regime, longest: usize, impact: Impact) -> Vec<Ve
             for regime in Regime::ALL {
                 for &entry in switches(last, regime, impact) {
                     let mut chain = chain.clone();
-                    chain.push(Zone { regime, entry });
+                    chain.push(WaveZone { regime, entry });
                     longer.push(chain);
                 }
             }
@@ -303,14 +303,14 @@ mod tests {
                 "slip-stick-slip-separation-slip-stick",
             ),
         ] {
-            let zones = regimes.iter().enumerate().map(|(index, &regime)| Zone {
+            let zones = regimes.iter().enumerate().map(|(index, &regime)| WaveZone {
                 regime,
                 entry: match releases {
-                    Some(releases) if releases.contains(&index) => Entry::Release,
-                    _ => Entry::Landing,
+                    Some(releases) if releases.contains(&index) => ZoneEntry::Release,
+                    _ => ZoneEntry::Landing,
                 },
             });
-            let mut zones: Vec<Zone> = zones.collect();
+            let mut zones: Vec<WaveZone> = zones.collect();
             for _ in 0..zones.len() {
                 zones.rotate_left(1);
                 let places = Signature(zones.clone()).beginnings();
@@ -321,16 +321,16 @@ mod tests {
             }
         }
         // a cycle that repeats itself may begin at any of its parts
-        let twice = [Separation, Slip, Separation, Slip].map(|regime| Zone {
+        let twice = [Separation, Slip, Separation, Slip].map(|regime| WaveZone {
             regime,
-            entry: Entry::Landing,
+            entry: ZoneEntry::Landing,
         });
         assert_eq!(Signature(twice.to_vec()).beginnings(), [1, 3]);
     }
 
     #[test]
     fn paths_follow_the_switching_table() {
-        let text = |chains: Vec<Vec<Zone>>| -> Vec<String> {
+        let text = |chains: Vec<Vec<WaveZone>>| -> Vec<String> {
             chains
                 .into_iter()
                 .map(|chain| Signature(chain).to_string())

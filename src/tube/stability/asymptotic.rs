@@ -19,13 +19,13 @@
 
 use nalgebra::Complex;
 
-use super::perturbation::{Characteristic, Jump};
+use super::perturbation::{Characteristic, LinearZone, PerturbationJump};
 use crate::continuation::zero::boundary;
 use crate::tube::model::signature::Regime;
 
 /// One path: a e^{λ·advance} e^{−λT}.
 #[derive(Clone, Copy, Debug)]
-struct Path {
+struct EchoPath {
     branch: usize,
     factor: f64,
     advance: f64,
@@ -60,22 +60,7 @@ impl HighFrequency {
         let split = |slope: f64| [(slope - x[1]) / span, (x[0] - slope) / span];
         let period = characteristic.period;
         let mut determinant = (1.0, 2.0 * period);
-        let starts: Vec<Path> = (0..2)
-            .map(|branch| Path {
-                branch,
-                factor: if characteristic.stick {
-                    split(0.0)[branch]
-                } else {
-                    1.0
-                },
-                advance: 0.0,
-            })
-            .collect();
-        let groups: Vec<Vec<Path>> = if characteristic.stick {
-            vec![starts]
-        } else {
-            starts.into_iter().map(|path| vec![path]).collect()
-        };
+        let groups = Self::starts(characteristic.stick, split(0.0));
         let mut trace = Vec::new();
         for (start, mut paths) in groups.into_iter().enumerate() {
             let mut forgotten = false;
@@ -86,18 +71,7 @@ impl HighFrequency {
                     forgotten = true;
                     continue;
                 }
-                let [force, drag] = match &zone.course {
-                    Some(course) => [course.force, course.drag],
-                    None => {
-                        let sigma = zone.regime.sliding().unwrap_or(0.0);
-                        [sigma * characteristic.friction * characteristic.kappa, 0.0]
-                    }
-                };
-                let pushed = force - (characteristic.damping - drag);
-                let y = [0, 1].map(|i| {
-                    let sign = if i == 0 { 1.0 } else { -1.0 };
-                    sign * (pushed * x[i] - force) / (2.0 * q)
-                });
+                let y = Self::rates(characteristic, zone, x, q);
                 for path in &mut paths {
                     path.factor *= (y[path.branch] * zone.duration).exp();
                     path.advance += x[path.branch] * zone.duration;
@@ -106,7 +80,7 @@ impl HighFrequency {
                     determinant.0 *= ((y[0] + y[1]) * zone.duration).exp();
                     determinant.1 -= (x[0] + x[1]) * zone.duration;
                 }
-                if let Jump::Reversal(ratio) = zone.jump {
+                if let PerturbationJump::Reversal(ratio) = zone.jump {
                     paths = spread(&paths, |path| split(ratio * x[path.branch]));
                     paths = merge(&paths, false, period);
                     if start == 0 {
@@ -139,8 +113,40 @@ impl HighFrequency {
             unbounded: characteristic
                 .zones
                 .iter()
-                .any(|zone| matches!(zone.jump, Jump::StaticRelease(_))),
+                .any(|zone| matches!(zone.jump, PerturbationJump::StaticRelease(_))),
         }
+    }
+
+    /// The paths that are followed from the beginning of the period: with stick both waves as one, without each by itself.
+    fn starts(stick: bool, split: [f64; 2]) -> Vec<Vec<EchoPath>> {
+        let starts: Vec<EchoPath> = (0..2)
+            .map(|branch| EchoPath {
+                branch,
+                factor: if stick { split[branch] } else { 1.0 },
+                advance: 0.0,
+            })
+            .collect();
+        if stick {
+            vec![starts]
+        } else {
+            starts.into_iter().map(|path| vec![path]).collect()
+        }
+    }
+
+    /// Rates y₁ and y₂ at which friction and damping change the amplitudes of the two waves in a zone.
+    fn rates(characteristic: &Characteristic, zone: &LinearZone, x: [f64; 2], q: f64) -> [f64; 2] {
+        let [force, drag] = match &zone.course {
+            Some(course) => [course.force, course.drag],
+            None => {
+                let sigma = zone.regime.sliding().unwrap_or(0.0);
+                [sigma * characteristic.friction * characteristic.kappa, 0.0]
+            }
+        };
+        let pushed = force - (characteristic.damping - drag);
+        [0, 1].map(|i| {
+            let sign = if i == 0 { 1.0 } else { -1.0 };
+            sign * (pushed * x[i] - force) / (2.0 * q)
+        })
     }
 
     fn terms(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
@@ -211,11 +217,11 @@ impl HighFrequency {
 }
 
 /// Paths that go on in both branches, with these parts of each.
-fn spread(paths: &[Path], parts: impl Fn(&Path) -> [f64; 2]) -> Vec<Path> {
+fn spread(paths: &[EchoPath], parts: impl Fn(&EchoPath) -> [f64; 2]) -> Vec<EchoPath> {
     let mut both = Vec::with_capacity(2 * paths.len());
     for path in paths {
         for (branch, part) in parts(path).into_iter().enumerate() {
-            both.push(Path {
+            both.push(EchoPath {
                 branch,
                 factor: path.factor * part,
                 advance: path.advance,
@@ -226,15 +232,15 @@ fn spread(paths: &[Path], parts: impl Fn(&Path) -> [f64; 2]) -> Vec<Path> {
 }
 
 /// Adds up paths of the same advance; of one branch, or of both where only η counts.
-fn merge(paths: &[Path], both: bool, period: f64) -> Vec<Path> {
-    let mut merged: Vec<Path> = Vec::new();
+fn merge(paths: &[EchoPath], both: bool, period: f64) -> Vec<EchoPath> {
+    let mut merged: Vec<EchoPath> = Vec::new();
     for path in paths {
         let branch = if both { 0 } else { path.branch };
         match merged.iter_mut().find(|known| {
             known.branch == branch && (known.advance - path.advance).abs() <= SAME_DELAY * period
         }) {
             Some(known) => known.factor += path.factor,
-            None => merged.push(Path { branch, ..*path }),
+            None => merged.push(EchoPath { branch, ..*path }),
         }
     }
     merged

@@ -46,9 +46,9 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::course::Course;
-pub use super::perturbation::{Characteristic, Scaled, Value};
-use super::perturbation::{Jump, LinearZone, Perturbations, oscillator};
+use super::course::ZoneFriction;
+pub use super::perturbation::{Characteristic, ScaledComplex, Value};
+use super::perturbation::{LinearZone, PerturbationColumns, PerturbationJump, oscillator};
 use super::switch::jump;
 use super::{C64, ZERO};
 use crate::linalg::Vector;
@@ -56,7 +56,7 @@ use crate::tube::flow::numeric::series::pieces;
 use crate::tube::flow::separation::SeparationFlow;
 use crate::tube::flow::{FlowError, Slide, ZoneEnd};
 use crate::tube::model::Impact;
-use crate::tube::model::signature::{Entry, Regime};
+use crate::tube::model::signature::{Regime, ZoneEntry};
 use crate::tube::wave::{Wave, WaveAt};
 
 /// Why a wave has no characteristic function here.
@@ -80,7 +80,7 @@ fn along(
     index: usize,
     end: &ZoneEnd,
     a: f64,
-) -> Result<(Option<Arc<Course>>, f64), NotLinearised> {
+) -> Result<(Option<Arc<ZoneFriction>>, f64), NotLinearised> {
     let WaveAt { wave, flows, .. } = posed;
     let regime = wave.signature.zone(index).regime;
     let Slide {
@@ -102,7 +102,7 @@ fn along(
     let sigma = regime.sliding().unwrap_or(1.0);
     let (pieces, found) =
         pieces(&flows.frame, wave.model.law, sigma, entry, duration).ok_or(NotLinearised::Sharp)?;
-    let course = Course::new(pieces, [a, at.ma, at.h, at.damping]);
+    let course = ZoneFriction::new(pieces, [a, at.ma, at.h, at.damping]);
     Ok((Some(Arc::new(course)), missed(found)))
 }
 
@@ -150,7 +150,8 @@ impl Characteristic {
             });
         }
         // begin behind a release, or else with a contact zone
-        let release = (0..count).find(|&index| wave.signature.zone(index).entry == Entry::Release);
+        let release =
+            (0..count).find(|&index| wave.signature.zone(index).entry == ZoneEntry::Release);
         let contact =
             (0..count).find(|&index| wave.signature.zone(index).regime != Regime::Separation);
         zones.rotate_left(release.or(contact).unwrap_or(0));
@@ -191,35 +192,32 @@ impl Characteristic {
         if self.beta > 0.0 {
             return self.evaluate_material(lambda);
         }
-        let mut state = Perturbations::unit();
+        let mut state = PerturbationColumns::unit();
         if self.stick {
             self.release(lambda, &mut state);
             for zone in &self.zones {
                 self.cross(zone, lambda, &mut state, 1);
             }
-            let trace = Scaled {
+            let trace = ScaledComplex {
                 value: state.columns[0][2],
                 derivative: state.by[0][2],
                 exponent: state.exponent,
             };
-            return Value::of_stick([Scaled::ONE, trace.delayed(lambda, self.period)]);
+            return Value::of_stick([ScaledComplex::ONE, trace.delayed(lambda, self.period)]);
         }
         // from contact to contact, a chain of separation zones being one factor; the determinant
         // factor by factor: as a difference of products it would cancel
-        let mut determinant = Scaled::ONE;
+        let mut determinant = ScaledComplex::ONE;
         let mut index = 0;
         while index < self.zones.len() {
-            let mut part = Perturbations::unit();
+            let mut part = PerturbationColumns::unit();
             loop {
                 self.cross(&self.zones[index], lambda, &mut part, 2);
                 index += 1;
-                let separated = self
-                    .zones
-                    .get(index)
-                    .is_some_and(|zone| zone.regime == Regime::Separation);
+                let next = self.zones.get(index);
+                let separated = next.is_some_and(|zone| zone.regime == Regime::Separation);
                 // what friction damps quickly leaves nothing of such a difference: it has its own factor
-                let apart = self.zones[index - 1].course.is_some();
-                if index == self.zones.len() || !separated || apart {
+                if !separated || self.zones[index - 1].course.is_some() {
                     break;
                 }
             }
@@ -228,7 +226,7 @@ impl Characteristic {
             let last = &self.zones[index - 1];
             determinant = determinant.times(match &last.course {
                 Some(course) => self.wronskian(course, last, lambda),
-                None => Scaled {
+                None => ScaledComplex {
                     value: one[2] * other[3] - one[3] * other[2],
                     derivative: one_by[2] * other[3] + one[2] * other_by[3]
                         - one_by[3] * other[2]
@@ -247,13 +245,13 @@ impl Characteristic {
             state.exponent += part.exponent;
             state.normalise(2);
         }
-        let trace = Scaled {
+        let trace = ScaledComplex {
             value: state.columns[0][2] + state.columns[1][3],
             derivative: state.by[0][2] + state.by[1][3],
             exponent: state.exponent,
         };
         Value {
-            unit: Scaled::ONE,
+            unit: ScaledComplex::ONE,
             layer: None,
             offset: 0.0,
             trace: trace.delayed(lambda, self.period),
@@ -262,9 +260,9 @@ impl Characteristic {
     }
 
     /// The release before the first zone, on η = 1 and η′ = 0.
-    pub(super) fn release(&self, lambda: C64, state: &mut Perturbations) {
+    pub(super) fn release(&self, lambda: C64, state: &mut PerturbationColumns) {
         if let Some(zone) = self.zones.last()
-            && matches!(zone.jump, Jump::StaticRelease(_))
+            && matches!(zone.jump, PerturbationJump::StaticRelease(_))
         {
             self.jump(zone.jump, lambda, state, 1);
         }
@@ -275,7 +273,7 @@ impl Characteristic {
         &self,
         zone: &LinearZone,
         lambda: C64,
-        state: &mut Perturbations,
+        state: &mut PerturbationColumns,
         count: usize,
     ) {
         self.flow(zone, lambda, zone.duration, state, count);
@@ -288,7 +286,7 @@ impl Characteristic {
         zone: &LinearZone,
         lambda: C64,
         duration: f64,
-        state: &mut Perturbations,
+        state: &mut PerturbationColumns,
         count: usize,
     ) {
         match zone.regime {
@@ -320,8 +318,14 @@ impl Characteristic {
         state.normalise(count);
     }
 
-    fn jump(&self, jump: Jump, lambda: C64, state: &mut Perturbations, count: usize) {
-        if let Jump::StaticRelease(factor) = jump {
+    fn jump(
+        &self,
+        jump: PerturbationJump,
+        lambda: C64,
+        state: &mut PerturbationColumns,
+        count: usize,
+    ) {
+        if let PerturbationJump::StaticRelease(factor) = jump {
             // the front moves by −(perturbation of Q − rfP)/h, and V̈ jumps at it
             let force = self.static_friction * self.kappa;
             let slope = (self.h + lambda * (force - lambda * self.a)) * factor;
@@ -333,7 +337,7 @@ impl Characteristic {
             }
             return;
         }
-        if let Jump::Landing(landing) = jump {
+        if let PerturbationJump::Landing(landing) = jump {
             for column in 0..count {
                 let (at, by) = (&mut state.columns[column], &mut state.by[column]);
                 let slope = C64::from(if landing.arrested { 0.0 } else { landing.slope });
@@ -356,9 +360,9 @@ impl Characteristic {
         for column in 0..count {
             for vector in [&mut state.columns[column], &mut state.by[column]] {
                 match jump {
-                    Jump::Arrest => vector[3] = ZERO,
-                    Jump::Reversal(ratio) => vector[3] *= ratio,
-                    Jump::TakeOff => {
+                    PerturbationJump::Arrest => vector[3] = ZERO,
+                    PerturbationJump::Reversal(ratio) => vector[3] *= ratio,
+                    PerturbationJump::TakeOff => {
                         vector[0] = ZERO;
                         vector[1] = ZERO;
                     }

@@ -4,15 +4,15 @@
 use std::sync::OnceLock;
 
 use super::C64;
-use super::propagator::Propagators;
-use super::segment::{Pair, Segment};
-use crate::tube::flow::numeric::series::{Piece, Series, at};
+use super::propagator::BoundedPropagators;
+use super::segment::{Pair, SeriesSegment};
+use crate::tube::flow::numeric::series::{Series, SlipPiece, at};
 
 /// Friction along a zone.
 #[derive(Clone, Debug)]
-pub(super) struct Course {
+pub(super) struct ZoneFriction {
     /// In the order of time, without gaps.
-    pub(super) segments: Vec<Segment>,
+    pub(super) segments: Vec<SeriesSegment>,
     /// Mean of F over the zone.
     pub(super) force: f64,
     /// Mean of E over the zone.
@@ -25,7 +25,7 @@ pub(super) struct Course {
     /// ∫(F + E) over the zone.
     pushed: f64,
     /// The transfers over the zone, where they have been expanded.
-    propagators: OnceLock<Propagators>,
+    propagators: OnceLock<BoundedPropagators>,
 }
 
 /// ∫ of a series from 0 to `to`.
@@ -35,10 +35,10 @@ fn integral(series: &Series, to: f64) -> f64 {
     sum * to
 }
 
-impl Course {
+impl ZoneFriction {
     /// From the pieces of a zone, with ã, m_a, h and α.
-    pub(super) fn new(pieces: Vec<Piece>, [a, ma, h, alpha]: [f64; 4]) -> Course {
-        let mean = |of: fn(&Piece) -> &Series| -> f64 {
+    pub(super) fn new(pieces: Vec<SlipPiece>, [a, ma, h, alpha]: [f64; 4]) -> ZoneFriction {
+        let mean = |of: fn(&SlipPiece) -> &Series| -> f64 {
             let duration: f64 = pieces.iter().map(|piece| piece.duration).sum();
             let sum: f64 = pieces
                 .iter()
@@ -47,7 +47,7 @@ impl Course {
             if duration > 0.0 { sum / duration } else { 0.0 }
         };
         let (force, drag) = (mean(|piece| &piece.force), mean(|piece| &piece.drag));
-        let largest = |piece: &Piece| piece.drag[0].abs().max(at(&piece.drag, 1.0).abs());
+        let largest = |piece: &SlipPiece| piece.drag[0].abs().max(at(&piece.drag, 1.0).abs());
         let steepest = pieces.iter().map(largest).fold(0.0, f64::max) / ma;
         let duration = pieces
             .last()
@@ -70,7 +70,7 @@ impl Course {
                 let over = |series: Series| series.map(|term| term / (ma * ma));
                 let (linear, constant) = (over(linear), over(constant));
                 let size = |series: &Series| series.iter().map(|term| term.abs()).sum();
-                Segment {
+                SeriesSegment {
                     sizes: [size(&linear), size(&constant)],
                     piece,
                     linear,
@@ -78,7 +78,7 @@ impl Course {
                 }
             })
             .collect();
-        let mut course = Course {
+        let mut course = ZoneFriction {
             segments,
             force,
             drag,
@@ -101,10 +101,10 @@ impl Course {
     /// Expands the transfer over the zone in λ, with q = ã/m_a².
     pub(super) fn expand(&self, square: f64) {
         self.propagators
-            .get_or_init(|| Propagators::new(&self.segments, self.duration, square));
+            .get_or_init(|| BoundedPropagators::new(&self.segments, self.duration, square));
     }
 
-    /// Carries z and z′ with their derivatives over the zone, see [`Propagators::carry`]; `None` where the time is not
+    /// Carries z and z′ with their derivatives over the zone, see [`BoundedPropagators::carry`]; `None` where the time is not
     /// the whole of it, or its transfer has not been expanded.
     pub(super) fn propagate(&self, lambda: C64, time: f64, pairs: &mut [Pair]) -> Option<f64> {
         let propagators = self.propagators.get().filter(|_| self.is_end(time))?;

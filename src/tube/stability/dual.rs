@@ -2,75 +2,75 @@
 
 use std::ops::{Add, Mul, Sub};
 
-use super::perturbation::Scaled;
+use super::perturbation::ScaledComplex;
 use super::{C64, ZERO};
 
 /// A complex number with its derivative in λ.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Dual {
+pub(super) struct ComplexDual {
     pub(super) at: C64,
     pub(super) by: C64,
 }
 
-impl Dual {
-    pub(super) fn constant(at: impl Into<C64>) -> Dual {
-        Dual {
+impl ComplexDual {
+    pub(super) fn constant(at: impl Into<C64>) -> ComplexDual {
+        ComplexDual {
             at: at.into(),
             by: ZERO,
         }
     }
 
-    pub(super) fn inverse(self) -> Dual {
+    pub(super) fn inverse(self) -> ComplexDual {
         let at = self.at.inv();
-        Dual {
+        ComplexDual {
             at,
             by: -self.by * at * at,
         }
     }
 
-    pub(super) fn exp(self) -> Dual {
+    pub(super) fn exp(self) -> ComplexDual {
         let at = self.at.exp();
-        Dual {
+        ComplexDual {
             at,
             by: self.by * at,
         }
     }
 }
 
-impl Add for Dual {
-    type Output = Dual;
-    fn add(self, other: Dual) -> Dual {
-        Dual {
+impl Add for ComplexDual {
+    type Output = ComplexDual;
+    fn add(self, other: ComplexDual) -> ComplexDual {
+        ComplexDual {
             at: self.at + other.at,
             by: self.by + other.by,
         }
     }
 }
 
-impl Sub for Dual {
-    type Output = Dual;
-    fn sub(self, other: Dual) -> Dual {
-        Dual {
+impl Sub for ComplexDual {
+    type Output = ComplexDual;
+    fn sub(self, other: ComplexDual) -> ComplexDual {
+        ComplexDual {
             at: self.at - other.at,
             by: self.by - other.by,
         }
     }
 }
 
-impl Mul for Dual {
-    type Output = Dual;
-    fn mul(self, other: Dual) -> Dual {
-        Dual {
+impl Mul for ComplexDual {
+    type Output = ComplexDual;
+    fn mul(self, other: ComplexDual) -> ComplexDual {
+        ComplexDual {
             at: self.at * other.at,
             by: self.by * other.at + self.at * other.by,
         }
     }
 }
 
-impl Mul<f64> for Dual {
-    type Output = Dual;
-    fn mul(self, factor: f64) -> Dual {
-        Dual {
+impl Mul<f64> for ComplexDual {
+    type Output = ComplexDual;
+    fn mul(self, factor: f64) -> ComplexDual {
+        ComplexDual {
             at: self.at * factor,
             by: self.by * factor,
         }
@@ -82,9 +82,9 @@ const FAINT: f64 = 1e-100;
 
 /// A determinant with its derivative, by elimination with the largest pivots of the columns of rows of
 /// equal size.
-pub(super) fn determinant(mut rows: Vec<Vec<Dual>>) -> Scaled {
+pub(super) fn determinant(mut rows: Vec<Vec<ComplexDual>>) -> ScaledComplex {
     let count = rows.len();
-    let mut product = Scaled::ONE;
+    let mut product = ScaledComplex::ONE;
     for row in &mut rows {
         let size = row
             .iter()
@@ -106,7 +106,7 @@ pub(super) fn determinant(mut rows: Vec<Vec<Dual>>) -> Scaled {
             }
             product.exponent += most.ln();
         }
-        let size = |row: &Vec<Dual>| row[index].at.norm_sqr();
+        let size = |row: &Vec<ComplexDual>| row[index].at.norm_sqr();
         let largest = (index..count)
             .max_by(|&one, &other| size(&rows[one]).total_cmp(&size(&rows[other])))
             .unwrap_or(index);
@@ -117,7 +117,7 @@ pub(super) fn determinant(mut rows: Vec<Vec<Dual>>) -> Scaled {
         }
         let (done, left) = rows.split_at_mut(index + 1);
         let pivot = &done[index];
-        product = product.times(Scaled {
+        product = product.times(ScaledComplex {
             value: pivot[index].at,
             derivative: pivot[index].by,
             exponent: 0.0,
@@ -137,10 +137,12 @@ pub(super) fn determinant(mut rows: Vec<Vec<Dual>>) -> Scaled {
 }
 
 /// The inverse of a matrix by elimination with the largest pivots; `None` if it has none.
-pub(super) fn inverse(mut rows: Vec<Vec<Dual>>) -> Option<Vec<Vec<Dual>>> {
+pub(super) fn inverse(mut rows: Vec<Vec<ComplexDual>>) -> Option<Vec<Vec<ComplexDual>>> {
     let count = rows.len();
     for (index, row) in rows.iter_mut().enumerate() {
-        row.extend((0..count).map(|column| Dual::constant(f64::from(u8::from(column == index)))));
+        row.extend(
+            (0..count).map(|column| ComplexDual::constant(f64::from(u8::from(column == index)))),
+        );
     }
     for index in 0..count {
         let size = |row: usize| rows[row][index].at.norm_sqr();
@@ -171,12 +173,12 @@ const MOST_STEPS: usize = 40;
 const LAST_STEP: f64 = 1e-13;
 
 /// All roots of a polynomial by the method of Aberth and Ehrlich from starts near them.
-pub(super) fn simultaneous(mut roots: Vec<C64>, value: impl Fn(C64) -> Dual) -> Vec<C64> {
+pub(super) fn simultaneous(mut roots: Vec<C64>, value: impl Fn(C64) -> ComplexDual) -> Vec<C64> {
     for _ in 0..MOST_STEPS {
         let mut found = true;
         for index in 0..roots.len() {
             let r = roots[index];
-            let Dual { at, by } = value(r);
+            let ComplexDual { at, by } = value(r);
             let others = roots.iter().filter(|other| **other != r);
             let repelled: C64 = others.map(|other| (r - other).inv()).sum();
             let step = at / (by - at * repelled);

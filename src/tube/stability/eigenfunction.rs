@@ -8,7 +8,7 @@
 use nalgebra::Vector4;
 
 use super::boundary::Motion;
-use super::perturbation::{Characteristic, LinearZone, Perturbations};
+use super::perturbation::{Characteristic, LinearZone, PerturbationColumns};
 use super::{C64, ZERO};
 use crate::tube::model::signature::Regime;
 
@@ -48,11 +48,11 @@ struct Trace {
 /// null vector of M e^{−λT} − z.
 fn beginning(characteristic: &Characteristic, lambda: C64, z: C64) -> Vector4<C64> {
     if characteristic.stick {
-        let mut state = Perturbations::single(Vector4::new(ZERO, ZERO, C64::from(1.0), ZERO));
+        let mut state = PerturbationColumns::single(Vector4::new(ZERO, ZERO, C64::from(1.0), ZERO));
         characteristic.release(lambda, &mut state);
         return state.columns[0];
     }
-    let mut state = Perturbations::unit();
+    let mut state = PerturbationColumns::unit();
     for zone in &characteristic.zones {
         characteristic.cross(zone, lambda, &mut state, 2);
     }
@@ -100,13 +100,13 @@ fn undamped_states(
     let mut states = Vec::with_capacity(characteristic.zones.len());
     for zone in &characteristic.zones {
         let at = |time: f64| {
-            let mut state = Perturbations::single(column);
+            let mut state = PerturbationColumns::single(column);
             characteristic.flow(zone, lambda, time, &mut state, 1);
             let moved = state.columns[0] * C64::from(state.exponent.exp());
             [moved[0], moved[1], ZERO, moved[2], moved[3], ZERO]
         };
         states.push(times(zone).into_iter().map(at).collect());
-        let mut state = Perturbations::single(column);
+        let mut state = PerturbationColumns::single(column);
         characteristic.cross(zone, lambda, &mut state, 1);
         column = state.columns[0] * C64::from(state.exponent.exp());
     }

@@ -30,7 +30,9 @@
 use nalgebra::{Matrix3, RowVector3, Vector3};
 
 use super::boundary::Motion;
-use super::perturbation::{Characteristic, Jump, Scaled, Value, modulus, oscillator, square_root};
+use super::perturbation::{
+    Characteristic, PerturbationJump, ScaledComplex, Value, modulus, oscillator, square_root,
+};
 use super::{C64, ONE, ZERO};
 use crate::tube::model::signature::Regime;
 
@@ -49,7 +51,7 @@ pub(super) struct Split {
 
 /// exp(As) on (η, η′, η″) and its derivative in λ, both times e^{−reference·s}.
 #[derive(Clone, Copy, Debug)]
-struct Flow {
+struct MaterialExponential {
     at: Matrix3<C64>,
     by: Matrix3<C64>,
 }
@@ -191,7 +193,7 @@ impl Characteristic {
 
     /// g, n e^{−λT} and derivatives.
     pub(super) fn evaluate_material(&self, lambda: C64) -> Value {
-        let one = Scaled {
+        let one = ScaledComplex {
             value: ONE,
             derivative: ZERO,
             exponent: 0.0,
@@ -227,7 +229,7 @@ impl Characteristic {
             let back = split.flow(-s, sum, sum_by);
             area = [area[0] * back.at, area[1] * back.at + area[0] * back.by];
             match zone.jump {
-                Jump::Bend(factor) => {
+                PerturbationJump::Bend(factor) => {
                     for v in &mut v {
                         let moved = v[1] * factor;
                         v[2] += moved;
@@ -237,9 +239,9 @@ impl Characteristic {
                         area[1] -= moved;
                     }
                 }
-                Jump::Arrest => {
-                    unit = unit.times(Scaled::normalised(v[0][1], v[1][1]));
-                    trace = trace.times(Scaled::normalised(area[0][2], area[1][2]));
+                PerturbationJump::Arrest => {
+                    unit = unit.times(ScaledComplex::normalised(v[0][1], v[1][1]));
+                    trace = trace.times(ScaledComplex::normalised(area[0][2], area[1][2]));
                     (v, area) = start();
                 }
                 _ => {}
@@ -259,7 +261,7 @@ impl Characteristic {
     pub(super) fn quotient(&self, lambda: C64, values: Value, [common, by]: [C64; 2]) -> Value {
         let (common, by) = (common - lambda * self.turn, by - self.turn);
         let turn = C64::from_polar(1.0, common.im);
-        let turned = |scaled: Scaled| Scaled {
+        let turned = |scaled: ScaledComplex| ScaledComplex {
             value: scaled.value * turn,
             derivative: (scaled.derivative + scaled.value * by) * turn,
             exponent: scaled.exponent,
@@ -327,7 +329,7 @@ impl Split {
     }
 
     /// exp(As) e^{shift·|s|}, the shift being −reference for s > 0 and the one given for s < 0.
-    fn flow(&self, s: f64, shift: C64, shift_by: C64) -> Flow {
+    fn flow(&self, s: f64, shift: C64, shift_by: C64) -> MaterialExponential {
         let sign = if s > 0.0 { -1.0 } else { 1.0 };
         let (move_by, moved) = (shift_by * (sign * s.abs()), shift * (sign * s.abs()));
         let delta = self.p * self.p - self.q;
@@ -385,7 +387,7 @@ impl Split {
                     + e * z_by[j]
             }
         });
-        Flow { at, by }
+        MaterialExponential { at, by }
     }
 
     pub(super) fn roots(&self) -> [C64; 3] {

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use nalgebra::Vector4;
 
-use super::course::Course;
+use super::course::ZoneFriction;
 use super::{C64, ONE, ZERO};
 use crate::tube::model::signature::Regime;
 
@@ -31,7 +31,7 @@ pub(super) fn square_root(z: C64) -> C64 {
 /// A complex number v·e^{exponent} with its derivative in λ: exponents of both signs beyond the
 /// range of double precision occur for |λ| of 10⁴.
 #[derive(Clone, Copy, Debug)]
-pub struct Scaled {
+pub struct ScaledComplex {
     /// The mantissa v.
     pub value: C64,
     /// Derivative in λ, on the same scale.
@@ -40,40 +40,40 @@ pub struct Scaled {
     pub exponent: f64,
 }
 
-impl Scaled {
+impl ScaledComplex {
     /// 1.
-    pub(super) const ONE: Scaled = Scaled {
+    pub(super) const ONE: ScaledComplex = ScaledComplex {
         value: ONE,
         derivative: ZERO,
         exponent: 0.0,
     };
 
     /// 0.
-    pub(super) const ZERO: Scaled = Scaled {
+    pub(super) const ZERO: ScaledComplex = ScaledComplex {
         value: ZERO,
         derivative: ZERO,
         exponent: f64::NEG_INFINITY,
     };
 
     /// A number of modulus one with its derivative, on the scale of the number given.
-    pub(super) fn normalised(value: C64, derivative: C64) -> Scaled {
+    pub(super) fn normalised(value: C64, derivative: C64) -> ScaledComplex {
         let size = value.norm();
         if !(size > 0.0 && size.is_finite()) {
-            return Scaled {
+            return ScaledComplex {
                 value,
                 derivative,
                 exponent: 0.0,
             };
         }
-        Scaled {
+        ScaledComplex {
             value: value / size,
             derivative: derivative / size,
             exponent: size.ln(),
         }
     }
 
-    pub(super) fn times(self, other: Scaled) -> Scaled {
-        Scaled {
+    pub(super) fn times(self, other: ScaledComplex) -> ScaledComplex {
+        ScaledComplex {
             value: self.value * other.value,
             derivative: self.derivative * other.value + self.value * other.derivative,
             exponent: self.exponent + other.exponent,
@@ -81,10 +81,10 @@ impl Scaled {
     }
 
     /// The sum with another number.
-    pub(super) fn plus(self, other: Scaled) -> Scaled {
+    pub(super) fn plus(self, other: ScaledComplex) -> ScaledComplex {
         let exponent = self.exponent.max(other.exponent);
         let [one, two] = [self, other].map(|of| (of.exponent - exponent).exp());
-        Scaled {
+        ScaledComplex {
             value: self.value * one + other.value * two,
             derivative: self.derivative * one + other.derivative * two,
             exponent,
@@ -92,9 +92,9 @@ impl Scaled {
     }
 
     /// Multiplication by e^{−λT}.
-    pub(super) fn delayed(self, lambda: C64, period: f64) -> Scaled {
+    pub(super) fn delayed(self, lambda: C64, period: f64) -> ScaledComplex {
         let turn = C64::from_polar(1.0, -lambda.im * period);
-        Scaled {
+        ScaledComplex {
             value: self.value * turn,
             derivative: (self.derivative - self.value * period) * turn,
             exponent: self.exponent - lambda.re * period,
@@ -111,25 +111,25 @@ impl Scaled {
 #[derive(Clone, Copy, Debug)]
 pub struct Value {
     /// 1, or g(λ) with material damping.
-    pub unit: Scaled,
+    pub unit: ScaledComplex,
     /// tr M e^{−λT}, or N e^{−λT}.
-    pub trace: Scaled,
+    pub trace: ScaledComplex,
     /// det M e^{−2λT}, or 0.
-    pub determinant: Scaled,
+    pub determinant: ScaledComplex,
     /// Of z_j, without stick but with material damping: what the layer at the end of a period owes
     /// to the next one.
-    pub layer: Option<Scaled>,
+    pub layer: Option<ScaledComplex>,
     /// An exponent common to the three.
     pub offset: f64,
 }
 
 impl Value {
     /// g and n of waves that stick.
-    pub(super) fn of_stick([unit, trace]: [Scaled; 2]) -> Value {
+    pub(super) fn of_stick([unit, trace]: [ScaledComplex; 2]) -> Value {
         Value {
             unit,
             trace,
-            determinant: Scaled::ZERO,
+            determinant: ScaledComplex::ZERO,
             layer: None,
             offset: 0.0,
         }
@@ -172,8 +172,9 @@ impl Value {
     /// sector.
     pub(crate) fn size(&self) -> f64 {
         let unit = self.unit;
-        let part =
-            |scaled: &Scaled| modulus(scaled.value) * (scaled.exponent - unit.exponent).exp();
+        let part = |scaled: &ScaledComplex| {
+            modulus(scaled.value) * (scaled.exponent - unit.exponent).exp()
+        };
         let layer = self.layer.as_ref().map_or(0.0, part);
         (part(&self.trace) + part(&self.determinant) + layer) / modulus(unit.value)
     }
@@ -191,14 +192,14 @@ impl Value {
 
     /// |t′| + |d′|, the derivatives being those in λ.
     pub(super) fn slope(&self) -> f64 {
-        let part = |scaled: &Scaled| modulus(scaled.derivative) * scaled.exponent.exp();
+        let part = |scaled: &ScaledComplex| modulus(scaled.derivative) * scaled.exponent.exp();
         part(&self.trace) + part(&self.determinant)
     }
 }
 
 /// What a switch does to a perturbation.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Jump {
+pub(super) enum PerturbationJump {
     /// Release, or nothing to do.
     None,
     /// η′ := factor·(h + rfκλ − ãλ²)η: release from static friction.
@@ -211,7 +212,7 @@ pub(super) enum Jump {
     Bend(f64),
     /// u := u′ := 0.
     TakeOff,
-    Landing(Landing),
+    Landing(LandingJump),
     /// Take-off with material damping, σfb/a.
     Depart(f64),
     /// Landing or touch with material damping.
@@ -221,7 +222,7 @@ pub(super) enum Jump {
 /// What a landing or a touch does to a perturbation, in units of u or u′ before it; without friction in
 /// the impact only `rate` and `bounce`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Landing {
+pub(super) struct LandingJump {
     /// [V̇]/U̇⁻: η := η + eta·u.
     pub(super) eta: f64,
     /// η′ := η′ + rate·u, and a part of each of the following two.
@@ -257,9 +258,9 @@ pub(super) struct Reaction {
 pub(super) struct LinearZone {
     pub(super) regime: Regime,
     pub(super) duration: f64,
-    pub(super) jump: Jump,
+    pub(super) jump: PerturbationJump,
     /// Under friction that depends on the velocity, how it varies while the zone slides.
-    pub(super) course: Option<Arc<Course>>,
+    pub(super) course: Option<Arc<ZoneFriction>>,
 }
 
 /// The linearised wave: the constants of its perturbation equations, and its zones with their switches. Its
@@ -296,24 +297,24 @@ pub struct Characteristic {
 
 /// Perturbations (u, u′, η, η′) with their derivatives in λ, up to two of them, times e^{exponent}.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Perturbations {
+pub(super) struct PerturbationColumns {
     pub(super) columns: [Vector4<C64>; 2],
     pub(super) by: [Vector4<C64>; 2],
     pub(super) exponent: f64,
 }
 
-impl Perturbations {
+impl PerturbationColumns {
     /// η = 1 and η′ = 1, each by itself.
-    pub(super) fn unit() -> Perturbations {
+    pub(super) fn unit() -> PerturbationColumns {
         let unit = |row: usize| Vector4::from_fn(|i, _| if i == row { ONE } else { ZERO });
-        Perturbations {
+        PerturbationColumns {
             columns: [unit(2), unit(3)],
-            ..Perturbations::single(Vector4::zeros())
+            ..PerturbationColumns::single(Vector4::zeros())
         }
     }
 
-    pub(super) fn single(column: Vector4<C64>) -> Perturbations {
-        Perturbations {
+    pub(super) fn single(column: Vector4<C64>) -> PerturbationColumns {
+        PerturbationColumns {
             columns: [column, Vector4::zeros()],
             by: [Vector4::zeros(); 2],
             exponent: 0.0,

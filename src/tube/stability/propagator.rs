@@ -15,7 +15,7 @@
 
 use std::sync::OnceLock;
 
-use super::segment::{ORDER, Pair, RADIANS, Segment, part, scaled_down};
+use super::segment::{ORDER, Pair, RADIANS, SeriesSegment, part, scaled_down};
 use super::{C64, ONE, ZERO};
 use crate::tube::flow::numeric::series::{Series, TERMS};
 
@@ -181,7 +181,7 @@ impl Propagator {
 
 /// The transfer over a zone for one bound of |λ| after the other, each expanded when it is first needed.
 #[derive(Clone, Debug)]
-pub(super) struct Propagators {
+pub(super) struct BoundedPropagators {
     square: f64,
     /// The smallest bound: up to it the part qλ² of Δ turns z by no more than [`RADIANS`] over the whole zone.
     least: f64,
@@ -190,9 +190,13 @@ pub(super) struct Propagators {
     levels: [OnceLock<Option<Propagator>>; LEVELS],
 }
 
-impl Propagators {
+impl BoundedPropagators {
     /// Of the segments of a zone that lasts `duration`, with q.
-    pub(super) fn new(segments: &[Segment], duration: f64, square: f64) -> Propagators {
+    pub(super) fn new(
+        segments: &[SeriesSegment],
+        duration: f64,
+        square: f64,
+    ) -> BoundedPropagators {
         let least = RADIANS / (square.sqrt() * duration);
         let whole = segments.iter().map(|segment| {
             let fits = |level: &usize| {
@@ -204,7 +208,7 @@ impl Propagators {
             let transfer = segment.transfer([0.0, 1.0], square, bound);
             Some(WholeSegment { level, transfer })
         });
-        Propagators {
+        BoundedPropagators {
             square,
             least,
             whole: whole.collect(),
@@ -216,7 +220,7 @@ impl Propagators {
     /// `None` where |λ| needs too many blocks.
     pub(super) fn carry(
         &self,
-        segments: &[Segment],
+        segments: &[SeriesSegment],
         lambda: C64,
         pairs: &mut [Pair],
     ) -> Option<f64> {
@@ -231,10 +235,11 @@ impl Propagators {
     }
 
     /// The propagator of a level; `None` where it has too many blocks.
-    fn propagator(&self, segments: &[Segment], level: usize) -> Option<Propagator> {
+    fn propagator(&self, segments: &[SeriesSegment], level: usize) -> Option<Propagator> {
         let bound = self.least * (level as f64).exp2();
-        let angle =
-            |segment: &Segment| segment.size(self.square, bound).sqrt() * segment.piece.duration;
+        let angle = |segment: &SeriesSegment| {
+            segment.size(self.square, bound).sqrt() * segment.piece.duration
+        };
         let most: f64 = segments.iter().map(angle).sum();
         if most.is_nan() || most > MOST_BLOCKS * RADIANS {
             return None;
@@ -259,7 +264,7 @@ impl Propagators {
     }
 }
 
-impl Segment {
+impl SeriesSegment {
     /// The transfer over a part of the segment, from its beginning and width in units of the whole.
     fn transfer(&self, [from, width]: [f64; 2], square: f64, bound: f64) -> Transfer {
         let seconds = width * self.piece.duration;
@@ -273,13 +278,13 @@ impl Segment {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tube::stability::course::Course;
+    use crate::tube::stability::course::ZoneFriction;
     use crate::tube::stability::perturbation::{
-        Characteristic, Jump, LinearZone, Perturbations, modulus,
+        Characteristic, LinearZone, PerturbationColumns, PerturbationJump, modulus,
     };
     use std::sync::Arc;
 
-    use crate::tube::flow::numeric::series::Piece;
+    use crate::tube::flow::numeric::series::SlipPiece;
     use crate::tube::model::signature::Regime;
 
     const A: f64 = 0.6;
@@ -287,11 +292,11 @@ mod tests {
     const DAMPING: f64 = 0.3;
 
     /// Pieces of a zone along which friction changes smoothly, the last of them too long for one block.
-    fn pieces() -> Vec<Piece> {
+    fn pieces() -> Vec<SlipPiece> {
         let series = |terms: [f64; 4]| -> Series {
             std::array::from_fn(|n| terms.get(n).copied().unwrap_or(0.0))
         };
-        let piece = |start: f64, duration: f64, at: f64| Piece {
+        let piece = |start: f64, duration: f64, at: f64| SlipPiece {
             start,
             duration,
             force: series([0.4 - at, 0.2, -0.05, 0.01]),
@@ -309,8 +314,11 @@ mod tests {
         LinearZone {
             regime: Regime::Slip,
             duration: 4.35,
-            jump: Jump::None,
-            course: Some(Arc::new(Course::new(pieces(), [A, 1.0 - A, H, DAMPING]))),
+            jump: PerturbationJump::None,
+            course: Some(Arc::new(ZoneFriction::new(
+                pieces(),
+                [A, 1.0 - A, H, DAMPING],
+            ))),
         }
     }
 
@@ -348,12 +356,12 @@ mod tests {
             for turn in [0.0, 0.4, 1.3, 2.0, 3.1] {
                 let lambda = C64::from_polar(size, turn);
                 let ends = [&expanded, &plain].map(|wave| {
-                    let mut state = Perturbations::unit();
+                    let mut state = PerturbationColumns::unit();
                     wave.cross(&wave.zones[0], lambda, &mut state, 2);
                     state
                 });
                 let shift = (ends[0].exponent - ends[1].exponent).exp();
-                let largest = |of: fn(&Perturbations) -> &[nalgebra::Vector4<C64>; 2]| {
+                let largest = |of: fn(&PerturbationColumns) -> &[nalgebra::Vector4<C64>; 2]| {
                     let numbers = of(&ends[1]).iter().flatten();
                     numbers.map(|z| modulus(*z)).fold(0.0, f64::max)
                 };

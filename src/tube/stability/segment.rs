@@ -1,7 +1,7 @@
 //! A part of a sliding zone along which friction is a power series, and the numbers that perturbations are carried through it by.
 
 use super::C64;
-use crate::tube::flow::numeric::series::{Piece, Series, TERMS};
+use crate::tube::flow::numeric::series::{Series, SlipPiece, TERMS};
 
 /// √|Δ|s of one step at most: 2²⁹/29! is below rounding.
 pub(super) const RADIANS: f64 = 2.0;
@@ -17,8 +17,8 @@ pub(super) type Pair = [[C64; 2]; 2];
 
 /// A part of a zone over which Δ is a power series in (time − start)/duration.
 #[derive(Clone, Debug)]
-pub(super) struct Segment {
-    pub(super) piece: Piece,
+pub(super) struct SeriesSegment {
+    pub(super) piece: SlipPiece,
     /// Δ less ãλ²/m_a²: the coefficient of λ, and what does not depend on λ.
     pub(super) linear: Series,
     pub(super) constant: Series,
@@ -26,7 +26,7 @@ pub(super) struct Segment {
     pub(super) sizes: [f64; 2],
 }
 
-impl Segment {
+impl SeriesSegment {
     /// Bound of |Δ| for |λ| ≤ `frequency`, with q.
     pub(super) fn size(&self, square: f64, frequency: f64) -> f64 {
         let [linear, constant] = self.sizes;

@@ -23,7 +23,7 @@
 
 use nalgebra::{Matrix4, Vector4};
 
-use super::perturbation::{Characteristic, Perturbations, square_root};
+use super::perturbation::{Characteristic, PerturbationColumns, square_root};
 use super::{C64, ONE, ZERO};
 use crate::tube::flow::exponential::MatrixJet;
 
@@ -107,7 +107,13 @@ struct Residue {
 
 impl Characteristic {
     /// Carries `count` perturbations through the time s of a separation zone.
-    pub(super) fn separated(&self, lambda: C64, s: f64, state: &mut Perturbations, count: usize) {
+    pub(super) fn separated(
+        &self,
+        lambda: C64,
+        s: f64,
+        state: &mut PerturbationColumns,
+        count: usize,
+    ) {
         if s == 0.0 {
             return;
         }
@@ -151,7 +157,7 @@ impl Characteristic {
         lambda: C64,
         s: f64,
         reach: f64,
-        state: &mut Perturbations,
+        state: &mut PerturbationColumns,
         count: usize,
     ) {
         let mut terms = 4;
@@ -212,39 +218,11 @@ impl Characteristic {
         b: &Oscillator,
         lambda: C64,
         s: f64,
-        mut roots: [C64; 4],
+        roots: [C64; 4],
     ) -> Option<([Residue; 4], f64)> {
         let square = self.kappa * self.kappa;
         let least = 1.0 / (s * s);
-        let mut found = false;
-        for _ in 0..MOST_STEPS {
-            found = true;
-            for index in 0..4 {
-                let r = roots[index];
-                let (pa, pa_r) = a.at(r);
-                let (pb, pb_r) = b.at(r);
-                let turned = (r - lambda) * square;
-                let value = pa * pb + turned * (r - lambda);
-                let slope = pa_r * pb + pa * pb_r + turned * 2.0;
-                let [x, y, z] = [1, 2, 3].map(|shift| r - roots[(index + shift) % 4]);
-                // Newton's step N over 1 − N Σ 1/(r − r_k), with one division
-                let (xy, product) = (x * y, x * y * z);
-                let repelled = slope * product - value * (xy + (x + y) * z);
-                let step = value * product / repelled;
-                let size = step.norm_sqr();
-                if !size.is_finite() {
-                    return None;
-                }
-                roots[index] = r - step;
-                found &= size <= LAST_STEP * LAST_STEP * (r.norm_sqr() + least);
-            }
-            if found {
-                break;
-            }
-        }
-        if !found {
-            return None;
-        }
+        let roots = self.roots([a, b], lambda, least, roots)?;
         let exponent = roots
             .iter()
             .map(|r| r.re * s)
@@ -282,13 +260,54 @@ impl Characteristic {
         credible.then_some((residues, exponent))
     }
 
+    /// The roots of χ by the method of Aberth and Ehrlich, from those without coupling.
+    fn roots(
+        &self,
+        [a, b]: [&Oscillator; 2],
+        lambda: C64,
+        least: f64,
+        mut roots: [C64; 4],
+    ) -> Option<[C64; 4]> {
+        let square = self.kappa * self.kappa;
+        let mut found = false;
+        for _ in 0..MOST_STEPS {
+            found = true;
+            for index in 0..4 {
+                let r = roots[index];
+                let (pa, pa_r) = a.at(r);
+                let (pb, pb_r) = b.at(r);
+                let turned = (r - lambda) * square;
+                let value = pa * pb + turned * (r - lambda);
+                let slope = pa_r * pb + pa * pb_r + turned * 2.0;
+                let [x, y, z] = [1, 2, 3].map(|shift| r - roots[(index + shift) % 4]);
+                // Newton's step N over 1 − N Σ 1/(r − r_k), with one division
+                let (xy, product) = (x * y, x * y * z);
+                let repelled = slope * product - value * (xy + (x + y) * z);
+                let step = value * product / repelled;
+                let size = step.norm_sqr();
+                if !size.is_finite() {
+                    return None;
+                }
+                roots[index] = r - step;
+                found &= size <= LAST_STEP * LAST_STEP * (r.norm_sqr() + least);
+            }
+            if found {
+                break;
+            }
+        }
+        if !found {
+            return None;
+        }
+        Some(roots)
+    }
+
     /// Sums the residues of the perturbations; false, and nothing is done, where they cancel.
     fn sum(
         &self,
         a: &Oscillator,
         b: &Oscillator,
         residues: &[Residue; 4],
-        state: &mut Perturbations,
+        state: &mut PerturbationColumns,
         count: usize,
     ) -> bool {
         let mut columns = [[ZERO; 4]; 2];
@@ -468,7 +487,7 @@ mod tests {
                         let lambda = C64::from_polar(size, angle);
                         let column =
                             Vector4::new(ZERO, C64::new(0.5, 0.2), ONE, C64::new(-1.0, 2.0));
-                        let mut state = Perturbations {
+                        let mut state = PerturbationColumns {
                             columns: [column; 2],
                             by: [Vector4::repeat(ZERO); 2],
                             exponent: 0.0,

@@ -18,9 +18,11 @@
 //!
 //! For |λ| → ∞ the exponents of a zone are those of its mean F and E: [`super::asymptotic`].
 
-use super::course::Course;
-use super::perturbation::{Characteristic, Jump, LinearZone, Perturbations, Scaled};
-use super::segment::{ORDER, Pair, RADIANS, Segment, part, scaled_down};
+use super::course::ZoneFriction;
+use super::perturbation::{
+    Characteristic, LinearZone, PerturbationColumns, PerturbationJump, ScaledComplex,
+};
+use super::segment::{ORDER, Pair, RADIANS, SeriesSegment, part, scaled_down};
 use super::{C64, ZERO};
 use crate::tube::flow::numeric::series::TERMS;
 
@@ -31,14 +33,14 @@ const MOST_STEPS: f64 = 1e4;
 const NOTHING: f64 = 1e-18;
 
 /// Δs² and its derivative in λ as series over a step of length s.
-struct Step {
+struct SlidingStep {
     at: [C64; TERMS],
     by: [C64; TERMS],
     terms: usize,
     length: f64,
 }
 
-impl Step {
+impl SlidingStep {
     fn carry(&self, [[z, rate], [z_by, rate_by]]: Pair) -> Pair {
         let (mut value, mut by) = ([ZERO; ORDER], [ZERO; ORDER]);
         (value[0], value[1]) = (z, rate * self.length);
@@ -71,7 +73,7 @@ impl Characteristic {
     }
 
     /// Steps that carry a perturbation over the first `length` of a segment.
-    fn steps(&self, segment: &Segment, frequency: f64, length: f64) -> f64 {
+    fn steps(&self, segment: &SeriesSegment, frequency: f64, length: f64) -> f64 {
         let size = segment.size(self.square(), frequency);
         (size.sqrt() * length / RADIANS).ceil().max(1.0)
     }
@@ -110,20 +112,25 @@ impl Characteristic {
     }
 
     /// ∫2p over the first `duration` of a course, with its derivative.
-    fn gained(&self, course: &Course, duration: f64, lambda: C64) -> [C64; 2] {
+    fn gained(&self, course: &ZoneFriction, duration: f64, lambda: C64) -> [C64; 2] {
         let gained = self.growth(0.0, lambda) * duration + course.pushed(duration) / self.ma;
         [gained, C64::from(-2.0 * self.a / self.ma * duration)]
     }
 
     /// The determinant of the transfer of (η, η′) through a zone and the switch at its end.
-    pub(super) fn wronskian(&self, course: &Course, zone: &LinearZone, lambda: C64) -> Scaled {
+    pub(super) fn wronskian(
+        &self,
+        course: &ZoneFriction,
+        zone: &LinearZone,
+        lambda: C64,
+    ) -> ScaledComplex {
         let [gained, by] = self.gained(course, zone.duration, lambda);
         let ratio = match zone.jump {
-            Jump::Reversal(ratio) => ratio,
+            PerturbationJump::Reversal(ratio) => ratio,
             _ => 1.0,
         };
         let value = C64::from_polar(1.0, gained.im) * ratio;
-        Scaled {
+        ScaledComplex {
             value,
             derivative: value * by,
             exponent: gained.re,
@@ -133,10 +140,10 @@ impl Characteristic {
     /// Carries perturbations through the first `duration` of a zone.
     pub(super) fn follow(
         &self,
-        course: &Course,
+        course: &ZoneFriction,
         lambda: C64,
         duration: f64,
-        state: &mut Perturbations,
+        state: &mut PerturbationColumns,
         count: usize,
     ) {
         let p_at = |time: f64| {
@@ -172,7 +179,7 @@ impl Characteristic {
 
     /// Carries z and z′ with their derivatives through the first `duration` of a course, step by step. Returns the
     /// exponent that is taken out of them.
-    fn carry(&self, course: &Course, lambda: C64, duration: f64, pairs: &mut [Pair]) -> f64 {
+    fn carry(&self, course: &ZoneFriction, lambda: C64, duration: f64, pairs: &mut [Pair]) -> f64 {
         let square = self.square();
         let mut exponent = 0.0;
         for segment in &course.segments {
@@ -200,7 +207,7 @@ impl Characteristic {
                 by[0] += lambda * (2.0 * square * scale);
                 let counts = |n: &usize| at[*n].norm_sqr() + by[*n].norm_sqr() > NOTHING * NOTHING;
                 let terms = (0..TERMS).rev().find(counts).map_or(1, |last| last + 1);
-                let step = Step {
+                let step = SlidingStep {
                     at,
                     by,
                     terms,

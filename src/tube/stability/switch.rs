@@ -1,14 +1,14 @@
 //! What the switches of a wave do to its perturbations: the numbers of [`super::characteristic`] and of
 //! [`super::boundary`].
 
-use super::perturbation::{Jump, Landing, Reaction};
+use super::perturbation::{LandingJump, PerturbationJump, Reaction};
 use crate::tube::flow::{FlowError, ZoneEnd};
 use crate::tube::model::Impact;
-use crate::tube::model::signature::{Entry, Regime};
+use crate::tube::model::signature::{Regime, ZoneEntry};
 use crate::tube::wave::WaveAt;
 
 /// A switch: the end of a zone of a wave.
-struct Switch<'a> {
+struct ZoneSwitch<'a> {
     posed: &'a WaveAt<'a>,
     index: usize,
     end: &'a ZoneEnd,
@@ -22,8 +22,8 @@ pub(super) fn jump(
     index: usize,
     end: &ZoneEnd,
     stress: [f64; 2],
-) -> Result<Jump, FlowError> {
-    let switch = Switch {
+) -> Result<PerturbationJump, FlowError> {
+    let switch = ZoneSwitch {
         posed,
         index,
         end,
@@ -32,9 +32,9 @@ pub(super) fn jump(
     switch.jump()
 }
 
-impl Switch<'_> {
-    fn jump(&self) -> Result<Jump, FlowError> {
-        let Switch { posed, index, .. } = *self;
+impl ZoneSwitch<'_> {
+    fn jump(&self) -> Result<PerturbationJump, FlowError> {
+        let ZoneSwitch { posed, index, .. } = *self;
         let signature = &posed.wave.signature;
         let (zone, next) = (signature.zone(index), signature.zone(index + 1));
         let (flows, at) = (&posed.flows, posed.flows.frame.at);
@@ -42,32 +42,38 @@ impl Switch<'_> {
         let [y, w] = [self.end.y.value, self.end.w.value];
         let sliding = |regime: Regime, w: f64| flows.contact(regime).outer_acceleration([y, w]);
         Ok(match next.entry {
-            Entry::Release if posed.wave.model.law.jumps_at_release() => {
-                Jump::StaticRelease(sliding(Regime::Slip, 1.0) / at.h)
+            ZoneEntry::Release if posed.wave.model.law.jumps_at_release() => {
+                PerturbationJump::StaticRelease(sliding(Regime::Slip, 1.0) / at.h)
             }
-            Entry::Release | Entry::Section => Jump::None,
-            Entry::Arrest => Jump::Arrest,
-            Entry::TakeOff if damped => Jump::Depart(posed.reaction(zone.regime).value),
-            Entry::TakeOff => Jump::TakeOff,
-            Entry::Reversal if damped => {
+            ZoneEntry::Release | ZoneEntry::Section => PerturbationJump::None,
+            ZoneEntry::Arrest => PerturbationJump::Arrest,
+            ZoneEntry::TakeOff if damped => {
+                PerturbationJump::Depart(posed.reaction(zone.regime).value)
+            }
+            ZoneEntry::TakeOff => PerturbationJump::TakeOff,
+            ZoneEntry::Reversal if damped => {
                 let (slide, after) = (posed.slide(index), posed.slide(index + 1));
                 let leaving = flows.contact(zone.regime);
                 let t = slide.duration;
                 let jerk = flows.contact(next.regime).jerk(&after, 0.0, after.entry)
                     - leaving.jerk(&slide, t, [y, w]);
-                Jump::Bend(jerk / leaving.acceleration(&slide, t, [y, w]))
+                PerturbationJump::Bend(jerk / leaving.acceleration(&slide, t, [y, w]))
             }
-            Entry::Reversal => Jump::Reversal(sliding(next.regime, w) / sliding(zone.regime, w)),
-            Entry::ArrestedLanding | Entry::Landing | Entry::Touch if damped => {
-                Jump::Settle(self.settlement()?)
+            ZoneEntry::Reversal => {
+                PerturbationJump::Reversal(sliding(next.regime, w) / sliding(zone.regime, w))
             }
-            Entry::ArrestedLanding | Entry::Landing | Entry::Touch => Jump::Landing(self.impact()),
+            ZoneEntry::ArrestedLanding | ZoneEntry::Landing | ZoneEntry::Touch if damped => {
+                PerturbationJump::Settle(self.settlement()?)
+            }
+            ZoneEntry::ArrestedLanding | ZoneEntry::Landing | ZoneEntry::Touch => {
+                PerturbationJump::Landing(self.impact())
+            }
         })
     }
 
     /// A landing or a touch without impact.
     fn settlement(&self) -> Result<Reaction, FlowError> {
-        let Switch {
+        let ZoneSwitch {
             posed, index, end, ..
         } = *self;
         let next = posed.wave.signature.zone(index + 1);
@@ -107,13 +113,13 @@ impl Switch<'_> {
             bend: (tangential - shear - share * (radial - normal)) / before[0],
             share,
             lift: lift / before[0],
-            arrested: next.entry == Entry::ArrestedLanding,
+            arrested: next.entry == ZoneEntry::ArrestedLanding,
         })
     }
 
     /// A landing or a touch with an impact.
-    fn impact(&self) -> Landing {
-        let Switch {
+    fn impact(&self) -> LandingJump {
+        let ZoneSwitch {
             posed, index, end, ..
         } = *self;
         let next = posed.wave.signature.zone(index + 1);
@@ -134,7 +140,7 @@ impl Switch<'_> {
             }
         };
         // only a Coulomb impact brings V̇ to 1
-        let arrested = next.entry == Entry::ArrestedLanding;
+        let arrested = next.entry == ZoneEntry::ArrestedLanding;
         let friction = match posed.wave.model.impact {
             Impact::Coulomb => next.regime.sliding().unwrap_or(1.0) * at.friction,
             Impact::Frictionless => 0.0,
@@ -142,12 +148,12 @@ impl Switch<'_> {
         let share = friction * at.mb / at.ma;
         let normal = -(weight + at.kappa * w + at.damping * radial) / at.mb;
         let bent = slide - free(w, radial) + share * normal;
-        Landing {
+        LandingJump {
             eta: (after - w) / radial,
             rate: match next.entry {
-                Entry::ArrestedLanding => slide / radial,
+                ZoneEntry::ArrestedLanding => slide / radial,
                 // of [V̈] = −κU̇⁻/m_a the difference would keep less
-                Entry::Touch if friction == 0.0 => -at.kappa / at.ma,
+                ZoneEntry::Touch if friction == 0.0 => -at.kappa / at.ma,
                 _ => bent / radial,
             },
             slope: 2.0 * friction * (a - b) / (at.ma * at.ma),

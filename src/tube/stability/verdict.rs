@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 /// What a verdict or a count rests on, where the count of growing eigenvalues does not say it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Reason {
+pub enum VerdictReason {
     /// A growing eigenvalue at a frequency above those that count.
     BeyondWindow {
         /// Re λ > 0, in units of Ω.
@@ -53,31 +53,31 @@ pub enum Reason {
     Family,
 }
 
-impl fmt::Display for Reason {
+impl fmt::Display for VerdictReason {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Reason::BeyondWindow { re, im, sector } => write!(
+            VerdictReason::BeyondWindow { re, im, sector } => write!(
                 f,
                 "grows beyond max_frequency: {re:.3e} at frequency {im:.4e} of sector {sector}"
             ),
-            Reason::HighFrequency(limit) if limit.is_infinite() => {
+            VerdictReason::HighFrequency(limit) if limit.is_infinite() => {
                 f.write_str("grows at high frequency without bound")
             }
-            Reason::HighFrequency(limit) => {
+            VerdictReason::HighFrequency(limit) => {
                 write!(f, "grows at high frequency: sup Re = {limit:.3e}")
             }
-            Reason::Unsettled(limit) if *limit <= 0.0 => write!(
+            VerdictReason::Unsettled(limit) if *limit <= 0.0 => write!(
                 f,
                 "growth beyond the frequencies searched is not excluded, though sup Re tends to {limit:.3e}"
             ),
-            Reason::Unsettled(limit) => {
+            VerdictReason::Unsettled(limit) => {
                 write!(f, "high frequency is not settled: sup Re <= {limit:.3e}")
             }
-            Reason::Sectors(sectors) => {
+            VerdictReason::Sectors(sectors) => {
                 let list: Vec<String> = sectors.iter().map(usize::to_string).collect();
                 write!(f, "sectors not asked for: {}", list.join(" "))
             }
-            Reason::Incomplete { listed, counted } => match counted {
+            VerdictReason::Incomplete { listed, counted } => match counted {
                 Some(counted) if counted == listed => write!(
                     f,
                     "incomplete: all {listed} growing eigenvalues are listed but not all others"
@@ -91,7 +91,7 @@ impl fmt::Display for Reason {
                     "incomplete: {listed} growing eigenvalues listed and not counted: a lower bound"
                 ),
             },
-            Reason::Count {
+            VerdictReason::Count {
                 sector,
                 before,
                 here,
@@ -106,11 +106,17 @@ impl fmt::Display for Reason {
                     "sector {sector} goes from {before} growing eigenvalues to {here} since the point before: {cause}"
                 )
             }
-            Reason::OnAxis => f.write_str("an eigenvalue is on the imaginary axis"),
-            Reason::NoWindow => f.write_str("a zone without length makes the spectrum singular"),
-            Reason::Spent => f.write_str("the eigenvalues that a run may compute are used up"),
-            Reason::NotLinearised(reason) => f.write_str(reason),
-            Reason::Family => f.write_str("the vertical family at a Hopf point is not examined"),
+            VerdictReason::OnAxis => f.write_str("an eigenvalue is on the imaginary axis"),
+            VerdictReason::NoWindow => {
+                f.write_str("a zone without length makes the spectrum singular")
+            }
+            VerdictReason::Spent => {
+                f.write_str("the eigenvalues that a run may compute are used up")
+            }
+            VerdictReason::NotLinearised(reason) => f.write_str(reason),
+            VerdictReason::Family => {
+                f.write_str("the vertical family at a Hopf point is not examined")
+            }
         }
     }
 }

@@ -13,36 +13,36 @@
 //! With Q = fS(V̇)P and S = 1 for Coulomb's law, the tube slides at V̇ = 0 with fS(0) in place of f,
 //! and a perturbation v of V changes Q by fS(0)P̃ + fS′(0)P₀v̇ = fS(0)P̃ − f𝒹λv: the pressure
 //! P₀ = gδ of steady sliding enters, in 𝒹 = −gδS′(0). Friction that falls as the velocity 1 − V̇ of
-//! sliding grows has S′ > 0 and 𝒹 < 0: it feeds every wave. [`Sliding`] carries S(0) and 𝒹.
+//! sliding grows has S′ > 0 and 𝒹 < 0: it feeds every wave. [`SteadyFriction`] carries S(0) and 𝒹.
 
 use faer::c64;
 
 use crate::tube::flow::friction::multiplier;
-use crate::tube::flow::jet::Dual;
+use crate::tube::flow::jet::MultiDual;
 use crate::tube::model::{Damping, FrictionLaw};
 
 /// What the friction law is at the velocity of steady sliding, by unit of f.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sliding {
+pub struct SteadyFriction {
     /// S(0): the coefficient of friction is f times this.
     pub strength: f64,
     /// 𝒹 = −gδS′(0), in units of Ω: friction damps the motion along the shaft by f times this.
     pub drag: f64,
 }
 
-impl Sliding {
+impl SteadyFriction {
     /// Friction that does not depend on the velocity.
-    pub const COULOMB: Sliding = Sliding {
+    pub const COULOMB: SteadyFriction = SteadyFriction {
         strength: 1.0,
         drag: 0.0,
     };
 
     /// A law under the pressure P₀ = gδ.
-    pub fn new(law: FrictionLaw, pressure: f64) -> Sliding {
-        let smoothing = Dual::constant(law.smoothing());
-        let found: Dual<1> = multiplier(law, 1.0, Dual::variable(0.0, 0), smoothing);
+    pub fn new(law: FrictionLaw, pressure: f64) -> SteadyFriction {
+        let smoothing = MultiDual::constant(law.smoothing());
+        let found: MultiDual<1> = multiplier(law, 1.0, MultiDual::variable(0.0, 0), smoothing);
         // no negative zero
-        Sliding {
+        SteadyFriction {
             strength: found.value,
             drag: 0.0 - pressure * found.by[0],
         }
@@ -51,7 +51,7 @@ impl Sliding {
 
 /// A perturbation e^{ikφ+λt} as a wave.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Wave {
+pub struct SteadyWave {
     /// Re λ, in units of Ω.
     pub growth: f64,
     /// ω = Im λ, in units of Ω.
@@ -60,16 +60,16 @@ pub struct Wave {
     pub speed: f64,
 }
 
-impl Wave {
+impl SteadyWave {
     /// The wave with the larger growth of the two that belong to κ.
-    pub fn fastest(kappa: c64, mode: u32, damping: Damping) -> Wave {
+    pub fn fastest(kappa: c64, mode: u32, damping: Damping) -> SteadyWave {
         let [one, other] = eigenvalues(kappa, damping);
-        Wave::of(if one.re >= other.re { one } else { other }, mode)
+        SteadyWave::of(if one.re >= other.re { one } else { other }, mode)
     }
 
     /// The wave of an eigenvalue λ.
-    pub(crate) fn of(lambda: c64, mode: u32) -> Wave {
-        Wave {
+    pub(crate) fn of(lambda: c64, mode: u32) -> SteadyWave {
+        SteadyWave {
             // no negative zero
             growth: lambda.re + 0.0,
             omega: lambda.im,

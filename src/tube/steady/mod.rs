@@ -23,8 +23,8 @@ pub mod row;
 use crate::tube::model::coefficients::{Coefficients, Geometry};
 use crate::tube::model::{Damping, FrictionLaw};
 use faer::c64;
-pub use growth::{Hopf, Sliding, Wave};
-use radial::{Error, Pair, Radial};
+pub use growth::{Hopf, SteadyFriction, SteadyWave};
+use radial::{Radial, RadialError, RadialPair};
 use reduced::Reduced;
 
 /// Number of radial functions per component the first attempt is made with.
@@ -38,7 +38,7 @@ const RADIAL_TOLERANCE: f64 = 1e-11;
 
 /// What is computed besides the modes themselves.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Settings {
+pub struct SteadySettings {
     /// Friction coefficient f ≥ 0.
     pub friction: f64,
     /// How friction depends on the velocity.
@@ -55,20 +55,20 @@ pub struct Settings {
 
 /// Stability of steady sliding against perturbations of one mode.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Mode {
+pub struct SteadyMode {
     /// Number of waves around the circumference.
     pub mode: u32,
     /// The reduced model.
-    pub reduced: Branch,
+    pub reduced: SteadyBranch,
     /// The full radial problem; `None` where only the coefficients of the reduced model are known.
     pub full: Option<Full>,
 }
 
 /// The wave of one family of perturbations and the friction at which it begins to grow.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Branch {
+pub struct SteadyBranch {
     /// The wave that grows fastest, or decays slowest.
-    pub wave: Wave,
+    pub wave: SteadyWave,
     /// Where it begins to grow; `None` where no friction makes it grow.
     pub hopf: Option<Hopf>,
 }
@@ -77,14 +77,14 @@ pub struct Branch {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Full {
     /// The fundamental family: least |κ|.
-    pub fundamental: Branch,
+    pub fundamental: SteadyBranch,
     /// Distance of the fundamental displacement field from that of the reduced model, relative to
     /// its norm, in the norm of kinetic energy: 0 where they are parallel, 1 where orthogonal.
     pub field_error: f64,
     /// Family with the fastest growth, from 1 in the order of |κ|.
     pub lead: usize,
     /// Its wave.
-    pub lead_wave: Wave,
+    pub lead_wave: SteadyWave,
     /// Family whose Hopf point has the least friction, from 1, and that point.
     pub first: Option<(usize, Hopf)>,
     /// Radial functions per component.
@@ -102,10 +102,10 @@ pub fn mode(
     coefficients: &Coefficients,
     geometry: Option<&Geometry>,
     mode: u32,
-    settings: &Settings,
-) -> Result<Mode, Error> {
+    settings: &SteadySettings,
+) -> Result<SteadyMode, RadialError> {
     let reduced = Reduced::new(coefficients, mode);
-    let sliding = Sliding::new(settings.law, coefficients.g * settings.mismatch);
+    let sliding = SteadyFriction::new(settings.law, coefficients.g * settings.mismatch);
     let full = match geometry {
         Some(geometry) => Some(full(geometry, mode, settings, sliding)?),
         None => None,
@@ -115,10 +115,10 @@ pub fn mode(
         ..settings.damping
     };
     let kappa = reduced.stiffness(settings.friction * sliding.strength);
-    Ok(Mode {
+    Ok(SteadyMode {
         mode,
-        reduced: Branch {
-            wave: Wave::fastest(kappa, mode, damping),
+        reduced: SteadyBranch {
+            wave: SteadyWave::fastest(kappa, mode, damping),
             hopf: reduced.hopf_sliding(settings.damping, sliding),
         },
         full,
@@ -130,15 +130,15 @@ pub fn mode(
 fn full(
     geometry: &Geometry,
     mode: u32,
-    settings: &Settings,
-    sliding: Sliding,
-) -> Result<Full, Error> {
+    settings: &SteadySettings,
+    sliding: SteadyFriction,
+) -> Result<Full, RadialError> {
     let (first, last) = match settings.order {
         Some(order) => ((order / 3 * 2).max(1), order),
         None => (FIRST_ORDER, LAST_ORDER),
     };
     let (families, damping) = (settings.families, settings.damping);
-    let solve = |order: usize| -> Result<(Radial, Vec<Pair>, Vec<c64>), Error> {
+    let solve = |order: usize| -> Result<(Radial, Vec<RadialPair>, Vec<c64>), RadialError> {
         let radial = Radial::new(geometry, mode, order);
         let mut pairs = radial.lowest(settings.friction * sliding.strength, families)?;
         let leading = pairs
@@ -167,16 +167,11 @@ fn full(
             (coarse, coarse_leading) = (pairs, leading);
             continue;
         }
-        let waves: Vec<Wave> = leading
+        let waves: Vec<SteadyWave> = leading
             .iter()
-            .map(|lambda| Wave::of(*lambda, mode))
+            .map(|lambda| SteadyWave::of(*lambda, mode))
             .collect();
-        let mut lead = 0;
-        for (index, wave) in waves.iter().enumerate() {
-            if wave.growth > waves[lead].growth {
-                lead = index;
-            }
-        }
+        let lead = fastest(&waves);
         let hopf = radial.hopf(families, damping, sliding)?;
         let mut least: Option<(usize, Hopf)> = None;
         for (index, point) in hopf.iter().enumerate() {
@@ -187,7 +182,7 @@ fn full(
             }
         }
         return Ok(Full {
-            fundamental: Branch {
+            fundamental: SteadyBranch {
                 wave: waves[0],
                 hopf: hopf[0],
             },
@@ -201,7 +196,18 @@ fn full(
     }
 }
 
-impl Mode {
+/// The first of the waves that grow fastest.
+fn fastest(waves: &[SteadyWave]) -> usize {
+    let mut lead = 0;
+    for (index, wave) in waves.iter().enumerate() {
+        if wave.growth > waves[lead].growth {
+            lead = index;
+        }
+    }
+    lead
+}
+
+impl SteadyMode {
     /// Least Hopf friction in the reduced model, and growth there.
     #[cfg_attr(not(feature = "cli"), allow(dead_code))]
     fn onset(&self) -> Option<(f64, f64)> {
@@ -219,8 +225,8 @@ impl Mode {
 /// The modes that grow first, by their places: in the reduced model and in the tube. Such a mode has the
 /// least Hopf friction; without damping, where that is zero for all, it grows fastest.
 #[cfg_attr(not(feature = "cli"), allow(dead_code))]
-pub(crate) fn first_to_grow(modes: &[Mode]) -> [Option<usize>; 2] {
-    [Mode::onset, Mode::onset_of_tube].map(|onset| {
+pub(crate) fn first_to_grow(modes: &[SteadyMode]) -> [Option<usize>; 2] {
+    [SteadyMode::onset, SteadyMode::onset_of_tube].map(|onset| {
         let mut best: Option<(usize, (f64, f64))> = None;
         for (index, mode) in modes.iter().enumerate() {
             let Some((friction, growth)) = onset(mode) else {

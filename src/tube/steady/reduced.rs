@@ -17,7 +17,7 @@
 //! the mode is damped at any friction.
 //!
 //! Friction that depends on the velocity has S = kfS(0)D and α + f𝒹 in place of α
-//! ([`Sliding`]). Then f_H is the least zero of
+//! ([`SteadyFriction`]). Then f_H is the least zero of
 //!
 //! ```text
 //! r(f) = fS(0)k|D|√(1 − βA) − A√K,      A = α + f𝒹 + βK.
@@ -28,7 +28,7 @@
 
 use faer::c64;
 
-use super::growth::{Hopf, Sliding};
+use super::growth::{Hopf, SteadyFriction};
 use crate::tube::model::Damping;
 use crate::tube::model::coefficients::Coefficients;
 
@@ -63,7 +63,7 @@ impl Reduced {
     }
 
     /// The Hopf point under a friction law; `None` where the mode is damped at any friction.
-    pub(crate) fn hopf_sliding(&self, damping: Damping, sliding: Sliding) -> Option<Hopf> {
+    pub(crate) fn hopf_sliding(&self, damping: Damping, sliding: SteadyFriction) -> Option<Hopf> {
         let (beta, drag) = (damping.stiffness, sliding.drag);
         let coupling = self.coupling.abs() * sliding.strength;
         if drag == 0.0 {

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::{Full, Mode, Wave};
+use super::{Full, SteadyMode, SteadyWave};
 
 /// A row: the reduced model, then the tube.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -51,7 +51,7 @@ impl ModeRow {
     /// A mode; `first` where it is the first to grow in the reduced model, `tube_first` in the tube;
     /// `hertz` of an angular frequency.
     pub(crate) fn new(
-        mode: &Mode,
+        mode: &SteadyMode,
         first: bool,
         tube_first: bool,
         hertz: impl Fn(f64) -> Option<f64>,
@@ -107,7 +107,7 @@ fn mark(first: bool) -> &'static str {
 }
 
 /// Whether a wave runs with the shaft or against it.
-fn direction(wave: &Wave) -> &'static str {
+fn direction(wave: &SteadyWave) -> &'static str {
     match wave.speed {
         speed if speed > 0.0 => "with",
         speed if speed < 0.0 => "against",

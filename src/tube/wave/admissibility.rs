@@ -12,23 +12,23 @@
 
 use crate::continuation::zero::zero_by_slope;
 use crate::linalg::Vector;
-use crate::orbit::sign::{Bernstein, COEFFICIENTS, Verdict};
+use crate::orbit::sign::{Bernstein, COEFFICIENTS, SignVerdict};
 use crate::tube::flow::jet::Jet;
 use crate::tube::flow::piece::{horner, horner_curvature, horner_slope};
 use crate::tube::flow::{FlowError, Slide, SlidingFlow};
-use crate::tube::model::signature::{Entry, Regime};
+use crate::tube::model::signature::{Regime, ZoneEntry};
 
-pub use super::margin::{AtZero, Margin, Watch};
+pub use super::margin::{MarginConstraint, RegimeMargin, WaveWatch};
 use super::margin::{edge_margin, edge_margins, interior_margin};
 use super::{Wave, WaveAt};
 
 /// Which inequalities of a signature a wave keeps, by [`examine`].
 #[derive(Clone, Debug)]
-pub struct Examination {
+pub struct WaveExamination {
     /// All margins, in the order of the zones.
-    pub margins: Vec<Margin>,
+    pub margins: Vec<RegimeMargin>,
     /// Whether every inequality holds everywhere.
-    pub verdict: Verdict,
+    pub verdict: SignVerdict,
     /// Least pressure over the zones in contact; infinite if there is none.
     pub least_pressure: f64,
     /// Largest U − δ over the separation zones, in units of R; 0 if there is none.
@@ -40,11 +40,17 @@ pub struct Examination {
 /// Collects what the pieces of one zone show.
 struct Collector<'a> {
     at: &'a WaveAt<'a>,
-    examination: Examination,
+    examination: WaveExamination,
 }
 
 impl Collector<'_> {
-    fn margin(&mut self, watch: Watch, zone: usize, time: f64, [mut jet, mut beyond]: [Jet; 2]) {
+    fn margin(
+        &mut self,
+        watch: WaveWatch,
+        zone: usize,
+        time: f64,
+        [mut jet, mut beyond]: [Jet; 2],
+    ) {
         self.at.wave.scale(&mut jet, zone);
         self.at.wave.scale(&mut beyond, zone + 1);
         if let Some(known) = self
@@ -60,7 +66,7 @@ impl Collector<'_> {
             }
             return;
         }
-        self.examination.margins.push(Margin {
+        self.examination.margins.push(RegimeMargin {
             watch,
             zone,
             time,
@@ -69,7 +75,7 @@ impl Collector<'_> {
         });
     }
 
-    fn judge(&mut self, verdict: Verdict) {
+    fn judge(&mut self, verdict: SignVerdict) {
         self.examination.verdict = self.examination.verdict.and(verdict);
     }
 
@@ -81,14 +87,14 @@ impl Collector<'_> {
 
 /// Examines a point whatever its signature. Zones of negative duration are refused as such and
 /// not looked into.
-pub fn examine(wave: &Wave, point: &Vector) -> Result<Examination, FlowError> {
+pub fn examine(wave: &Wave, point: &Vector) -> Result<WaveExamination, FlowError> {
     let at = &wave.at(point)?;
     let flows = &at.flows;
     let mut collector = Collector {
         at,
-        examination: Examination {
+        examination: WaveExamination {
             margins: Vec::with_capacity(4 * wave.zones()),
-            verdict: Verdict::Positive,
+            verdict: SignVerdict::Positive,
             least_pressure: f64::INFINITY,
             largest_gap: 0.0,
             tangential: (f64::INFINITY, f64::NEG_INFINITY),
@@ -96,9 +102,9 @@ pub fn examine(wave: &Wave, point: &Vector) -> Result<Examination, FlowError> {
     };
     let kappa = flows.frame.at.kappa;
     if kappa.is_nan() || kappa <= 0.0 {
-        let jet = edge_margin(at, 0, Watch::Coupling)?;
-        collector.judge(Verdict::Negative);
-        collector.margin(Watch::Coupling, 0, 0.0, jet);
+        let jet = edge_margin(at, 0, WaveWatch::Coupling)?;
+        collector.judge(SignVerdict::Negative);
+        collector.margin(WaveWatch::Coupling, 0, 0.0, jet);
     }
     for index in 0..wave.zones() {
         let entry = wave.entry_at(point, index);
@@ -106,9 +112,9 @@ pub fn examine(wave: &Wave, point: &Vector) -> Result<Examination, FlowError> {
         let regime = wave.signature.zone(index).regime;
         for margin in edge_margins(at, index)? {
             let positive = if margin.1[0].value > 0.0 {
-                Verdict::Positive
+                SignVerdict::Positive
             } else {
-                Verdict::Negative
+                SignVerdict::Negative
             };
             collector.judge(positive);
             collector.margin(margin.0, index, 0.0, margin.1);
@@ -150,8 +156,8 @@ fn contact_zone(collector: &mut Collector, index: usize) -> Result<(), FlowError
         entry, duration, ..
     } = *slide;
     let zone = wave.signature.zone(index);
-    let takes_off = wave.signature.zone(index + 1).entry == Entry::TakeOff;
-    let arrested = wave.signature.zone(index + 1).entry == Entry::Arrest;
+    let takes_off = wave.signature.zone(index + 1).entry == ZoneEntry::TakeOff;
+    let arrested = wave.signature.zone(index + 1).entry == ZoneEntry::Arrest;
     let flow = flows.contact(zone.regime);
     let sigma = if zone.regime == Regime::Reverse {
         -1.0
@@ -174,7 +180,7 @@ fn contact_zone(collector: &mut Collector, index: usize) -> Result<(), FlowError
         let pressure = weight + kappa * drive;
         least_pressure = least_pressure.min(pressure);
         if pressure.is_nan() || pressure <= 0.0 {
-            collector.judge(Verdict::Negative);
+            collector.judge(SignVerdict::Negative);
         }
     };
     let mut slide_on = |collector: &mut Collector, at_start: bool, at_end: bool, w: f64| {
@@ -183,7 +189,7 @@ fn contact_zone(collector: &mut Collector, index: usize) -> Result<(), FlowError
             decided = true;
             let lag = sigma * (1.0 - w);
             if lag.is_nan() || lag <= 0.0 {
-                collector.judge(Verdict::Negative);
+                collector.judge(SignVerdict::Negative);
             }
         }
     };
@@ -210,17 +216,17 @@ fn contact_zone(collector: &mut Collector, index: usize) -> Result<(), FlowError
         press(collector, false, drive(time, state));
         let maximum = flow.jerk(slide, time, state) < 0.0;
         if zone.regime != Regime::Contact && maximum == (sigma > 0.0) {
-            interior(collector, Watch::Rate, index, time)?;
+            interior(collector, WaveWatch::Rate, index, time)?;
         }
         if !maximum && zone.regime != Regime::Reverse && !wave.material {
-            interior(collector, Watch::Pressure, index, time)?;
+            interior(collector, WaveWatch::Pressure, index, time)?;
         }
     }
     if let SlidingFlow::Material(material) = flow {
         for time in material.pressure_extremes(slide) {
             press(collector, false, drive(time, flow.state(slide, time)?));
             if material.pressure_bends_up(slide, time) {
-                interior(collector, Watch::Pressure, index, time)?;
+                interior(collector, WaveWatch::Pressure, index, time)?;
             }
         }
     }
@@ -229,7 +235,7 @@ fn contact_zone(collector: &mut Collector, index: usize) -> Result<(), FlowError
     slide_on(collector, false, true, end[1]);
     if !decided {
         // both ends at W = 1 and nothing between them: the zone has no room
-        collector.judge(Verdict::Undecided);
+        collector.judge(SignVerdict::Undecided);
     }
     let known = collector.examination.least_pressure;
     collector.examination.least_pressure = known.min(least_pressure);
@@ -286,7 +292,7 @@ fn separation_zone(collector: &mut Collector, index: usize) -> Result<(), FlowEr
                 continue;
             }
             let time = taylor.start + place * taylor.length;
-            interior(collector, Watch::Gap, index, time)?;
+            interior(collector, WaveWatch::Gap, index, time)?;
         }
         for place in gap.affine(-1.0, 0.0).minima(&mut rising) {
             let known = collector.examination.largest_gap;
@@ -337,7 +343,7 @@ fn tangential_extremes(taylor: &[f64; COEFFICIENTS]) -> Vec<f64> {
 /// is zero, so the derivatives are those at a fixed time after the entry.
 fn interior(
     collector: &mut Collector,
-    watch: Watch,
+    watch: WaveWatch,
     index: usize,
     time: f64,
 ) -> Result<(), FlowError> {

@@ -22,7 +22,7 @@ use crate::tube::flow::Slide;
 use crate::tube::model::signature::Signature;
 use crate::tube::model::{Model, Parameter};
 
-use super::{Scales, Wave};
+use super::{Wave, WaveScales};
 use crate::orbit::Candidate;
 
 /// Why there is no branch from a Hopf point.
@@ -113,31 +113,7 @@ pub fn family(
     let k = f64::from(mode);
     let stiffness = coefficients.a * k * k + coefficients.h;
     let drive = k * coefficients.coupling.abs();
-    let missing = |missing| Err(NoHopf::Zero { missing });
-    let (alpha, beta) = (model.damping.mass, model.damping.stiffness);
-    let force = model.friction * drive;
-    let critical = match parameter {
-        Parameter::Friction if alpha > 0.0 || beta > 0.0 => {
-            let x = alpha + beta * stiffness;
-            x * (stiffness / (1.0 - beta * x)).sqrt() / drive
-        }
-        Parameter::Friction => return missing("α = β"),
-        Parameter::MassDamping if force > 0.0 => {
-            // KX² + βS²X − S² = 0
-            let root = (beta * beta * force * force + 4.0 * stiffness).sqrt();
-            2.0 * force / (beta * force + root) - beta * stiffness
-        }
-        Parameter::StiffnessDamping if force > 0.0 => {
-            // (K + S²/K)X² − (αS²/K)X − S² = 0
-            let square = force * force;
-            let first = stiffness + square / stiffness;
-            let second = alpha * square / stiffness;
-            let x = (second + (second * second + 4.0 * first * square).sqrt()) / (2.0 * first);
-            (x - alpha) / stiffness
-        }
-        Parameter::MassDamping | Parameter::StiffnessDamping => return missing("f"),
-        _ => return Err(NoHopf::Parameter),
-    };
+    let critical = critical(model, parameter, stiffness, drive)?;
     // written so that NaN is refused too
     if !(critical >= 0.0 && critical.is_finite()) {
         return Err(NoHopf::Stable {
@@ -168,7 +144,7 @@ pub fn family(
         parameter,
         mode,
         Signature::slip_alone(),
-        Scales::new(&model, mode, excess, 1.0, width),
+        WaveScales::new(&model, mode, excess, 1.0, width),
     );
     let period = std::f64::consts::TAU / frequency;
     let points = (0..count)
@@ -182,5 +158,39 @@ pub fn family(
         model,
         wave,
         points,
+    })
+}
+
+/// The value of the parameter at which steady sliding begins to flutter: there friction does as much work as damping takes.
+fn critical(
+    model: &Model,
+    parameter: Parameter,
+    stiffness: f64,
+    drive: f64,
+) -> Result<f64, NoHopf> {
+    let missing = |missing| Err(NoHopf::Zero { missing });
+    let (alpha, beta) = (model.damping.mass, model.damping.stiffness);
+    let force = model.friction * drive;
+    Ok(match parameter {
+        Parameter::Friction if alpha > 0.0 || beta > 0.0 => {
+            let x = alpha + beta * stiffness;
+            x * (stiffness / (1.0 - beta * x)).sqrt() / drive
+        }
+        Parameter::Friction => return missing("α = β"),
+        Parameter::MassDamping if force > 0.0 => {
+            // KX² + βS²X − S² = 0
+            let root = (beta * beta * force * force + 4.0 * stiffness).sqrt();
+            2.0 * force / (beta * force + root) - beta * stiffness
+        }
+        Parameter::StiffnessDamping if force > 0.0 => {
+            // (K + S²/K)X² − (αS²/K)X − S² = 0
+            let square = force * force;
+            let first = stiffness + square / stiffness;
+            let second = alpha * square / stiffness;
+            let x = (second + (second * second + 4.0 * first * square).sqrt()) / (2.0 * first);
+            (x - alpha) / stiffness
+        }
+        Parameter::MassDamping | Parameter::StiffnessDamping => return missing("f"),
+        _ => return Err(NoHopf::Parameter),
     })
 }

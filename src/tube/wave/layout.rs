@@ -8,13 +8,13 @@ use crate::tube::flow::jet::{
 };
 use crate::tube::flow::method::Method;
 use crate::tube::flow::{FlowError, Flows, Frame, Slide};
-use crate::tube::model::signature::{Entry, Regime, Signature};
+use crate::tube::model::signature::{Regime, Signature, ZoneEntry};
 use crate::tube::model::{Constants, Impact, Model, Parameter};
 
 /// Units of the unknowns, constant along a branch: they make every scaled unknown of order one,
 /// and they follow the exact scaling (γ, δ, c) → (s²γ, sδ, c/s) of the model.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Scales {
+pub struct WaveScales {
     /// Period 2π/(k|c|) of the first wave: unit of Y and of durations.
     pub time: f64,
     /// Unit of W: [`RATE_UNITS`] times the largest |V̇| of the first wave. Just after landing and
@@ -32,16 +32,16 @@ pub struct Scales {
     pub layer: f64,
 }
 
-impl Scales {
+impl WaveScales {
     /// The units of a branch that begins with a wave of this excess speed and this largest |V̇|;
     /// `width` is that of the range of the parameter.
-    pub fn new(model: &Model, mode: u32, excess: f64, largest_rate: f64, width: f64) -> Scales {
+    pub fn new(model: &Model, mode: u32, excess: f64, largest_rate: f64, width: f64) -> WaveScales {
         let speed = model.speed(excess);
         let coefficients = model.constants().coefficients;
         let rate = RATE_UNITS * largest_rate.abs().max(1.0);
         // m_a = e(2 + e)/(1 + e)²
         let mass = excess * (2.0 + excess) / (1.0 + excess).powi(2);
-        Scales {
+        WaveScales {
             rate,
             layer: rate * (coefficients.h / mass).sqrt(),
             time: std::f64::consts::TAU / (f64::from(mode) * speed.abs()),
@@ -52,7 +52,7 @@ impl Scales {
     }
 }
 
-/// See [`Scales::rate`].
+/// See [`WaveScales::rate`].
 const RATE_UNITS: f64 = 4.0;
 
 /// Unknowns of each zone of a wave: Y, W, T, with material damping G, and G_U where a zone separates.
@@ -76,7 +76,7 @@ pub struct Wave {
     /// Cyclic sequence of zones over one wavelength.
     pub signature: Signature,
     /// Units of the unknowns, those of the first wave of the branch.
-    pub scales: Scales,
+    pub scales: WaveScales,
     /// How the equations of a zone are solved.
     pub method: Method,
     /// Whether material damping enters, be it at β = 0 where β is the continuation parameter.
@@ -113,7 +113,7 @@ impl Wave {
         parameter: Parameter,
         mode: u32,
         signature: Signature,
-        scales: Scales,
+        scales: WaveScales,
     ) -> Wave {
         let direction = model.direction();
         Wave {
@@ -403,13 +403,13 @@ impl Wave {
     }
 
     /// Order of the zero just after an entry: of W − 1 in sliding, of U − δ in separation.
-    pub fn order_at_entry(&self, entry: Entry) -> usize {
+    pub fn order_at_entry(&self, entry: ZoneEntry) -> usize {
         match entry {
-            Entry::Release if self.model.law.jumps_at_release() => 1,
-            Entry::TakeOff => 3,
-            Entry::Release | Entry::Touch => 2,
-            Entry::Reversal | Entry::ArrestedLanding => 1,
-            Entry::Arrest | Entry::Landing | Entry::Section => 0,
+            ZoneEntry::Release if self.model.law.jumps_at_release() => 1,
+            ZoneEntry::TakeOff => 3,
+            ZoneEntry::Release | ZoneEntry::Touch => 2,
+            ZoneEntry::Reversal | ZoneEntry::ArrestedLanding => 1,
+            ZoneEntry::Arrest | ZoneEntry::Landing | ZoneEntry::Section => 0,
         }
     }
 }

@@ -7,11 +7,11 @@ use crate::continuation::newton::Constraint;
 use crate::linalg::Vector;
 use crate::tube::flow::jet::{DURATION, ENTRY_W, ENTRY_Y, EXCESS, Jet, PARAMETER};
 use crate::tube::flow::{FlowError, SlidingFlow};
-use crate::tube::model::signature::{Entry, Regime};
+use crate::tube::model::signature::{Regime, ZoneEntry};
 
 /// What a margin measures: the quantity that is positive while the signature holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
-pub enum Watch {
+pub enum WaveWatch {
     /// Duration T of the zone.
     Duration,
     /// A local minimum of P inside a slip zone.
@@ -44,9 +44,9 @@ pub enum Watch {
 
 /// A margin: positive while the signature holds. Scaled to order one.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Margin {
+pub struct RegimeMargin {
     /// Which quantity it is.
-    pub watch: Watch,
+    pub watch: WaveWatch,
     /// Index of the zone, from 0 in the order of the signature.
     pub zone: usize,
     /// Time after the entry of the zone at which a local minimum lies; 0 for other margins.
@@ -58,7 +58,7 @@ pub struct Margin {
     pub beyond: Jet,
 }
 
-impl Margin {
+impl RegimeMargin {
     /// Derivative along a direction in the scaled unknowns.
     pub(crate) fn slope(&self, wave: &Wave, direction: &Vector) -> f64 {
         let along = |zone: usize, jet: &Jet| -> f64 {
@@ -92,49 +92,55 @@ impl Margin {
 }
 
 /// The margins that belong to the ends of a zone.
-pub(super) fn edge_margins(at: &WaveAt, index: usize) -> Result<Vec<(Watch, [Jet; 2])>, FlowError> {
+pub(super) fn edge_margins(
+    at: &WaveAt,
+    index: usize,
+) -> Result<Vec<(WaveWatch, [Jet; 2])>, FlowError> {
     let WaveAt { wave, point, .. } = at;
     let zone = wave.signature.zone(index);
     let next = wave.signature.zone(index + 1);
     let mut margins = Vec::with_capacity(4);
-    let watched = |watch: Watch| edge_margin(at, index, watch);
-    margins.push((Watch::Duration, watched(Watch::Duration)?));
-    if zone.entry == Entry::Landing && zone.regime != Regime::Contact {
-        margins.push((Watch::LandingRate, watched(Watch::LandingRate)?));
+    let watched = |watch: WaveWatch| edge_margin(at, index, watch);
+    margins.push((WaveWatch::Duration, watched(WaveWatch::Duration)?));
+    if zone.entry == ZoneEntry::Landing && zone.regime != Regime::Contact {
+        margins.push((WaveWatch::LandingRate, watched(WaveWatch::LandingRate)?));
     }
     // with material damping what belongs to a landing vanishes like a power of the duration of
     // separation, which is watched
     let before = index + wave.zones() - 1;
     let gone = |index: usize| wave.material && wave.duration_at(point, index) <= 0.0;
-    if matches!(zone.entry, Entry::Landing | Entry::ArrestedLanding)
+    if matches!(zone.entry, ZoneEntry::Landing | ZoneEntry::ArrestedLanding)
         && matches!(zone.regime, Regime::Slip | Regime::Contact)
         && !gone(before)
     {
-        margins.push((Watch::LandingPressure, watched(Watch::LandingPressure)?));
+        margins.push((
+            WaveWatch::LandingPressure,
+            watched(WaveWatch::LandingPressure)?,
+        ));
     }
-    if zone.entry == Entry::Touch && !gone(index) {
+    if zone.entry == ZoneEntry::Touch && !gone(index) {
         if wave.material {
             // it slides as slip does
-            margins.push((Watch::LandingRate, watched(Watch::LandingRate)?));
+            margins.push((WaveWatch::LandingRate, watched(WaveWatch::LandingRate)?));
         }
-        margins.push((Watch::Tension, watched(Watch::Tension)?));
+        margins.push((WaveWatch::Tension, watched(WaveWatch::Tension)?));
     }
     if zone.regime == Regime::Stick {
-        margins.push((Watch::LowerForce, watched(Watch::LowerForce)?));
+        margins.push((WaveWatch::LowerForce, watched(WaveWatch::LowerForce)?));
     }
-    if wave.material && zone.entry == Entry::Release {
-        margins.push((Watch::Release, watched(Watch::Release)?));
+    if wave.material && zone.entry == ZoneEntry::Release {
+        margins.push((WaveWatch::Release, watched(WaveWatch::Release)?));
     }
-    if zone.regime == Regime::Reverse && next.entry == Entry::Reversal {
-        margins.push((Watch::UpperForce, watched(Watch::UpperForce)?));
+    if zone.regime == Regime::Reverse && next.entry == ZoneEntry::Reversal {
+        margins.push((WaveWatch::UpperForce, watched(WaveWatch::UpperForce)?));
     }
     if zone.regime == Regime::Separation && !gone(index) {
-        margins.push((Watch::LandingSpeed, watched(Watch::LandingSpeed)?));
-        if next.entry == Entry::ArrestedLanding {
-            margins.push((Watch::Impulse, watched(Watch::Impulse)?));
+        margins.push((WaveWatch::LandingSpeed, watched(WaveWatch::LandingSpeed)?));
+        if next.entry == ZoneEntry::ArrestedLanding {
+            margins.push((WaveWatch::Impulse, watched(WaveWatch::Impulse)?));
             // reverse slip that would stick has no length
             if next.regime == Regime::Slip {
-                margins.push((Watch::UpperForce, watched(Watch::UpperForce)?));
+                margins.push((WaveWatch::UpperForce, watched(WaveWatch::UpperForce)?));
             }
         }
     }
@@ -143,12 +149,16 @@ pub(super) fn edge_margins(at: &WaveAt, index: usize) -> Result<Vec<(Watch, [Jet
 
 /// One margin at an end of a zone, in physical derivatives: in the unknowns of the zone and, without a
 /// value, in those of the next.
-pub(super) fn edge_margin(at: &WaveAt, index: usize, watch: Watch) -> Result<[Jet; 2], FlowError> {
+pub(super) fn edge_margin(
+    at: &WaveAt,
+    index: usize,
+    watch: WaveWatch,
+) -> Result<[Jet; 2], FlowError> {
     let wave = at.wave;
     let lands = wave.material && wave.signature.zone(index).regime == Regime::Separation;
     let reacts = matches!(
         watch,
-        Watch::LandingSpeed | Watch::Impulse | Watch::UpperForce
+        WaveWatch::LandingSpeed | WaveWatch::Impulse | WaveWatch::UpperForce
     );
     if !(lands && reacts) {
         let margin = edge_margin_of_zone(at, index, watch)?;
@@ -160,8 +170,8 @@ pub(super) fn edge_margin(at: &WaveAt, index: usize, watch: Watch) -> Result<[Je
     let entered = at.entry_acceleration(index + 1)?;
     let [radial, tangential] = entered.map(|jet| at.flows.frame.material() * jet);
     let [mut own, mut beyond] = match watch {
-        Watch::LandingSpeed => [lifted * unit, radial * -unit],
-        Watch::UpperForce => [Jet::default(), entered[1] * (-1.0 / wave.scales.layer)],
+        WaveWatch::LandingSpeed => [lifted * unit, radial * -unit],
+        WaveWatch::UpperForce => [Jet::default(), entered[1] * (-1.0 / wave.scales.layer)],
         _ => {
             let drag = dragged.value - tangential.value;
             let sign = unit.copysign(drag);
@@ -183,7 +193,7 @@ pub(super) fn edge_margin(at: &WaveAt, index: usize, watch: Watch) -> Result<[Je
 }
 
 /// A margin that depends on one zone.
-fn edge_margin_of_zone(at: &WaveAt, index: usize, watch: Watch) -> Result<Jet, FlowError> {
+fn edge_margin_of_zone(at: &WaveAt, index: usize, watch: WaveWatch) -> Result<Jet, FlowError> {
     let WaveAt { wave, point, flows } = at;
     let zone = wave.signature.zone(index);
     let entry = wave.entry_at(point, index);
@@ -204,23 +214,25 @@ fn edge_margin_of_zone(at: &WaveAt, index: usize, watch: Watch) -> Result<Jet, F
         f * r * (frame.weight() + frame.kappa()) * 2.0
     };
     Ok(match watch {
-        Watch::Coupling => frame.kappa() * force,
-        Watch::Duration => {
+        WaveWatch::Coupling => frame.kappa() * force,
+        WaveWatch::Duration => {
             Jet::variable(wave.duration_at(point, index), DURATION) * (1.0 / scales.time)
         }
-        Watch::LandingRate if zone.regime == Regime::Reverse => w - 1.0,
-        Watch::LandingRate => -w + 1.0,
-        Watch::LandingPressure if wave.material => {
+        WaveWatch::LandingRate if zone.regime == Regime::Reverse => w - 1.0,
+        WaveWatch::LandingRate => -w + 1.0,
+        WaveWatch::LandingPressure if wave.material => {
             let [_, acceleration] = at.entry_acceleration(index)?;
             frame.pressure(w + frame.material() * acceleration) * force
         }
-        Watch::LandingPressure => frame.pressure(w) * force,
+        WaveWatch::LandingPressure => frame.pressure(w) * force,
         // a touch takes no more of Ü than there is
-        Watch::Tension if wave.material => at.entry_acceleration(index)?[0] * (1.0 / scales.layer),
-        Watch::Tension => frame.pressure(w) * -force,
+        WaveWatch::Tension if wave.material => {
+            at.entry_acceleration(index)?[0] * (1.0 / scales.layer)
+        }
+        WaveWatch::Tension => frame.pressure(w) * -force,
         // Q + fP = (Q − fP) + 2fP
-        Watch::LowerForce => (excess(y) + band()) * force,
-        Watch::UpperForce => {
+        WaveWatch::LowerForce => (excess(y) + band()) * force,
+        WaveWatch::UpperForce => {
             let end = at.zone_end(index)?;
             if wave.material {
                 return Ok(end.acceleration * (-1.0 / scales.layer));
@@ -228,21 +240,21 @@ fn edge_margin_of_zone(at: &WaveAt, index: usize, watch: Watch) -> Result<Jet, F
             // the other way round: Q > fP lets reverse slip pass into slip
             excess(end.y) * force
         }
-        Watch::LandingSpeed => -at.zone_end(index)?.radial_rate,
-        Watch::Impulse => {
+        WaveWatch::LandingSpeed => -at.zone_end(index)?.radial_rate,
+        WaveWatch::Impulse => {
             let end = at.zone_end(index)?;
             let sign = if end.w.value < 1.0 { 1.0 } else { -1.0 };
             // |impulse| − |1 − W⁻|; the impulse is negative as U̇⁻ is
             -at.impulse(&end) + (end.w - 1.0) * sign
         }
-        Watch::Release => match flows.contact(zone.regime) {
+        WaveWatch::Release => match flows.contact(zone.regime) {
             // in units of V̈ per unit of time
             SlidingFlow::Material(flow) => {
                 flow.entry_rates(&at.slide(index))[1] * (-scales.time / scales.layer)
             }
             _ => Jet::default(),
         },
-        Watch::Pressure | Watch::Rate | Watch::Gap => {
+        WaveWatch::Pressure | WaveWatch::Rate | WaveWatch::Gap => {
             unreachable!("a margin inside a zone is not at its end")
         }
     })
@@ -251,7 +263,7 @@ fn edge_margin_of_zone(at: &WaveAt, index: usize, watch: Watch) -> Result<Jet, F
 /// The margin of a local minimum inside a zone at a time after its entry.
 pub(super) fn interior_margin(
     at: &WaveAt,
-    watch: Watch,
+    watch: WaveWatch,
     index: usize,
     time: f64,
 ) -> Result<Jet, FlowError> {
@@ -259,12 +271,12 @@ pub(super) fn interior_margin(
     let slide = &at.slide(index);
     let regime = wave.signature.zone(index).regime;
     Ok(match watch {
-        Watch::Gap => {
+        WaveWatch::Gap => {
             let mismatch = flows.frame.quantity(|of| of.mismatch);
             let u = flows.separation().radial(slide, time)?;
             (u - mismatch) * (1.0 / wave.scales.time)
         }
-        Watch::Pressure => {
+        WaveWatch::Pressure => {
             let [_, pressure] = flows.contact(regime).inside(&flows.frame, slide, time)?;
             pressure * (1.0 / wave.scales.pressure)
         }
@@ -279,18 +291,22 @@ pub(super) fn interior_margin(
 /// A margin as the constraint of an event: margin = 0. The place of a local minimum is followed
 /// from iterate to iterate.
 #[derive(Clone, Copy, Debug)]
-pub struct AtZero {
+pub struct MarginConstraint {
     /// The margin where it was seen.
-    pub margin: Margin,
+    pub margin: RegimeMargin,
 }
 
-impl AtZero {
+impl MarginConstraint {
     /// The margin at another point.
-    pub(crate) fn margin_at(&mut self, wave: &Wave, point: &Vector) -> Result<Margin, FlowError> {
+    pub(crate) fn margin_at(
+        &mut self,
+        wave: &Wave,
+        point: &Vector,
+    ) -> Result<RegimeMargin, FlowError> {
         let at = wave.at(point)?;
-        let Margin { watch, zone, .. } = self.margin;
+        let RegimeMargin { watch, zone, .. } = self.margin;
         let [mut jet, mut beyond] = match watch {
-            Watch::Pressure | Watch::Rate | Watch::Gap => {
+            WaveWatch::Pressure | WaveWatch::Rate | WaveWatch::Gap => {
                 self.margin.time = self.stationary(&at)?;
                 let jet = interior_margin(&at, watch, zone, self.margin.time)?;
                 [jet, Jet::default()]
@@ -311,14 +327,14 @@ impl AtZero {
         let mut time = self.margin.time;
         let regime = wave.signature.zone(self.margin.zone).regime;
         for _ in 0..8 {
-            let step = if self.margin.watch == Watch::Gap {
+            let step = if self.margin.watch == WaveWatch::Gap {
                 flows
                     .separation()
                     .step_to_extreme(&flows.frame, slide, time)?
             } else {
                 let flow = flows.contact(regime);
                 match flow {
-                    SlidingFlow::Material(flow) if self.margin.watch == Watch::Pressure => {
+                    SlidingFlow::Material(flow) if self.margin.watch == WaveWatch::Pressure => {
                         flow.pressure_step(slide, time)
                     }
                     _ => {
@@ -340,7 +356,7 @@ impl AtZero {
     }
 }
 
-impl Constraint<Wave> for AtZero {
+impl Constraint<Wave> for MarginConstraint {
     fn evaluate(
         &mut self,
         wave: &Wave,

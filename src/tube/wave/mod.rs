@@ -37,4 +37,4 @@ pub mod successor;
 
 pub use crate::tube::flow::Flows;
 pub(crate) use layout::width;
-pub use layout::{Scales, Wave, WaveAt};
+pub use layout::{Wave, WaveAt, WaveScales};

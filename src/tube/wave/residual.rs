@@ -2,13 +2,13 @@
 
 use std::f64::consts::TAU;
 
-use super::{Scales, Wave, WaveAt};
+use super::{Wave, WaveAt, WaveScales};
 use crate::continuation::newton::{self, System};
 use crate::linalg::{Matrix, Vector};
 use crate::tube::flow::jet::{DURATION, ENTRY_W, ENTRY_Y, Jet, LAYER, RADIAL_LAYER};
 use crate::tube::flow::{FlowError, Frame, Quantities, SlidingFlow, ZoneEnd};
 use crate::tube::model::Impact;
-use crate::tube::model::signature::{Entry, Regime};
+use crate::tube::model::signature::{Regime, ZoneEntry};
 
 impl WaveAt<'_> {
     /// End of a zone: state and scaled switching function, with derivatives.
@@ -38,15 +38,15 @@ impl WaveAt<'_> {
             }
             Regime::Slip | Regime::Reverse | Regime::Contact => {
                 let order = wave.order_at_entry(zone.entry);
-                let arrested = next == Entry::Arrest;
+                let arrested = next == ZoneEntry::Arrest;
                 let end = flows.contact(zone.regime).zone(&slide, order, arrested)?;
                 let w = end.w;
-                let switching = if next == Entry::TakeOff && wave.material {
+                let switching = if next == ZoneEntry::TakeOff && wave.material {
                     // Ü = 0 just after it takes the place of P = 0
                     Jet::default()
-                } else if next == Entry::TakeOff {
+                } else if next == ZoneEntry::TakeOff {
                     flows.frame.pressure(w) * (1.0 / wave.scales.pressure)
-                } else if next == Entry::Section {
+                } else if next == ZoneEntry::Section {
                     w
                 } else if wave.material {
                     // 1, 1/T or 1/T²: see MaterialFlow::zone
@@ -108,7 +108,7 @@ impl WaveAt<'_> {
         let mut conditions = Vec::with_capacity(4);
         if wave.signature.zone(index).regime == Regime::Separation {
             conditions.push((4, index, end.second));
-            if next.entry == Entry::ArrestedLanding {
+            if next.entry == ZoneEntry::ArrestedLanding {
                 conditions.push((3, index, end.w - 1.0));
             } else {
                 let friction = self.reaction(next.regime);
@@ -124,7 +124,7 @@ impl WaveAt<'_> {
             let none = Jet::variable(self.slide(index).radial, RADIAL_LAYER) * (1.0 / scales.rate);
             conditions.push((4, index, none));
         }
-        if next.entry == Entry::TakeOff {
+        if next.entry == ZoneEntry::TakeOff {
             conditions.push((2, index + 1, radial * (1.0 / scales.layer)));
         }
         conditions.push((3, index, end.acceleration * (1.0 / scales.layer)));
@@ -147,11 +147,12 @@ impl WaveAt<'_> {
         match next.entry {
             // set, not carried over: the switching function of a zone entered at W = 1 takes that for
             // granted
-            Entry::Arrest | Entry::Release | Entry::Reversal | Entry::ArrestedLanding => {
-                Jet::constant(1.0)
-            }
-            Entry::Section => Jet::default(),
-            Entry::Landing | Entry::Touch => {
+            ZoneEntry::Arrest
+            | ZoneEntry::Release
+            | ZoneEntry::Reversal
+            | ZoneEntry::ArrestedLanding => Jet::constant(1.0),
+            ZoneEntry::Section => Jet::default(),
+            ZoneEntry::Landing | ZoneEntry::Touch => {
                 let sign = match wave.model.impact {
                     _ if wave.material => return end.w,
                     Impact::Frictionless => return end.w,
@@ -216,7 +217,7 @@ impl System for Wave {
         };
         let n = self.zones();
         let width = self.width();
-        let Scales { time, rate, .. } = self.scales;
+        let WaveScales { time, rate, .. } = self.scales;
         for zone in 0..n {
             let end = at.zone_end(zone)?;
             let after = at.rate_after_switch(&end, zone);

@@ -151,13 +151,13 @@ fn length(parameters: &Constants, excess: f64) -> f64 {
 
 /// e as a function of a variable x in (0, 1) that resolves both ends of the range of waves:
 /// from ζ = 1 (x = 0) to F = 0 or |c| = ∞ (x = 1).
-struct Range {
+struct SpeedRange {
     lowest: f64,
     highest: f64,
 }
 
-impl Range {
-    fn new(parameters: &Constants) -> Option<Range> {
+impl SpeedRange {
+    fn new(parameters: &Constants) -> Option<SpeedRange> {
         let coefficients = parameters.coefficients;
         let highest = if parameters.mass_damping > 0.0 {
             parameters.friction * coefficients.coupling.abs()
@@ -173,7 +173,7 @@ impl Range {
         };
         let (_, log) = boundary((-80.0, 80.0), 0.0, |log| zeta_below_one(log.exp()));
         let lowest = log.exp();
-        (lowest < highest).then_some(Range { lowest, highest })
+        (lowest < highest).then_some(SpeedRange { lowest, highest })
     }
 
     fn excess(&self, x: f64) -> f64 {
@@ -188,7 +188,7 @@ impl Range {
 }
 
 /// x of least length: a scan, and golden section where the scan finds nothing short enough.
-fn shortest(parameters: &Constants, range: &Range, wanted: f64) -> f64 {
+fn shortest(parameters: &Constants, range: &SpeedRange, wanted: f64) -> f64 {
     const SCAN: u32 = 48;
     let length_at = |x: f64| length(parameters, range.excess(x));
     let mut best = (f64::INFINITY, 0.5);
@@ -237,7 +237,7 @@ pub fn slip_stick(model: &Model, mode: u32, which: Which) -> Result<SlipStick, N
         damping: parameters.mass_damping,
         hopf,
     };
-    let range = Range::new(&parameters).ok_or(beyond_hopf)?;
+    let range = SpeedRange::new(&parameters).ok_or(beyond_hopf)?;
     let middle = shortest(&parameters, &range, wanted);
     if length(&parameters, range.excess(middle)) > wanted {
         return match fold_in_friction(model, mode) {
@@ -276,7 +276,7 @@ pub fn fold_in_friction(model: &Model, mode: u32) -> Option<f64> {
             friction,
             ..parameters
         };
-        let range = Range::new(&parameters)?;
+        let range = SpeedRange::new(&parameters)?;
         let x = shortest(&parameters, &range, 0.0);
         Some(length(&parameters, range.excess(x)) - wanted)
     };
@@ -303,7 +303,7 @@ pub fn fold_in_friction(model: &Model, mode: u32) -> Option<f64> {
 
 /// Where the inequalities of the slip-stick wave fail as δ falls; it does not depend on δ itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Onset {
+pub struct SlipStickOnset {
     /// The pressure touches zero in slip at δ = −κ min V̇/g.
     pub separation: f64,
     /// Reverse slip appears before stick at δ = −(α + fκ + h(F/h − T2))/(2fg); below 0 where it never does.
@@ -311,11 +311,11 @@ pub struct Onset {
 }
 
 /// Where the slip-stick wave gives way to others.
-pub fn onset(model: &Model, wave: &SlipStick) -> Onset {
+pub fn onset(model: &Model, wave: &SlipStick) -> SlipStickOnset {
     let parameters = model.constants();
     let coefficients = parameters.coefficients;
     let kappa = coefficients.coupling / wave.speed;
-    Onset {
+    SlipStickOnset {
         separation: -kappa * wave.least_rate / coefficients.g,
         reverse: -(parameters.mass_damping
             + parameters.friction * kappa
@@ -326,7 +326,7 @@ pub fn onset(model: &Model, wave: &SlipStick) -> Onset {
 
 /// δ below which the slip-stick wave is no longer admissible, for one reason or the other.
 pub fn least_mismatch(model: &Model, wave: &SlipStick) -> f64 {
-    let Onset {
+    let SlipStickOnset {
         separation,
         reverse,
     } = onset(model, wave);

@@ -9,10 +9,10 @@
 
 use crate::linalg::Vector;
 use crate::tube::flow::{FlowError, Slide, SlidingFlow};
-use crate::tube::model::signature::{Entry, Regime, Signature, Zone, paths};
+use crate::tube::model::signature::{Regime, Signature, WaveZone, ZoneEntry, paths};
 
-use super::admissibility::{Margin, Watch};
-use super::{Flows, Wave};
+use super::admissibility::{RegimeMargin, WaveWatch};
+use super::{Flows, Wave, WaveAt};
 use crate::orbit::Candidate;
 
 /// New zones tried at one event: two suffice for every codimension-one event of the table, since
@@ -22,14 +22,14 @@ const LONGEST_CHAIN: usize = 2;
 /// A zone of a cycle that may become a wave.
 #[derive(Clone, Copy)]
 struct CycleZone {
-    zone: Zone,
+    zone: WaveZone,
     slide: Slide,
     /// Whether it has no length yet.
     nascent: bool,
 }
 
 /// A wave cut open at one instant.
-struct Opened {
+struct CutWave {
     /// From just after the instant to just before it.
     zones: Vec<CycleZone>,
     /// (Y, W) at the instant.
@@ -40,11 +40,37 @@ struct Opened {
     joined: bool,
 }
 
+impl CutWave {
+    /// The cycle with the zones of a chain in the cut: all but the last have no length yet.
+    fn with_chain(&self, flows: &Flows, chain: &[WaveZone]) -> Result<Vec<CycleZone>, FlowError> {
+        let inserted = chain.len() - 1;
+        let entry = self.instant;
+        let nascent = |zone: &WaveZone| {
+            let [layer, radial] = nascent_layers(flows, zone.regime, entry, self.acceleration)?;
+            Ok(CycleZone {
+                zone: *zone,
+                slide: Slide {
+                    entry,
+                    duration: 0.0,
+                    layer,
+                    radial,
+                },
+                nascent: true,
+            })
+        };
+        let nascent: Result<_, FlowError> = chain[..inserted].iter().map(nascent).collect();
+        let mut cycle: Vec<CycleZone> = nascent?;
+        cycle.extend_from_slice(&self.zones);
+        cycle[inserted].zone = chain[inserted];
+        Ok(cycle)
+    }
+}
+
 /// Every candidate for the signature beyond an event.
 pub fn candidates(
     wave: &Wave,
     point: &Vector,
-    margin: &Margin,
+    margin: &RegimeMargin,
 ) -> Result<Vec<Candidate<Wave>>, FlowError> {
     let Some(opened) = open(wave, point, margin)? else {
         return Ok(Vec::new());
@@ -97,26 +123,7 @@ pub fn candidates(
         if !chain.iter().all(|zone| wave.model.law.has(zone.regime)) {
             continue;
         }
-        let inserted = chain.len() - 1;
-        let entry = opened.instant;
-        let nascent = |zone: &Zone| {
-            let [layer, radial] = nascent_layers(&flows, zone.regime, entry, opened.acceleration)?;
-            Ok(CycleZone {
-                zone: *zone,
-                slide: Slide {
-                    entry,
-                    duration: 0.0,
-                    layer,
-                    radial,
-                },
-                nascent: true,
-            })
-        };
-        let nascent: Result<_, FlowError> = chain[..inserted].iter().map(nascent).collect();
-        let mut cycle: Vec<CycleZone> = nascent?;
-        cycle.extend_from_slice(zones);
-        cycle[inserted].zone = chain[inserted];
-        add(cycle);
+        add(opened.with_chain(&flows, &chain)?);
     }
     Ok(found)
 }
@@ -163,7 +170,7 @@ fn sectioned(wave: &Wave, flows: &Flows, mut zones: Vec<CycleZone>) -> Option<Ve
             nascent: false,
         }]);
     }
-    let section = |part: &CycleZone| part.zone.entry == Entry::Section;
+    let section = |part: &CycleZone| part.zone.entry == ZoneEntry::Section;
     if let Some(index) = zones.iter().position(section) {
         let before = (index + zones.len() - 1) % zones.len();
         if zones[before].zone.regime == zones[index].zone.regime {
@@ -191,9 +198,9 @@ fn from_beginning(mut zones: Vec<CycleZone>) -> Vec<CycleZone> {
 }
 
 /// Cuts a wave open where a margin is zero.
-fn open(wave: &Wave, point: &Vector, margin: &Margin) -> Result<Option<Opened>, FlowError> {
+fn open(wave: &Wave, point: &Vector, margin: &RegimeMargin) -> Result<Option<CutWave>, FlowError> {
     let zones = wave.signature.0.iter().zip(wave.unpack(point));
-    let mut zones: Vec<CycleZone> = zones
+    let zones: Vec<CycleZone> = zones
         .map(|(&zone, slide)| CycleZone {
             zone,
             slide,
@@ -203,12 +210,11 @@ fn open(wave: &Wave, point: &Vector, margin: &Margin) -> Result<Option<Opened>, 
     let count = zones.len();
     let index = margin.zone;
     let at = wave.at(point)?;
-    let flows = &at.flows;
     // at the beginning of a zone
     let at_entry = |index: usize, mut zones: Vec<CycleZone>| {
         zones.rotate_left(index % count);
         let [_, acceleration] = at.entry_acceleration(index)?;
-        Ok::<_, FlowError>(Opened {
+        Ok::<_, FlowError>(CutWave {
             instant: zones[0].slide.entry,
             zones,
             acceleration: acceleration.value,
@@ -216,8 +222,8 @@ fn open(wave: &Wave, point: &Vector, margin: &Margin) -> Result<Option<Opened>, 
         })
     };
     Ok(Some(match margin.watch {
-        Watch::Coupling => return Ok(None),
-        Watch::Duration => {
+        WaveWatch::Coupling => return Ok(None),
+        WaveWatch::Duration => {
             if count < 2 {
                 return Ok(None);
             }
@@ -225,54 +231,67 @@ fn open(wave: &Wave, point: &Vector, margin: &Margin) -> Result<Option<Opened>, 
             opened.zones.remove(0);
             opened
         }
-        Watch::Pressure | Watch::Rate | Watch::Gap => {
-            // split: the second part keeps the regime, the first keeps the entry
-            let zone = zones[index].zone;
-            let slide = at.slide(index);
-            let (instant, acceleration) = match zone.regime {
-                Regime::Separation => {
-                    let [_, _, y, w] = flows.separation().state(&slide, margin.time)?;
-                    ([y, w], 0.0)
-                }
-                regime => {
-                    let flow = flows.contact(regime);
-                    let state = flow.state(&slide, margin.time)?;
-                    (state, flow.acceleration(&slide, margin.time, state))
-                }
-            };
-            let rest = slide.duration - margin.time;
-            let first = &mut zones[index].slide;
-            first.duration = margin.time;
-            if zone.regime == Regime::Separation {
-                if let Some(flow) = flows.separation().layered()? {
-                    [first.layer, first.radial] = flow.layers_at(&slide, margin.time);
-                }
-            } else if let SlidingFlow::Material(flow) = flows.contact(zone.regime) {
-                first.layer = slide.layer * (-rest / flow.rho).exp();
-            }
-            zones.rotate_left((index + 1) % count);
-            let second = CycleZone {
-                zone,
-                slide: Slide {
-                    entry: instant,
-                    duration: rest,
-                    ..slide
-                },
-                nascent: false,
-            };
-            zones.insert(0, second);
-            Opened {
-                zones,
-                instant,
-                acceleration,
-                joined: true,
-            }
+        WaveWatch::Pressure | WaveWatch::Rate | WaveWatch::Gap => {
+            split(&at, zones, index, margin.time)?
         }
-        Watch::LandingPressure
-        | Watch::Tension
-        | Watch::LandingRate
-        | Watch::LowerForce
-        | Watch::Release => at_entry(index, zones)?,
-        Watch::UpperForce | Watch::Impulse | Watch::LandingSpeed => at_entry(index + 1, zones)?,
+        WaveWatch::LandingPressure
+        | WaveWatch::Tension
+        | WaveWatch::LandingRate
+        | WaveWatch::LowerForce
+        | WaveWatch::Release => at_entry(index, zones)?,
+        WaveWatch::UpperForce | WaveWatch::Impulse | WaveWatch::LandingSpeed => {
+            at_entry(index + 1, zones)?
+        }
     }))
+}
+
+/// Cuts a zone in two at a time: the second part keeps the regime, the first keeps the entry.
+fn split(
+    at: &WaveAt,
+    mut zones: Vec<CycleZone>,
+    index: usize,
+    time: f64,
+) -> Result<CutWave, FlowError> {
+    let flows = &at.flows;
+    let count = zones.len();
+    let zone = zones[index].zone;
+    let slide = at.slide(index);
+    let (instant, acceleration) = match zone.regime {
+        Regime::Separation => {
+            let [_, _, y, w] = flows.separation().state(&slide, time)?;
+            ([y, w], 0.0)
+        }
+        regime => {
+            let flow = flows.contact(regime);
+            let state = flow.state(&slide, time)?;
+            (state, flow.acceleration(&slide, time, state))
+        }
+    };
+    let rest = slide.duration - time;
+    let first = &mut zones[index].slide;
+    first.duration = time;
+    if zone.regime == Regime::Separation {
+        if let Some(flow) = flows.separation().layered()? {
+            [first.layer, first.radial] = flow.layers_at(&slide, time);
+        }
+    } else if let SlidingFlow::Material(flow) = flows.contact(zone.regime) {
+        first.layer = slide.layer * (-rest / flow.rho).exp();
+    }
+    zones.rotate_left((index + 1) % count);
+    let second = CycleZone {
+        zone,
+        slide: Slide {
+            entry: instant,
+            duration: rest,
+            ..slide
+        },
+        nascent: false,
+    };
+    zones.insert(0, second);
+    Ok(CutWave {
+        zones,
+        instant,
+        acceleration,
+        joined: true,
+    })
 }

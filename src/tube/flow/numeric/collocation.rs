@@ -14,128 +14,11 @@
 //! δK¹_i − h Σ_j (r_i a_ij + hpq_i (A²)_ij) δK¹_j = r¹_i + hq_i Σ_j a_ij r⁰_j.
 //! ```
 
-use std::sync::OnceLock;
-
-use super::equations::Field;
-use crate::tube::flow::jet::{Dual, Jet};
+use super::equations::VectorField;
+use super::gauss::GaussRule;
+use crate::tube::flow::jet::{Jet, MultiDual};
 use crate::tube::flow::method::MAX_DEGREE;
 use crate::tube::flow::{FlowError, Unsolved};
-
-/// Gauss points on \[0, 1\] with the integrals of their Lagrange polynomials.
-#[derive(Clone, Debug)]
-struct Gauss {
-    /// a_ij = ∫₀^{c_i} ℓ_j.
-    a: Vec<Vec<f64>>,
-    /// b_j = ∫₀¹ ℓ_j.
-    b: Vec<f64>,
-    /// Coefficients of the leading divided difference, Σ_j d_j K_j = K⁽ᵐ⁻¹⁾/(m − 1)!.
-    leading: Vec<f64>,
-    nodes: Vec<f64>,
-    /// Coefficients of ℓ_j in powers of x.
-    polynomials: Vec<Vec<f64>>,
-}
-
-impl Gauss {
-    fn new(m: usize) -> Gauss {
-        // roots of the Legendre polynomial of degree m on [−1, 1] by Newton's method
-        let legendre = |x: f64| {
-            let (mut before, mut value) = (1.0, x);
-            for n in 1..m {
-                let n = n as f64;
-                (before, value) = (
-                    value,
-                    ((2.0 * n + 1.0) * x * value - n * before) / (n + 1.0),
-                );
-            }
-            (value, m as f64 * (x * value - before) / (x * x - 1.0))
-        };
-        let nodes: Vec<f64> = (0..m)
-            .map(|index| {
-                let turn = (index as f64 + 0.75) / (m as f64 + 0.5);
-                let mut x = -(std::f64::consts::PI * turn).cos();
-                for _ in 0..8 {
-                    let (value, slope) = legendre(x);
-                    x -= value / slope;
-                }
-                0.5 * (1.0 + x)
-            })
-            .collect();
-        // ℓ_j in powers of x, integrated
-        let lagrange = |j: usize| {
-            let mut coefficients = vec![1.0];
-            for (other, node) in nodes.iter().enumerate() {
-                if other == j {
-                    continue;
-                }
-                let scale = 1.0 / (nodes[j] - node);
-                let mut next = vec![0.0; coefficients.len() + 1];
-                for (power, value) in coefficients.iter().enumerate() {
-                    next[power + 1] += value * scale;
-                    next[power] -= value * node * scale;
-                }
-                coefficients = next;
-            }
-            coefficients
-        };
-        let polynomials: Vec<Vec<f64>> = (0..m).map(lagrange).collect();
-        let integral = |j: usize, to: f64| {
-            let sum = polynomials[j].iter().enumerate().rev();
-            to * sum.fold(0.0, |sum, (power, value)| {
-                sum * to + value / (power as f64 + 1.0)
-            })
-        };
-        Gauss {
-            a: nodes
-                .iter()
-                .map(|node| (0..m).map(|j| integral(j, *node)).collect())
-                .collect(),
-            b: (0..m).map(|j| integral(j, 1.0)).collect(),
-            leading: polynomials.iter().map(|values| values[m - 1]).collect(),
-            nodes,
-            polynomials,
-        }
-    }
-
-    fn of_degree(m: usize) -> &'static Gauss {
-        static TABLES: OnceLock<Vec<Gauss>> = OnceLock::new();
-        let tables = TABLES.get_or_init(|| (1..=MAX_DEGREE).map(Gauss::new).collect());
-        &tables[m.clamp(1, MAX_DEGREE) - 1]
-    }
-}
-
-/// The same numbers for a degree known to the compiler, which unrolls the loops over Gauss points.
-struct Rule<const M: usize> {
-    a: [[f64; M]; M],
-    /// A².
-    squared: [[f64; M]; M],
-    b: [f64; M],
-    leading: [f64; M],
-    nodes: [f64; M],
-    polynomials: [[f64; M]; M],
-}
-
-impl<const M: usize> Rule<M> {
-    fn new() -> Rule<M> {
-        let gauss = Gauss::of_degree(M);
-        let row = |from: &[f64]| -> [f64; M] { std::array::from_fn(|index| from[index]) };
-        let a: [[f64; M]; M] = std::array::from_fn(|i| row(&gauss.a[i]));
-        let squared = |i: usize, j: usize| (0..M).map(|l| a[i][l] * a[l][j]).sum();
-        Rule {
-            squared: std::array::from_fn(|i| std::array::from_fn(|j| squared(i, j))),
-            a,
-            b: row(&gauss.b),
-            leading: row(&gauss.leading),
-            nodes: row(&gauss.nodes),
-            polynomials: std::array::from_fn(|j| row(&gauss.polynomials[j])),
-        }
-    }
-
-    /// ℓ_j at x.
-    fn lagrange(&self, j: usize, x: f64) -> f64 {
-        let powers = self.polynomials[j].iter().rev();
-        powers.fold(0.0, |sum, power| sum * x + power)
-    }
-}
 
 /// A mesh and the degree of the polynomials.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -288,7 +171,7 @@ fn solve<const N: usize>(columns: &[[f64; N]], pivots: &[usize], right: &mut [f6
 }
 
 /// LU factors of the linear system of a chain, in the slopes of x₁ alone.
-struct Chain<const M: usize> {
+struct ChainFactors<const M: usize> {
     columns: [[f64; M]; M],
     pivots: [usize; M],
     /// hq_i.
@@ -300,7 +183,7 @@ struct Chain<const M: usize> {
 /// The solution on the intervals of a mesh, one after the other.
 struct Solver<'a, const D: usize, const M: usize, F> {
     frozen: &'a F,
-    rule: &'a Rule<M>,
+    rule: &'a GaussRule<M>,
     /// x at the right end of the interval solved last.
     end: [f64; D],
     /// Slopes at its Gauss points.
@@ -310,10 +193,10 @@ struct Solver<'a, const D: usize, const M: usize, F> {
     /// Of the linear system of the last Newton iteration, where F is no chain.
     local: Local,
     /// The same where it is one.
-    chain: Chain<M>,
+    chain: ChainFactors<M>,
     trial: [[f64; D]; M],
     /// Rates at the Gauss points with their derivatives in x, and the residuals of the equations.
-    rates: [[Dual<D>; D]; M],
+    rates: [[MultiDual<D>; D]; M],
     right: [[f64; D]; M],
     step: [[f64; D]; M],
 }
@@ -327,8 +210,8 @@ fn square(numbers: &[f64]) -> f64 {
     numbers.iter().map(|number| number * number).sum()
 }
 
-impl<'a, const D: usize, const M: usize, F: Field<D, Dual<D>>> Solver<'a, D, M, F> {
-    fn new(frozen: &'a F, rule: &'a Rule<M>) -> Self {
+impl<'a, const D: usize, const M: usize, F: VectorField<D, MultiDual<D>>> Solver<'a, D, M, F> {
+    fn new(frozen: &'a F, rule: &'a GaussRule<M>) -> Self {
         Solver {
             frozen,
             rule,
@@ -336,14 +219,14 @@ impl<'a, const D: usize, const M: usize, F: Field<D, Dual<D>>> Solver<'a, D, M, 
             slopes: [[0.0; D]; M],
             length: 0.0,
             local: Local::new(if F::IS_CHAIN { 0 } else { M * D }),
-            chain: Chain {
+            chain: ChainFactors {
                 columns: [[0.0; M]; M],
                 pivots: [0; M],
                 coupling: [0.0; M],
                 slope: 0.0,
             },
             trial: [[0.0; D]; M],
-            rates: [[Dual::constant(0.0); D]; M],
+            rates: [[MultiDual::constant(0.0); D]; M],
             right: [[0.0; D]; M],
             step: [[0.0; D]; M],
         }
@@ -362,7 +245,7 @@ impl<'a, const D: usize, const M: usize, F: Field<D, Dual<D>>> Solver<'a, D, M, 
         for i in 0..M {
             let at = self.stage(from, h, &self.trial, i);
             let rate = self.frozen.rate(&std::array::from_fn(|row| {
-                let mut x = Dual::constant(at[row]);
+                let mut x = MultiDual::constant(at[row]);
                 x.by[row] = 1.0;
                 x
             }));
@@ -378,7 +261,7 @@ impl<'a, const D: usize, const M: usize, F: Field<D, Dual<D>>> Solver<'a, D, M, 
     fn interval(&mut self, h: f64, enough: f64) -> Result<(), Unsolved> {
         let from = self.end;
         if !self.carry_on(&from, h) {
-            let first = self.frozen.rate(&from.map(Dual::constant));
+            let first = self.frozen.rate(&from.map(MultiDual::constant));
             self.trial.fill(first.map(|rate| rate.value));
             self.evaluate(&from, h);
         }
@@ -423,7 +306,7 @@ impl<'a, const D: usize, const M: usize, F: Field<D, Dual<D>>> Solver<'a, D, M, 
 
     /// The same for the slopes of x₁ alone.
     fn factorise_chain(&mut self, h: f64) -> bool {
-        let Rule { a, squared, .. } = self.rule;
+        let GaussRule { a, squared, .. } = self.rule;
         let chain = &mut self.chain;
         chain.slope = h * self.rates[0][0].by[1];
         for i in 0..M {
@@ -513,7 +396,7 @@ impl<'a, const D: usize, const M: usize, F: Field<D, Dual<D>>> Solver<'a, D, M, 
 
     /// Carries the derivatives of the start and of the zone's unknowns over the interval solved last:
     /// K_i′ − h Σ a_ij J_i K_j′ = J_i x₀′ + ∂F/∂(zone).
-    fn derivatives(&mut self, field: &impl Field<D, Jet>, start: &[Jet; D]) -> [Jet; D] {
+    fn derivatives(&mut self, field: &impl VectorField<D, Jet>, start: &[Jet; D]) -> [Jet; D] {
         let h = self.length;
         let from = start.map(|jet| jet.value);
         let mut end: [Jet; D] = std::array::from_fn(|row| Jet {
@@ -541,9 +424,9 @@ impl<'a, const D: usize, const M: usize, F: Field<D, Dual<D>>> Solver<'a, D, M, 
 
 /// The mesh that equidistributes |x⁽ᵐ⁾|^{1/m}, as the solution on the mesh `points` shows it.
 fn adapted<const D: usize, const M: usize>(
-    frozen: &impl Field<D, Dual<D>>,
+    frozen: &impl VectorField<D, MultiDual<D>>,
     points: &[f64],
-    rule: &Rule<M>,
+    rule: &GaussRule<M>,
 ) -> Result<Vec<f64>, Unsolved> {
     let count = points.len() - 1;
     let mut solver = Solver::new(frozen, rule);
@@ -604,8 +487,8 @@ fn adapted<const D: usize, const M: usize>(
 /// x(1) of dx/dτ = F(x), x(0) = 0, with all derivatives of `field`; `frozen` is the same field
 /// without derivatives.
 pub(crate) fn jets<const D: usize>(
-    field: &impl Field<D, Jet>,
-    frozen: &impl Field<D, Dual<D>>,
+    field: &impl VectorField<D, Jet>,
+    frozen: &impl VectorField<D, MultiDual<D>>,
     mesh: Mesh,
     duration: f64,
 ) -> Result<[Jet; D], FlowError> {
@@ -614,11 +497,11 @@ pub(crate) fn jets<const D: usize>(
 }
 
 fn jets_of_degree<const D: usize, const M: usize>(
-    field: &impl Field<D, Jet>,
-    frozen: &impl Field<D, Dual<D>>,
+    field: &impl VectorField<D, Jet>,
+    frozen: &impl VectorField<D, MultiDual<D>>,
     mesh: Mesh,
 ) -> Result<[Jet; D], Unsolved> {
-    let rule = Rule::<M>::new();
+    let rule = GaussRule::<M>::new();
     let mut x = [Jet::default(); D];
     let mut solver = Solver::new(frozen, &rule);
     for pair in mesh_points(frozen, mesh, &rule)?.windows(2) {
@@ -629,9 +512,9 @@ fn jets_of_degree<const D: usize, const M: usize>(
 }
 
 fn mesh_points<const D: usize, const M: usize>(
-    frozen: &impl Field<D, Dual<D>>,
+    frozen: &impl VectorField<D, MultiDual<D>>,
     mesh: Mesh,
-    rule: &Rule<M>,
+    rule: &GaussRule<M>,
 ) -> Result<Vec<f64>, Unsolved> {
     let count = mesh.intervals.max(1);
     let mut points: Vec<f64> = (0..=count)
@@ -645,7 +528,7 @@ fn mesh_points<const D: usize, const M: usize>(
 
 /// The solution at the mesh points, with their τ.
 pub(crate) fn at_mesh_points<const D: usize>(
-    frozen: &impl Field<D, Dual<D>>,
+    frozen: &impl VectorField<D, MultiDual<D>>,
     mesh: Mesh,
     duration: f64,
 ) -> Result<Vec<(f64, [f64; D])>, FlowError> {
@@ -654,10 +537,10 @@ pub(crate) fn at_mesh_points<const D: usize>(
 }
 
 fn at_mesh_points_of_degree<const D: usize, const M: usize>(
-    frozen: &impl Field<D, Dual<D>>,
+    frozen: &impl VectorField<D, MultiDual<D>>,
     mesh: Mesh,
 ) -> Result<Vec<(f64, [f64; D])>, Unsolved> {
-    let rule = Rule::<M>::new();
+    let rule = GaussRule::<M>::new();
     let mut solver = Solver::new(frozen, &rule);
     let mut solution = vec![(0.0, solver.end)];
     for pair in mesh_points(frozen, mesh, &rule)?.windows(2) {
@@ -669,7 +552,7 @@ fn at_mesh_points_of_degree<const D: usize, const M: usize>(
 
 /// x(1) without derivatives.
 pub(crate) fn values<const D: usize>(
-    frozen: &impl Field<D, Dual<D>>,
+    frozen: &impl VectorField<D, MultiDual<D>>,
     mesh: Mesh,
     duration: f64,
 ) -> Result<[f64; D], FlowError> {

@@ -22,12 +22,12 @@
 //! second integrates the variational equations with the first.
 
 use crate::tube::flow::friction::{multiplier, multiplier_quotient};
-use crate::tube::flow::jet::{DURATION, Dual, ENTRY_W, ENTRY_Y, Jet, Number};
+use crate::tube::flow::jet::{DURATION, ENTRY_W, ENTRY_Y, Jet, JetNumber, MultiDual};
 use crate::tube::flow::{Frame, Quantities};
 use crate::tube::model::FrictionLaw;
 
 /// The right side of an autonomous system in D unknowns.
-pub trait Field<const D: usize, N: Number> {
+pub trait VectorField<const D: usize, N: JetNumber> {
     /// Whether there are two unknowns, and the rate of the first is affine in the second alone, with the same slope
     /// everywhere.
     const IS_CHAIN: bool = false;
@@ -38,7 +38,7 @@ pub trait Field<const D: usize, N: Number> {
 
 /// The right side of a sliding zone, x = (η, ω).
 #[derive(Clone, Copy, Debug)]
-pub struct Sliding<N> {
+pub struct SlidingEquations<N> {
     law: FrictionLaw,
     sigma: f64,
     order: usize,
@@ -65,13 +65,13 @@ fn unknowns(entry: [f64; 2], duration: f64) -> [Jet; 3] {
 
 fn inverse(frame: &Frame, mass: f64, by: impl Fn(&Quantities) -> f64) -> Jet {
     let moved = frame.number(by).by.map(|moved| -moved / (mass * mass));
-    Jet::lifted(Dual {
+    Jet::lifted(MultiDual {
         value: 1.0 / mass,
         by: moved,
     })
 }
 
-impl<N: Number> Sliding<N> {
+impl<N: JetNumber> SlidingEquations<N> {
     /// The zone of this frame, entry and duration.
     pub(crate) fn new(
         frame: &Frame,
@@ -80,10 +80,10 @@ impl<N: Number> Sliding<N> {
         order: usize,
         entry: [f64; 2],
         duration: f64,
-    ) -> Sliding<N> {
+    ) -> SlidingEquations<N> {
         let [y0, w0, duration] = unknowns(entry, duration);
         let at = &frame.at;
-        Sliding {
+        SlidingEquations {
             law,
             sigma,
             order,
@@ -121,7 +121,7 @@ impl<N: Number> Sliding<N> {
     }
 }
 
-impl<N: Number> Field<2, N> for Sliding<N> {
+impl<N: JetNumber> VectorField<2, N> for SlidingEquations<N> {
     // η′ = W₀ + T^m ω
     const IS_CHAIN: bool = true;
 
@@ -163,7 +163,7 @@ pub struct Separated<N> {
     mismatch: N,
 }
 
-impl<N: Number> Separated<N> {
+impl<N: JetNumber> Separated<N> {
     /// The zone of this frame, entry and duration.
     pub(crate) fn new(frame: &Frame, order: usize, entry: [f64; 2], duration: f64) -> Separated<N> {
         let [y0, w0, duration] = unknowns(entry, duration);
@@ -201,7 +201,7 @@ impl<N: Number> Separated<N> {
     }
 }
 
-impl<N: Number> Field<4, N> for Separated<N> {
+impl<N: JetNumber> VectorField<4, N> for Separated<N> {
     fn rate(&self, x: &[N; 4]) -> [N; 4] {
         let [gap, beta, eta, omega] = *x;
         let w = self.w0 + self.duration * omega;

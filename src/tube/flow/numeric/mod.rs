@@ -2,25 +2,26 @@
 
 pub mod collocation;
 pub mod equations;
+mod gauss;
 pub(crate) mod series;
 pub mod shooting;
 
 use std::cell::RefCell;
 use std::collections::VecDeque;
 
-use super::jet::{Dual, Jet, Number};
+use super::jet::{Jet, JetNumber, MultiDual};
 use super::{FlowError, Frame, ZoneEnd};
 use crate::tube::flow::method::Method;
 use crate::tube::model::FrictionLaw;
 use collocation::Mesh;
-use equations::{Field, Separated, Sliding};
-use shooting::Steps;
+use equations::{Separated, SlidingEquations, VectorField};
+use shooting::ShootingSteps;
 
 /// How a zone is integrated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Integrator {
     /// Explicit Runge–Kutta method of order 8.
-    Shooting(Steps),
+    Shooting(ShootingSteps),
     /// Gauss–Legendre collocation on a mesh.
     Collocation(Mesh),
 }
@@ -30,7 +31,7 @@ impl Integrator {
     pub(crate) fn of(method: Method, law: FrictionLaw) -> Option<Integrator> {
         match method {
             Method::Exact => None,
-            Method::Shooting { tolerance } => Some(Integrator::Shooting(Steps {
+            Method::Shooting { tolerance } => Some(Integrator::Shooting(ShootingSteps {
                 tolerance,
                 longest: 1.0,
             })),
@@ -52,8 +53,8 @@ impl Integrator {
     /// without them, and S = 6D.
     fn jets<const D: usize, const S: usize>(
         self,
-        field: &impl Field<D, Jet>,
-        frozen: &impl Field<D, Dual<D>>,
+        field: &impl VectorField<D, Jet>,
+        frozen: &impl VectorField<D, MultiDual<D>>,
         duration: f64,
     ) -> Result<[Jet; D], FlowError> {
         match self {
@@ -65,8 +66,8 @@ impl Integrator {
     /// x(1) without derivatives.
     fn values<const D: usize>(
         self,
-        field: &impl Field<D, f64>,
-        frozen: &impl Field<D, Dual<D>>,
+        field: &impl VectorField<D, f64>,
+        frozen: &impl VectorField<D, MultiDual<D>>,
         duration: f64,
     ) -> Result<[f64; D], FlowError> {
         match self {
@@ -132,8 +133,8 @@ impl NumericalContact {
         }
     }
 
-    fn field<N: Number>(&self, order: usize, entry: [f64; 2], t: f64) -> Sliding<N> {
-        Sliding::new(&self.frame, self.law, self.sigma, order, entry, t)
+    fn field<N: JetNumber>(&self, order: usize, entry: [f64; 2], t: f64) -> SlidingEquations<N> {
+        SlidingEquations::new(&self.frame, self.law, self.sigma, order, entry, t)
     }
 
     /// (Y, W) and the switching function (W − 1)/t^m at the end of a zone, with all derivatives.
@@ -154,8 +155,8 @@ impl NumericalContact {
         if let Some(end) = known {
             return Ok(end);
         }
-        let field: Sliding<Jet> = self.field(m, entry, t);
-        let frozen: Sliding<Dual<2>> = self.field(m, entry, t);
+        let field: SlidingEquations<Jet> = self.field(m, entry, t);
+        let frozen: SlidingEquations<MultiDual<2>> = self.field(m, entry, t);
         let x = self.integrator.jets::<2, 12>(&field, &frozen, t)?;
         let end = field.end(&x);
         SOLVED.with_borrow_mut(|solved| {
@@ -170,8 +171,8 @@ impl NumericalContact {
         if t == 0.0 {
             return Ok(entry);
         }
-        let field: Sliding<f64> = self.field(0, entry, t);
-        let frozen: Sliding<Dual<2>> = self.field(0, entry, t);
+        let field: SlidingEquations<f64> = self.field(0, entry, t);
+        let frozen: SlidingEquations<MultiDual<2>> = self.field(0, entry, t);
         let x = self.integrator.values(&field, &frozen, t)?;
         let [y, w, _] = field.end(&x);
         Ok([y, w])
@@ -198,8 +199,8 @@ impl NumericalContact {
 
     /// The third derivative of V at a state: V̈ differentiated along the flow.
     pub(crate) fn jerk(&self, [y, w]: [f64; 2]) -> f64 {
-        let field: Sliding<Dual<2>> = self.field(0, [y, w], 0.0);
-        let along = |value: f64, slope: f64| Dual {
+        let field: SlidingEquations<MultiDual<2>> = self.field(0, [y, w], 0.0);
+        let along = |value: f64, slope: f64| MultiDual {
             value,
             by: [slope, 0.0],
         };
@@ -222,8 +223,8 @@ impl NumericalContact {
 
     fn sample(&self, entry: [f64; 2], duration: f64) -> Result<Samples, FlowError> {
         if let Integrator::Collocation(mesh) = self.integrator {
-            let plain: Sliding<f64> = self.field(0, entry, duration);
-            let field: Sliding<Dual<2>> = self.field(0, entry, duration);
+            let plain: SlidingEquations<f64> = self.field(0, entry, duration);
+            let field: SlidingEquations<MultiDual<2>> = self.field(0, entry, duration);
             let solution = collocation::at_mesh_points(&field, mesh, duration)?;
             return Ok(solution
                 .into_iter()
@@ -357,13 +358,13 @@ impl NumericalSeparation {
         self.norm
     }
 
-    fn field<N: Number>(&self, order: usize, entry: [f64; 2], t: f64) -> Separated<N> {
+    fn field<N: JetNumber>(&self, order: usize, entry: [f64; 2], t: f64) -> Separated<N> {
         Separated::new(&self.frame, order, entry, t)
     }
 
     fn solve(&self, entry: [f64; 2], t: f64, m: usize) -> Result<[Jet; 5], FlowError> {
         let field: Separated<Jet> = self.field(m, entry, t);
-        let frozen: Separated<Dual<4>> = self.field(m, entry, t);
+        let frozen: Separated<MultiDual<4>> = self.field(m, entry, t);
         let x = self.integrator.jets::<4, 24>(&field, &frozen, t)?;
         Ok(field.end(&x))
     }
@@ -380,7 +381,7 @@ impl NumericalSeparation {
         if t == 0.0 {
             return Ok([self.frame.at.mismatch, 0.0, entry[0], entry[1]]);
         }
-        let frozen: Separated<Dual<4>> = self.field(0, entry, t);
+        let frozen: Separated<MultiDual<4>> = self.field(0, entry, t);
         let x = self.integrator.values(&field, &frozen, t)?;
         let [u, rate, y, w, _] = field.end(&x);
         Ok([u, rate, y, w])

@@ -25,7 +25,7 @@ const MOST_PIECES: usize = 100;
 const MOST_ATTEMPTS: usize = 12;
 
 #[derive(Clone, Debug)]
-pub(crate) struct Piece {
+pub(crate) struct SlipPiece {
     /// Time from the beginning of the zone.
     pub(crate) start: f64,
     pub(crate) duration: f64,
@@ -39,7 +39,7 @@ pub(crate) struct Piece {
 /// more powers of it would not show a layer that is to come.
 const FLAT: (f64, f64) = (26.0, 22.0);
 
-struct Expansion {
+struct SlipExpansion {
     /// How far W may move: infinite but where friction is flat.
     room: f64,
     y: Series,
@@ -63,7 +63,13 @@ pub(crate) fn at(series: &Series, x: f64) -> f64 {
     series.iter().rev().fold(0.0, |sum, term| sum * x + term)
 }
 
-fn expand(of: &Quantities, law: FrictionLaw, sigma: f64, [y0, w0]: [f64; 2], h: f64) -> Expansion {
+fn expand(
+    of: &Quantities,
+    law: FrictionLaw,
+    sigma: f64,
+    [y0, w0]: [f64; 2],
+    h: f64,
+) -> SlipExpansion {
     let (mut y, mut w, mut s, mut slope) = ([0.0; TERMS], [0.0; TERMS], [0.0; TERMS], [0.0; TERMS]);
     // e, or 1 − t²
     let mut inner = [0.0; TERMS];
@@ -111,7 +117,7 @@ fn expand(of: &Quantities, law: FrictionLaw, sigma: f64, [y0, w0]: [f64; 2], h: 
     }
     let mut pressure = w.map(|w| of.kappa * w);
     pressure[0] += weight;
-    Expansion {
+    SlipExpansion {
         room,
         y,
         w,
@@ -121,7 +127,7 @@ fn expand(of: &Quantities, law: FrictionLaw, sigma: f64, [y0, w0]: [f64; 2], h: 
 }
 
 /// How much longer a piece may be, so that its last coefficients are small; `None` unless all are numbers.
-fn stretch(expansion: &Expansion) -> Option<f64> {
+fn stretch(expansion: &SlipExpansion) -> Option<f64> {
     let order = (TERMS - 1) as f64;
     let mut longest = f64::INFINITY;
     for series in [&expansion.w, &expansion.force, &expansion.drag] {
@@ -145,8 +151,8 @@ pub(crate) fn pieces(
     sigma: f64,
     entry: [f64; 2],
     duration: f64,
-) -> Option<(Vec<Piece>, [f64; 2])> {
-    let mut pieces: Vec<Piece> = Vec::new();
+) -> Option<(Vec<SlipPiece>, [f64; 2])> {
+    let mut pieces: Vec<SlipPiece> = Vec::new();
     let (mut start, mut state) = (0.0, entry);
     let mut trial = duration;
     while start < duration {
@@ -182,7 +188,7 @@ pub(crate) fn pieces(
             })
         };
         state = [&expansion.y, &expansion.w].map(|series| at(series, share));
-        pieces.push(Piece {
+        pieces.push(SlipPiece {
             start,
             duration: length,
             force: shorter(&expansion.force),

@@ -6,7 +6,7 @@
 use differential_equations::prelude::{ExplicitRungeKutta, IVP};
 use differential_equations::traits::State;
 
-use super::equations::Field;
+use super::equations::VectorField;
 use crate::tube::flow::jet::{Jet, LAYER};
 use crate::tube::flow::{FlowError, Unsolved};
 
@@ -15,7 +15,7 @@ const MOST_STEPS: usize = 200_000;
 
 /// Step control of one integration.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Steps {
+pub struct ShootingSteps {
     /// Tolerance of the local error of a step, relative and absolute: every unknown is of the order
     /// of the zone's own scales.
     pub tolerance: f64,
@@ -27,7 +27,7 @@ pub struct Steps {
 pub(crate) fn integrate<X: State<f64>>(
     rate: impl Fn(f64, &X, &mut X),
     begin: X,
-    steps: Steps,
+    steps: ShootingSteps,
 ) -> Result<X, Unsolved> {
     let method = ExplicitRungeKutta::dop853()
         .rtol(steps.tolerance)
@@ -45,8 +45,8 @@ pub(crate) fn integrate<X: State<f64>>(
 
 /// x(1) of dx/dτ = F(x), x(0) = 0.
 pub(crate) fn values<const D: usize>(
-    field: &impl Field<D, f64>,
-    steps: Steps,
+    field: &impl VectorField<D, f64>,
+    steps: ShootingSteps,
     duration: f64,
 ) -> Result<[f64; D], FlowError> {
     integrate(|_, x, by| *by = field.rate(x), [0.0; D], steps)
@@ -55,8 +55,8 @@ pub(crate) fn values<const D: usize>(
 
 /// x(1) with all derivatives; S = 6D is the size of a state with its derivatives.
 pub(crate) fn jets<const D: usize, const S: usize>(
-    field: &impl Field<D, Jet>,
-    steps: Steps,
+    field: &impl VectorField<D, Jet>,
+    steps: ShootingSteps,
     duration: f64,
 ) -> Result<[Jet; D], FlowError> {
     let unflatten = |x: &[f64; S]| -> [Jet; D] {

@@ -47,18 +47,18 @@ mod part;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::dual::{Dual, determinant, simultaneous};
-use super::perturbation::{Characteristic, Jump, LinearZone, Scaled, Value};
+use super::dual::{ComplexDual, determinant, simultaneous};
+use super::perturbation::{Characteristic, LinearZone, PerturbationJump, ScaledComplex, Value};
 use super::{C64, ONE, ZERO};
 use crate::linalg::least_vector;
 use crate::tube::model::signature::Regime;
-use part::{BEND, ETA, GROWTH, LEFT, Part, RATE, Shape, U, U_BEND, U_LEFT, U_RATE};
+use part::{BEND, ETA, GROWTH, LEFT, MotionShape, RATE, U, U_BEND, U_LEFT, U_RATE, ZoneMotions};
 
 /// (u, u′, u″, η, η′, η″).
 pub(super) type Motion = [C64; 6];
 
 /// Adds a linear form of motions to a row.
-fn add(row: &mut [Dual], motions: &[[Dual; 8]], form: &[(usize, f64)]) {
+fn add(row: &mut [ComplexDual], motions: &[[ComplexDual; 8]], form: &[(usize, f64)]) {
     for (slot, motion) in row.iter_mut().zip(motions) {
         for &(index, factor) in form {
             *slot = *slot + motion[index] * factor;
@@ -68,21 +68,21 @@ fn add(row: &mut [Dual], motions: &[[Dual; 8]], form: &[(usize, f64)]) {
 
 /// The system of one phase from release to stick, or of a period without stick.
 struct Phase {
-    parts: Vec<Part>,
+    parts: Vec<ZoneMotions>,
     /// M; the first row is η = 1 at release. Without stick the conditions within a period.
-    rows: Vec<Vec<Dual>>,
+    rows: Vec<Vec<ComplexDual>>,
     /// η at the end of a phase that ends.
-    end: Vec<Dual>,
+    end: Vec<ComplexDual>,
     /// B and A of the conditions from a period to the next, those on η and η′ first; none with stick.
-    joints: Vec<[Vec<Dual>; 2]>,
+    joints: Vec<[Vec<ComplexDual>; 2]>,
 }
 
 impl Phase {
-    fn new(parts: Vec<Part>, periodic: bool) -> Phase {
+    fn new(parts: Vec<ZoneMotions>, periodic: bool) -> Phase {
         let width = parts.iter().map(|part| part.shapes.len()).sum();
-        let mut rows: Vec<Vec<Dual>> = Vec::with_capacity(width);
+        let mut rows: Vec<Vec<ComplexDual>> = Vec::with_capacity(width);
         let mut joints = Vec::new();
-        let none = vec![Dual::constant(0.0); width];
+        let none = vec![ComplexDual::constant(0.0); width];
         let start: &[usize] = if periodic { &[] } else { &[ETA, RATE] };
         for &index in start {
             let mut row = none.clone();
@@ -117,7 +117,7 @@ impl Phase {
             };
             let continued = |index: usize| ([(index, 1.0)], [(index, -1.0)]);
             match (part.zone.jump, after.map(|part| part.zone.regime)) {
-                (Jump::Settle(landing), after) if landing.arrested => {
+                (PerturbationJump::Settle(landing), after) if landing.arrested => {
                     condition(&[(U, 1.0)], &[]);
                     condition(&[(RATE, 1.0), (U_RATE, -landing.before)], &[]);
                     if after.is_some() {
@@ -127,7 +127,7 @@ impl Phase {
                     }
                 }
                 (_, None) => condition(&[(RATE, 1.0)], &[]),
-                (Jump::Settle(landing), Some(regime)) => {
+                (PerturbationJump::Settle(landing), Some(regime)) => {
                     let (before, behind) = continued(ETA);
                     condition(&before, &behind);
                     condition(&[(U, 1.0)], &[]);
@@ -150,8 +150,8 @@ impl Phase {
                         condition(&before, &behind);
                     }
                     let (bend, share) = match jump {
-                        Jump::Bend(factor) => (factor, 0.0),
-                        Jump::Depart(share) => (0.0, share),
+                        PerturbationJump::Bend(factor) => (factor, 0.0),
+                        PerturbationJump::Depart(share) => (0.0, share),
                         _ => (0.0, 0.0),
                     };
                     condition(
@@ -179,48 +179,20 @@ impl Phase {
 
     /// g and n, or D₁, −D₂, D₃ and D₀ (with two conditions D₀, −D₁ and D₂), e^{Σ rT} of the exponents counted from the end taken out.
     fn determinants(&self) -> Value {
-        let mut shapes = Scaled::ONE;
-        for part in &self.parts {
-            let of: &[usize] = match part.zone.regime {
-                Regime::Separation => &[0, 1, 2, 3, 4, 5],
-                _ => &[ETA, RATE, BEND],
-            };
-            let columns = part.shapes.iter().zip(&part.entry).map(|(shape, entry)| {
-                let motion = if shape.origin == 0.0 {
-                    *entry
-                } else {
-                    let entry = Shape {
-                        origin: 0.0,
-                        ..*shape
-                    };
-                    entry.at(0.0)
-                };
-                of.iter().map(|&index| motion[index]).collect()
-            });
-            shapes = shapes.times(determinant(columns.collect()));
-        }
-        let inverse = Dual {
+        let shapes = self.shape_determinant();
+        let inverse = ComplexDual {
             at: shapes.value,
             by: shapes.derivative,
         }
         .inverse();
-        let inverse = Scaled {
+        let inverse = ScaledComplex {
             value: inverse.at,
             derivative: inverse.by,
             exponent: -shapes.exponent,
         };
-        // of modulus one, for the exponents alone tell how large they are
-        let unit = |of: Scaled| {
-            if of.value == ZERO {
-                return Scaled::ZERO;
-            }
-            let unit = Scaled::normalised(of.value, of.derivative);
-            let exponent = unit.exponent + of.exponent;
-            Scaled { exponent, ..unit }
-        };
-        let of = |rows: Vec<Vec<Dual>>| determinant(rows).times(inverse);
+        let of = |rows: Vec<Vec<ComplexDual>>| determinant(rows).times(inverse);
         if !self.joints.is_empty() {
-            let mut powers = vec![Scaled::ZERO; self.joints.len() + 1];
+            let mut powers = vec![ScaledComplex::ZERO; self.joints.len() + 1];
             for choice in 0..1_usize << self.joints.len() {
                 let mut rows = self.rows.clone();
                 let chosen = self
@@ -235,14 +207,14 @@ impl Phase {
                 let power = &mut powers[choice.count_ones() as usize];
                 *power = power.plus(of(rows));
             }
-            let mut powers = powers.into_iter().map(unit).rev();
-            let mut next = || powers.next().unwrap_or(Scaled::ZERO);
+            let mut powers = powers.into_iter().map(Self::unit).rev();
+            let mut next = || powers.next().unwrap_or(ScaledComplex::ZERO);
             let [determinant, trace, unit] = [next(), next(), next()];
             return Value {
                 unit,
-                trace: trace.times(Scaled {
+                trace: trace.times(ScaledComplex {
                     value: -ONE,
-                    ..Scaled::ONE
+                    ..ScaledComplex::ONE
                 }),
                 determinant,
                 layer: powers.next(),
@@ -252,17 +224,52 @@ impl Phase {
         let mut bordered = self.rows.clone();
         for (index, row) in bordered.iter_mut().enumerate() {
             // −det of the bordered matrix is n
-            row.push(Dual::constant(if index == 0 { -1.0 } else { 0.0 }));
+            row.push(ComplexDual::constant(if index == 0 { -1.0 } else { 0.0 }));
         }
         let mut last = self.end.clone();
-        last.push(Dual::constant(0.0));
+        last.push(ComplexDual::constant(0.0));
         bordered.push(last);
-        Value::of_stick([self.rows.clone(), bordered].map(|rows| unit(of(rows))))
+        Value::of_stick([self.rows.clone(), bordered].map(|rows| Self::unit(of(rows))))
+    }
+
+    /// A number of the same exponent and argument, of modulus one: exponents alone tell how large determinants are.
+    fn unit(of: ScaledComplex) -> ScaledComplex {
+        if of.value == ZERO {
+            return ScaledComplex::ZERO;
+        }
+        let unit = ScaledComplex::normalised(of.value, of.derivative);
+        let exponent = unit.exponent + of.exponent;
+        ScaledComplex { exponent, ..unit }
+    }
+
+    /// Π of the determinants of the motions of the zones at their entries.
+    fn shape_determinant(&self) -> ScaledComplex {
+        let mut shapes = ScaledComplex::ONE;
+        for part in &self.parts {
+            let of: &[usize] = match part.zone.regime {
+                Regime::Separation => &[0, 1, 2, 3, 4, 5],
+                _ => &[ETA, RATE, BEND],
+            };
+            let columns = part.shapes.iter().zip(&part.entry).map(|(shape, entry)| {
+                let motion = if shape.origin == 0.0 {
+                    *entry
+                } else {
+                    let entry = MotionShape {
+                        origin: 0.0,
+                        ..*shape
+                    };
+                    entry.at(0.0)
+                };
+                of.iter().map(|&index| motion[index]).collect()
+            });
+            shapes = shapes.times(determinant(columns.collect()));
+        }
+        shapes
     }
 
     /// The conditions with a value of ω.
     fn closed(&self, turn: C64) -> Vec<Vec<C64>> {
-        let at = |row: &Vec<Dual>| row.iter().map(|entry| entry.at).collect();
+        let at = |row: &Vec<ComplexDual>| row.iter().map(|entry| entry.at).collect();
         let joined = self.joints.iter().map(|[before, behind]| {
             let pairs = before.iter().zip(behind);
             pairs
@@ -275,22 +282,28 @@ impl Phase {
 
 impl Characteristic {
     /// r² + αr + [stiffness − drive·(r − λ) − ã(r − λ)²](1 + βr).
-    fn pencil(&self, [a, stiffness, drive]: [f64; 3], r: Dual, lambda: Dual) -> Dual {
+    fn pencil(
+        &self,
+        [a, stiffness, drive]: [f64; 3],
+        r: ComplexDual,
+        lambda: ComplexDual,
+    ) -> ComplexDual {
         let turned = r - lambda;
-        let stretched = Dual::constant(1.0) + r * self.beta;
-        let force = Dual::constant(stiffness) - turned * (turned * a + Dual::constant(drive));
-        r * (r + Dual::constant(self.damping)) + force * stretched
+        let stretched = ComplexDual::constant(1.0) + r * self.beta;
+        let force =
+            ComplexDual::constant(stiffness) - turned * (turned * a + ComplexDual::constant(drive));
+        r * (r + ComplexDual::constant(self.damping)) + force * stretched
     }
 
     /// The exponents and shapes of a zone.
-    fn shapes(&self, zone: &LinearZone, lambda: C64) -> Vec<Shape> {
+    fn shapes(&self, zone: &LinearZone, lambda: C64) -> Vec<MotionShape> {
         let free = [self.a, self.h, 0.0];
         let radial = [self.b, self.g, 0.0];
-        let bend = |r: Dual, lambda: Dual| {
-            (r - lambda) * (Dual::constant(1.0) + r * self.beta) * self.kappa
+        let bend = |r: ComplexDual, lambda: ComplexDual| {
+            (r - lambda) * (ComplexDual::constant(1.0) + r * self.beta) * self.kappa
         };
         let sliding = zone.regime.sliding();
-        let equation = |r: Dual, lambda: Dual| match sliding {
+        let equation = |r: ComplexDual, lambda: ComplexDual| match sliding {
             Some(sigma) => {
                 let drive = sigma * self.friction * self.kappa;
                 self.pencil([self.a, self.h, drive], r, lambda)
@@ -307,42 +320,27 @@ impl Characteristic {
         if sliding.is_none() {
             starts.extend(self.split(lambda, self.radial()).roots());
         }
-        let fixed = Dual::constant(lambda);
-        let moving = Dual {
+        let fixed = ComplexDual::constant(lambda);
+        let moving = ComplexDual {
             at: lambda,
             by: ONE,
         };
-        let roots = simultaneous(starts, |r| equation(Dual { at: r, by: ONE }, fixed));
+        let roots = simultaneous(starts, |r| equation(ComplexDual { at: r, by: ONE }, fixed));
         roots
             .into_iter()
             .map(|at| {
-                let slope = equation(Dual { at, by: ONE }, fixed).by;
-                let by = -equation(Dual::constant(at), moving).by / slope;
-                let r = Dual { at, by };
-                let shape = if sliding.is_some() {
-                    [Dual::constant(0.0), Dual::constant(1.0)]
-                } else {
-                    // of the two the one whose oscillator is farther from free
-                    let (pa, pb) = (self.pencil(free, r, moving), self.pencil(radial, r, moving));
-                    let size = |[a, stiffness, _]: [f64; 3]| {
-                        at.norm_sqr()
-                            + (stiffness + a * (at - lambda).norm_sqr())
-                                * (at * self.beta + 1.0).norm()
-                    };
-                    let bend = bend(r, moving);
-                    let shape = if pa.at.norm() * size(radial) > pb.at.norm() * size(free) {
-                        [pa, bend]
-                    } else {
-                        [bend * -1.0, pb]
-                    };
-                    let size = (shape[0].at.norm_sqr() + shape[1].at.norm_sqr()).sqrt();
-                    shape.map(|part| part * size.recip())
+                let slope = equation(ComplexDual { at, by: ONE }, fixed).by;
+                let by = -equation(ComplexDual::constant(at), moving).by / slope;
+                let r = ComplexDual { at, by };
+                let shape = match sliding {
+                    Some(_) => [ComplexDual::constant(0.0), ComplexDual::constant(1.0)],
+                    None => self.separated_shape(r, moving, bend(r, moving)),
                 };
                 let late = at.re * zone.duration > GROWTH;
                 let origin = if late { zone.duration } else { 0.0 };
                 let drive = sliding.unwrap_or(0.0) * self.friction * self.kappa;
                 let force = |of: [f64; 3]| match sliding {
-                    Some(_) => Dual::constant(0.0),
+                    Some(_) => ComplexDual::constant(0.0),
                     None => {
                         let bend = bend(r, moving);
                         bend * bend * self.pencil(of, r, moving).inverse()
@@ -354,7 +352,7 @@ impl Characteristic {
                         force(radial)
                     }),
                 ];
-                Shape {
+                MotionShape {
                     r,
                     shape,
                     apart,
@@ -364,22 +362,46 @@ impl Characteristic {
             .collect()
     }
 
+    /// (u, η) of an exponent in separation, of norm one: of the two oscillators it stands in that one counts which is farther
+    /// from free.
+    fn separated_shape(
+        &self,
+        r: ComplexDual,
+        lambda: ComplexDual,
+        bend: ComplexDual,
+    ) -> [ComplexDual; 2] {
+        let free = [self.a, self.h, 0.0];
+        let radial = [self.b, self.g, 0.0];
+        let (pa, pb) = (self.pencil(free, r, lambda), self.pencil(radial, r, lambda));
+        let size = |[a, stiffness, _]: [f64; 3]| {
+            r.at.norm_sqr()
+                + (stiffness + a * (r.at - lambda.at).norm_sqr()) * (r.at * self.beta + 1.0).norm()
+        };
+        let shape = if pa.at.norm() * size(radial) > pb.at.norm() * size(free) {
+            [pa, bend]
+        } else {
+            [bend * -1.0, pb]
+        };
+        let size = (shape[0].at.norm_sqr() + shape[1].at.norm_sqr()).sqrt();
+        shape.map(|part| part * size.recip())
+    }
+
     /// r − m/(βã) of a root of −βãr³ + m₂r² + m₁r + m₀ + force = 0, to its own rounding.
     fn apart(
         &self,
-        r: Dual,
-        lambda: Dual,
+        r: ComplexDual,
+        lambda: ComplexDual,
         [mass, a, stiffness, drive]: [f64; 4],
-        force: impl Fn() -> Dual,
-    ) -> Dual {
+        force: impl Fn() -> ComplexDual,
+    ) -> ComplexDual {
         let (beta, limit) = (self.beta, mass / (self.beta * a));
         if (r.at - limit).norm() > 0.5 * limit {
-            return r - Dual::constant(limit);
+            return r - ComplexDual::constant(limit);
         }
         // βã(r − m/(βã)) = (m₂ − m) + m₁/r + (m₀ + force)/r²
-        let l1 = lambda * (2.0 * a) - Dual::constant(drive);
-        let l0 = lambda * drive - lambda * lambda * a + Dual::constant(stiffness);
-        let m1 = l1 + l0 * beta + Dual::constant(self.damping);
+        let l1 = lambda * (2.0 * a) - ComplexDual::constant(drive);
+        let l0 = lambda * drive - lambda * lambda * a + ComplexDual::constant(stiffness);
+        let m1 = l1 + l0 * beta + ComplexDual::constant(self.damping);
         let inverse = r.inverse();
         (l1 * beta + ((l0 + force()) * inverse + m1) * inverse) * (1.0 / (beta * a))
     }
@@ -390,7 +412,7 @@ impl Characteristic {
             .split(|zone| zone.regime == Regime::Stick)
             .filter(|zones| !zones.is_empty())
             .map(|zones| {
-                let part = |zone: &LinearZone| Part::new(zone, self.shapes(zone, lambda));
+                let part = |zone: &LinearZone| ZoneMotions::new(zone, self.shapes(zone, lambda));
                 Phase::new(zones.iter().map(part).collect(), !self.stick)
             })
             .collect()
@@ -399,7 +421,7 @@ impl Characteristic {
     /// g and n of all phases, or what stands in their place without stick, and Σ rT with its derivative
     /// of what was taken out of them.
     pub(super) fn boundary_values(&self, lambda: C64) -> (Value, [C64; 2]) {
-        let (mut values, mut common) = (Value::of_stick([Scaled::ONE; 2]), [ZERO; 2]);
+        let (mut values, mut common) = (Value::of_stick([ScaledComplex::ONE; 2]), [ZERO; 2]);
         for phase in self.phases(lambda) {
             let found = phase.determinants();
             values = if self.stick {
@@ -470,7 +492,7 @@ impl Characteristic {
                 first = last;
                 zones.next();
             }
-            let at_end = |row: &[Dual]| -> C64 {
+            let at_end = |row: &[ComplexDual]| -> C64 {
                 let pairs = row.iter().zip(amplitudes.iter());
                 pairs.map(|(row, amplitude)| row.at * amplitude).sum()
             };

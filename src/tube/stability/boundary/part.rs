@@ -1,6 +1,6 @@
 //! One zone of the boundary-value problem: its motions e^{rs}, at its entry and at its end.
 
-use super::{C64, Dual, LinearZone};
+use super::{C64, ComplexDual, LinearZone};
 use crate::tube::model::signature::Regime;
 use crate::tube::stability::dual::inverse;
 
@@ -17,11 +17,11 @@ pub(super) const LEFT: usize = 7;
 
 /// A motion (u, η) = shape·e^{rs} of a zone.
 #[derive(Clone, Copy)]
-pub(super) struct Shape {
-    pub(super) r: Dual,
-    pub(super) shape: [Dual; 2],
+pub(super) struct MotionShape {
+    pub(super) r: ComplexDual,
+    pub(super) shape: [ComplexDual; 2],
     /// r − m_b/(βb̃) and r − m_a/(βã).
-    pub(super) apart: [Dual; 2],
+    pub(super) apart: [ComplexDual; 2],
     /// Where s is zero: at the entry, or at the end.
     pub(super) origin: f64,
 }
@@ -29,8 +29,8 @@ pub(super) struct Shape {
 /// An exponent that grows by more than this over a zone is counted from its end.
 pub(super) const GROWTH: f64 = 3.0;
 
-impl Shape {
-    pub(super) fn at(&self, time: f64) -> [Dual; 8] {
+impl MotionShape {
+    pub(super) fn at(&self, time: f64) -> [ComplexDual; 8] {
         // the derivatives of the fastest motions stay of order one
         let size = self.r.at.norm_sqr().max(1.0).recip();
         let factor = (self.r * (time - self.origin)).exp() * size;
@@ -43,13 +43,13 @@ impl Shape {
 }
 
 /// One zone with its motions, at its entry and at its end.
-pub(super) struct Part {
+pub(super) struct ZoneMotions {
     pub(super) zone: LinearZone,
-    pub(super) shapes: Vec<Shape>,
-    pub(super) entry: Vec<[Dual; 8]>,
-    pub(super) exit: Vec<[Dual; 8]>,
+    pub(super) shapes: Vec<MotionShape>,
+    pub(super) entry: Vec<[ComplexDual; 8]>,
+    pub(super) exit: Vec<[ComplexDual; 8]>,
     /// Motions that stand in the place of the brief shapes: which those are, and of how much of each.
-    mixed: (Vec<usize>, Vec<Vec<Dual>>),
+    mixed: (Vec<usize>, Vec<Vec<ComplexDual>>),
 }
 
 /// Exponents r with |r|T below this hardly differ over a zone.
@@ -58,11 +58,11 @@ const BRIEF: f64 = 1.0;
 /// Terms of a power series of e^{rT}: 1/21! is left.
 const TERMS: usize = 21;
 
-impl Part {
-    pub(super) fn new(zone: &LinearZone, shapes: Vec<Shape>) -> Part {
+impl ZoneMotions {
+    pub(super) fn new(zone: &LinearZone, shapes: Vec<MotionShape>) -> ZoneMotions {
         let at = |time: f64| shapes.iter().map(|shape| shape.at(time)).collect();
         let (entry, exit) = (at(0.0), at(zone.duration));
-        let mut part = Part {
+        let mut part = ZoneMotions {
             zone: zone.clone(),
             entry,
             exit,
@@ -109,10 +109,10 @@ impl Part {
         });
         let bare = self.entry.clone();
         for (column, unit) in units.iter().enumerate() {
-            let mut ends = [[Dual::constant(0.0); 8]; 2];
+            let mut ends = [[ComplexDual::constant(0.0); 8]; 2];
             for part in 2 - parts..2 {
                 // of what share of each shape, and its derivatives at the entry
-                let mut left: Vec<Dual> = indices
+                let mut left: Vec<ComplexDual> = indices
                     .iter()
                     .zip(&shares)
                     .map(|(index, share)| bare[*index][3 * part] * share[column])
@@ -120,9 +120,10 @@ impl Part {
                 let mut derivatives = Vec::with_capacity(TERMS + 3);
                 for derivative in 0..TERMS + 3 {
                     derivatives.push(if derivative < order {
-                        Dual::constant(f64::from(u8::from((part, derivative) == *unit)))
+                        ComplexDual::constant(f64::from(u8::from((part, derivative) == *unit)))
                     } else {
-                        left.iter().fold(Dual::constant(0.0), |sum, one| sum + *one)
+                        left.iter()
+                            .fold(ComplexDual::constant(0.0), |sum, one| sum + *one)
                     });
                     for (one, index) in left.iter_mut().zip(&indices) {
                         *one = *one * shapes[*index].r;
@@ -131,9 +132,11 @@ impl Part {
                 for (end, time) in ends.iter_mut().zip([0.0, time]) {
                     for derivative in 0..3 {
                         let terms = derivatives[derivative..].iter().take(TERMS).enumerate();
-                        let sum = terms.rev().fold(Dual::constant(0.0), |sum, (n, term)| {
-                            sum * (time / (n as f64 + 1.0)) + *term
-                        });
+                        let sum = terms
+                            .rev()
+                            .fold(ComplexDual::constant(0.0), |sum, (n, term)| {
+                                sum * (time / (n as f64 + 1.0)) + *term
+                            });
                         end[3 * part + derivative] = sum;
                     }
                     end[U_LEFT + part] = end[3 * part + 2] - end[3 * part + 1] * limit[part];

@@ -35,7 +35,7 @@ fn wave(beta: f64, speed: f64, zones: Vec<LinearZone>) -> Characteristic {
     }
 }
 
-fn zone(regime: Regime, duration: f64, jump: Jump) -> LinearZone {
+fn zone(regime: Regime, duration: f64, jump: PerturbationJump) -> LinearZone {
     LinearZone {
         regime,
         duration,
@@ -56,9 +56,9 @@ fn separated(beta: f64, [slip, free, stick]: [f64; 3], speed: f64, ratio: f64) -
         arrested: true,
     };
     let zones = vec![
-        zone(Regime::Slip, slip, Jump::Depart(share)),
-        zone(Regime::Separation, free, Jump::Settle(landing)),
-        zone(Regime::Stick, stick, Jump::None),
+        zone(Regime::Slip, slip, PerturbationJump::Depart(share)),
+        zone(Regime::Separation, free, PerturbationJump::Settle(landing)),
+        zone(Regime::Stick, stick, PerturbationJump::None),
     ];
     let mut wave = wave(beta, speed, zones);
     wave.turn = wave.material_turn();
@@ -162,9 +162,9 @@ fn derivatives_are_those_of_the_values() {
 fn sliding_as_by_the_compound_flow() {
     for beta in [1e-2, 1e-4, 1e-8] {
         let zones = vec![
-            zone(Regime::Slip, 0.98, Jump::Bend(0.7 / beta)),
-            zone(Regime::Reverse, 0.07, Jump::Arrest),
-            zone(Regime::Stick, 0.21, Jump::None),
+            zone(Regime::Slip, 0.98, PerturbationJump::Bend(0.7 / beta)),
+            zone(Regime::Reverse, 0.07, PerturbationJump::Arrest),
+            zone(Regime::Stick, 0.21, PerturbationJump::None),
         ];
         let wave = wave(beta, -1.243, zones);
         for (re, im) in [
@@ -201,10 +201,14 @@ fn nascent_zones_are_smooth() {
                 arrested: false,
             };
             let zones = vec![
-                zone(Regime::Slip, 0.5, Jump::Depart(share)),
-                zone(Regime::Separation, length, Jump::Settle(landing)),
-                zone(Regime::Slip, 0.48, Jump::Arrest),
-                zone(Regime::Stick, 0.28, Jump::None),
+                zone(Regime::Slip, 0.5, PerturbationJump::Depart(share)),
+                zone(
+                    Regime::Separation,
+                    length,
+                    PerturbationJump::Settle(landing),
+                ),
+                zone(Regime::Slip, 0.48, PerturbationJump::Arrest),
+                zone(Regime::Stick, 0.28, PerturbationJump::None),
             ];
             let [value, _] = wave(beta, -1.243, zones)
                 .evaluate_material(lambda)

@@ -2,22 +2,22 @@
 
 use std::f64::consts::TAU;
 
-use super::{C64, Eigenvalue, Spectrum};
+use super::{C64, Spectrum, WaveEigenvalue};
 use crate::tube::stability::asymptotic::HighFrequency;
 use crate::tube::stability::characteristic::{Characteristic, Value};
 
 /// A box symmetric about the real axis, |Im λ| < top, or with bottom > 0 a band of its upper half.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Window {
+pub(super) struct SearchWindow {
     pub(super) left: f64,
     pub(super) right: f64,
     pub(super) bottom: f64,
     pub(super) top: f64,
 }
 
-impl Window {
-    pub(super) fn symmetric(left: f64, right: f64, top: f64) -> Window {
-        Window {
+impl SearchWindow {
+    pub(super) fn symmetric(left: f64, right: f64, top: f64) -> SearchWindow {
+        SearchWindow {
             left,
             right,
             bottom: 0.0,
@@ -26,7 +26,7 @@ impl Window {
     }
 
     /// Whether an upper half zero lies inside; zeros on the real axis may come out just below it.
-    pub(super) fn contains(&self, zero: &Eigenvalue) -> bool {
+    pub(super) fn contains(&self, zero: &WaveEigenvalue) -> bool {
         let low = if self.bottom > 0.0 {
             self.bottom
         } else {
@@ -48,22 +48,22 @@ const MOST_SAMPLES: usize = 200_000;
 
 /// F_j at a sample, with the exponent that was taken out of it.
 #[derive(Clone, Copy)]
-pub(super) struct Sample {
+pub(super) struct CharacteristicSample {
     pub(super) f: C64,
     pub(super) by: C64,
 }
 
 /// Samples of all multipliers at one λ.
-pub(super) struct Row {
+pub(super) struct MultiplierSamples {
     pub(super) lambda: C64,
     pub(super) top: f64,
     /// |t| + |d|, or (|t′| + |d′|)/τ if that is more, on the scale of the samples.
     pub(super) size: f64,
-    pub(super) samples: Vec<Sample>,
+    pub(super) samples: Vec<CharacteristicSample>,
 }
 
 /// The search for the zeros of one wave.
-pub(super) struct Search<'a> {
+pub(super) struct ZeroSearch<'a> {
     pub(super) characteristic: &'a Characteristic,
     /// Longest delay: zeros follow one another in Im λ at 2π over it, or farther apart.
     pub(super) delay: f64,
@@ -96,10 +96,10 @@ const MISSED_WITHOUT_BOUND: f64 = 2.0;
 /// this: paths that interfere there need not do so between.
 const INTERFERENCE: f64 = 2.0;
 
-impl Search<'_> {
-    pub(super) fn row(&self, lambda: C64) -> Row {
+impl ZeroSearch<'_> {
+    pub(super) fn row(&self, lambda: C64) -> MultiplierSamples {
         let value = self.characteristic.evaluate(lambda);
-        Row {
+        MultiplierSamples {
             lambda,
             top: value.top() + value.offset,
             size: value.scaled_size(self.delay),
@@ -107,18 +107,18 @@ impl Search<'_> {
         }
     }
 
-    pub(super) fn samples(&self, value: &Value) -> Vec<Sample> {
+    pub(super) fn samples(&self, value: &Value) -> Vec<CharacteristicSample> {
         self.multipliers
             .iter()
             .map(|z| {
                 let (f, by) = value.sector(*z);
-                Sample { f, by }
+                CharacteristicSample { f, by }
             })
             .collect()
     }
 
     /// Whether a step of the walk is safe in every sector.
-    pub(super) fn safe(&self, one: &Row, other: &Row) -> bool {
+    pub(super) fn safe(&self, one: &MultiplierSamples, other: &MultiplierSamples) -> bool {
         let h = other.lambda - one.lambda;
         // on the scale of `one`
         let factor = (other.top - one.top).exp();
@@ -147,7 +147,7 @@ impl Search<'_> {
 
     /// Turns of every F along the upper half of the edge of a symmetric box, or round a band, in
     /// radians; `None` if a zero is too near.
-    pub(super) fn walk(&self, window: &Window) -> Option<Vec<f64>> {
+    pub(super) fn walk(&self, window: &SearchWindow) -> Option<Vec<f64>> {
         let mut corners = vec![
             C64::new(window.right, window.bottom),
             C64::new(window.right, window.top),
@@ -180,7 +180,7 @@ impl Search<'_> {
             }
             let length = (pair[1] - pair[0]).norm();
             let pieces = (length / first).ceil().max(1.0) as usize;
-            let mut waiting: Vec<Row> = Vec::new();
+            let mut waiting: Vec<MultiplierSamples> = Vec::new();
             for piece in 1..=pieces {
                 let share = piece as f64 / pieces as f64;
                 waiting.push(self.row(pair[0] + (pair[1] - pair[0]) * share));
@@ -228,8 +228,8 @@ impl Search<'_> {
     /// A search of a band; where a zero sits on its upper edge, the edge is moved.
     pub(super) fn moved<T>(
         &self,
-        band: &mut Window,
-        search: impl Fn(&Window) -> Option<T>,
+        band: &mut SearchWindow,
+        search: impl Fn(&SearchWindow) -> Option<T>,
     ) -> Option<T> {
         const MOVES: usize = 6;
         for _ in 0..MOVES {
@@ -253,11 +253,11 @@ impl Search<'_> {
             return None;
         }
         let beside = 0.01 * self.spacing;
-        let mut band = Window::symmetric(beside, right, top.min(height));
+        let mut band = SearchWindow::symmetric(beside, right, top.min(height));
         let turns = self.moved(&mut band, |band| self.walk(band))?;
         let mut counts = Vec::with_capacity(spectrum.sectors.len());
         for sector in &spectrum.sectors {
-            let listed = |one: &&Eigenvalue| {
+            let listed = |one: &&WaveEigenvalue| {
                 one.re > spectrum.axis && one.re <= beside && one.im.abs() < band.top
             };
             let near = sector.eigenvalues.iter().filter(listed);
@@ -265,7 +265,7 @@ impl Search<'_> {
             counts.push(near + self.count(&turns, sector.sector)?);
         }
         while band.top < top {
-            band = Window {
+            band = SearchWindow {
                 left: 0.0,
                 right,
                 bottom: band.top,
@@ -293,7 +293,7 @@ pub(super) fn whole(turn: f64) -> Option<usize> {
 }
 
 /// A right edge beyond which |t| + |d| < 1: no zero lies there. False if it was not found.
-pub(super) fn right_edge(search: &Search, high: &HighFrequency, top: f64) -> (f64, bool) {
+pub(super) fn right_edge(search: &ZeroSearch, high: &HighFrequency, top: f64) -> (f64, bool) {
     let characteristic = search.characteristic;
     // in the limit, room for samples at about twice 1/τ
     let room = 1.5 / search.delay;
@@ -326,7 +326,7 @@ pub(super) fn right_edge(search: &Search, high: &HighFrequency, top: f64) -> (f6
 /// as far as |t′| + |d′| and the second derivatives cannot bring it to `EDGE`, and these reaches cover
 /// the line. Of functions of exponential type τ that stay below 1, the latter are below τ²
 /// (Bernstein).
-fn clear_line(search: &Search, right: f64, top: f64) -> bool {
+fn clear_line(search: &ZeroSearch, right: f64, top: f64) -> bool {
     /// A line whose samples reach less far than this fraction of 1/τ is given up.
     const LEAST: f64 = 0.02;
     let delay = search.delay;

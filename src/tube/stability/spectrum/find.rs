@@ -3,9 +3,9 @@
 
 use std::f64::consts::TAU;
 
-use super::count::{BAND, Search, Window, whole};
+use super::count::{BAND, SearchWindow, ZeroSearch, whole};
 use super::translation::{DOUBLE, beside_translation};
-use super::{C64, Eigenvalue};
+use super::{C64, WaveEigenvalue};
 
 /// Two zeros closer than this fraction of the grid are one.
 pub(super) const SAME_ZERO: f64 = 1.5e-7;
@@ -35,8 +35,8 @@ const MOST_STARTS: usize = 2000;
 /// Newton starts closer than this fraction of the grid are one.
 const SAME_START: f64 = 0.2;
 
-impl Search<'_> {
-    fn polish(&self, half: usize, seed: C64) -> Option<Eigenvalue> {
+impl ZeroSearch<'_> {
+    fn polish(&self, half: usize, seed: C64) -> Option<WaveEigenvalue> {
         let z = self.multipliers[half];
         let longest = self.spacing;
         let mut lambda = seed;
@@ -68,7 +68,7 @@ impl Search<'_> {
                 let rounding = unit * (4.0 + lambda.norm() * self.delay) / by.norm();
                 if !quadratic || arrived || correction < CONTRACTION * size {
                     lambda -= last;
-                    return Some(Eigenvalue {
+                    return Some(WaveEigenvalue {
                         re: lambda.re,
                         im: lambda.im,
                         error: rounding + if quadratic { next } else { correction },
@@ -85,11 +85,11 @@ impl Search<'_> {
     /// grid.
     fn find(
         &self,
-        window: &Window,
+        window: &SearchWindow,
         spacing: f64,
         seeds: &[Vec<C64>],
         wanted: &[bool],
-        found: &mut [Vec<Eigenvalue>],
+        found: &mut [Vec<WaveEigenvalue>],
     ) {
         let mut starts: Vec<Vec<C64>> = seeds.to_vec();
         starts.resize(self.halves.len(), Vec::new());
@@ -141,12 +141,12 @@ impl Search<'_> {
     }
 
     /// The zeros of F_j in the whole box, from the halves.
-    fn unite(&self, found: &[Vec<Eigenvalue>], sector: usize) -> Vec<Eigenvalue> {
+    fn unite(&self, found: &[Vec<WaveEigenvalue>], sector: usize) -> Vec<WaveEigenvalue> {
         let same = SAME_ZERO * self.spacing;
         let of = |sector: usize| self.index(sector).map_or(&[][..], |index| &found[index]);
-        let mut zeros: Vec<Eigenvalue> = of(sector).to_vec();
+        let mut zeros: Vec<WaveEigenvalue> = of(sector).to_vec();
         for zero in of(self.conjugate(sector)) {
-            let mirrored = Eigenvalue {
+            let mirrored = WaveEigenvalue {
                 im: -zero.im,
                 ..*zero
             };
@@ -183,15 +183,15 @@ impl Search<'_> {
     /// `None` if a zero is too near its edge.
     pub(super) fn zeros(
         &self,
-        window: &Window,
+        window: &SearchWindow,
         sectors: &[usize],
         seeds: &[Vec<C64>],
-    ) -> Option<(Vec<Vec<Eigenvalue>>, bool)> {
+    ) -> Option<(Vec<Vec<WaveEigenvalue>>, bool)> {
         let height = BAND * TAU / self.delay;
         if window.top <= 1.5 * height {
             return self.lowest(window, sectors, seeds);
         }
-        let within = |band: &Window| -> Vec<Vec<C64>> {
+        let within = |band: &SearchWindow| -> Vec<Vec<C64>> {
             seeds
                 .iter()
                 .map(|starts| {
@@ -202,7 +202,7 @@ impl Search<'_> {
                 })
                 .collect()
         };
-        let mut band = Window {
+        let mut band = SearchWindow {
             top: height,
             ..*window
         };
@@ -211,7 +211,7 @@ impl Search<'_> {
         while band.top < window.top {
             let bottom = band.top;
             let rest = window.top - bottom;
-            band = Window {
+            band = SearchWindow {
                 bottom,
                 top: if rest > 1.5 * height {
                     bottom + height
@@ -226,7 +226,7 @@ impl Search<'_> {
             for (zeros, &sector) in united.iter_mut().zip(sectors) {
                 zeros.extend(&found[self.index(sector)?]);
                 let mirrored = &found[self.index(self.conjugate(sector))?];
-                zeros.extend(mirrored.iter().map(|zero| Eigenvalue {
+                zeros.extend(mirrored.iter().map(|zero| WaveEigenvalue {
                     im: -zero.im,
                     ..*zero
                 }));
@@ -239,7 +239,11 @@ impl Search<'_> {
     }
 
     /// All zeros of a band of the upper half, half by half.
-    fn upper(&self, band: &Window, seeds: &[Vec<C64>]) -> Option<(Vec<Vec<Eigenvalue>>, bool)> {
+    fn upper(
+        &self,
+        band: &SearchWindow,
+        seeds: &[Vec<C64>],
+    ) -> Option<(Vec<Vec<WaveEigenvalue>>, bool)> {
         let turns = self.walk(band)?;
         let counts: Option<Vec<usize>> = turns.iter().map(|turn| whole(*turn)).collect();
         let halves: Vec<usize> = (0..self.halves.len()).collect();
@@ -253,10 +257,10 @@ impl Search<'_> {
     /// All zeros of a symmetric box of moderate height, sector by sector.
     fn lowest(
         &self,
-        window: &Window,
+        window: &SearchWindow,
         sectors: &[usize],
         seeds: &[Vec<C64>],
-    ) -> Option<(Vec<Vec<Eigenvalue>>, bool)> {
+    ) -> Option<(Vec<Vec<WaveEigenvalue>>, bool)> {
         let turns = self.walk(window)?;
         let counts: Option<Vec<usize>> = sectors
             .iter()
@@ -271,13 +275,13 @@ impl Search<'_> {
     }
 
     /// Puts the two zeros of sector 0 at a fold into its list: Newton's method does not come near them.
-    fn at_origin(&self, zeros: &mut Vec<Eigenvalue>) {
+    fn at_origin(&self, zeros: &mut Vec<WaveEigenvalue>) {
         let near = DOUBLE * self.rate;
         let Some(beside) = beside_translation(self.characteristic, 0.0, DOUBLE) else {
             return;
         };
         zeros.retain(|zero| zero.value().norm() > near);
-        zeros.extend([0.0, beside].map(|re| Eigenvalue {
+        zeros.extend([0.0, beside].map(|re| WaveEigenvalue {
             re,
             im: 0.0,
             error: f64::EPSILON * self.rate,
@@ -289,25 +293,25 @@ impl Search<'_> {
     /// where it never has. `set` makes the set of one half from the zeros of all.
     fn complete(
         &self,
-        window: &Window,
+        window: &SearchWindow,
         counts: &[usize],
         halves: &[usize],
         seeds: &[Vec<C64>],
-        set: impl Fn(&[Vec<Eigenvalue>], usize) -> Vec<Eigenvalue>,
-    ) -> (Vec<Vec<Eigenvalue>>, bool) {
+        set: impl Fn(&[Vec<WaveEigenvalue>], usize) -> Vec<WaveEigenvalue>,
+    ) -> (Vec<Vec<WaveEigenvalue>>, bool) {
         let mut spacing = if seeds.is_empty() { self.spacing } else { 0.0 };
         let mut seeds = seeds;
         let mut found = vec![Vec::new(); self.halves.len()];
         let mut wanted = vec![true; self.halves.len()];
-        let mut best: Vec<Vec<Eigenvalue>> = Vec::new();
-        let whole = |zeros: &[Eigenvalue], count: usize| {
+        let mut best: Vec<Vec<WaveEigenvalue>> = Vec::new();
+        let whole = |zeros: &[WaveEigenvalue], count: usize| {
             zeros.iter().map(|zero| zero.multiplicity).sum::<usize>() == count
         };
         for _ in 0..GRIDS {
             self.find(window, spacing, seeds, &wanted, &mut found);
             seeds = &[];
             best = halves.iter().map(|half| set(&found, *half)).collect();
-            let missing = |sets: &[Vec<Eigenvalue>]| {
+            let missing = |sets: &[Vec<WaveEigenvalue>]| {
                 sets.iter()
                     .zip(counts)
                     .any(|(zeros, count)| !whole(zeros, *count))

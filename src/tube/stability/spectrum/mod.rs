@@ -27,11 +27,11 @@ use serde::{Deserialize, Serialize};
 use super::C64;
 use super::characteristic::Characteristic;
 use crate::orbit::Stability;
-use crate::tube::stability::verdict::Reason;
+use crate::tube::stability::verdict::VerdictReason;
 
 /// Which eigenvalues to compute.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Request {
+pub struct SpectrumRequest {
     /// Bloch sectors 0 ≤ j ≤ k/2.
     pub sectors: Vec<usize>,
     /// Eigenvalues wanted in each sector.
@@ -46,13 +46,13 @@ pub struct Request {
 const MARGIN: (f64, f64) = (1.0 / 24.0, 0.65);
 
 /// How far beyond the largest frequency that counts eigenvalues are followed.
-pub(super) fn margin(request: &Request, characteristic: &Characteristic) -> f64 {
+pub(super) fn margin(request: &SpectrumRequest, characteristic: &Characteristic) -> f64 {
     (MARGIN.0 * request.max_frequency).min(MARGIN.1 / characteristic.period)
 }
 
 /// An eigenvalue λ: a perturbation of the wave in its own frame goes like e^{λt}.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Eigenvalue {
+pub struct WaveEigenvalue {
     /// Re λ, the growth rate, in units of Ω.
     pub re: f64,
     /// Im λ, the angular frequency in the frame of the wave, in units of Ω.
@@ -63,7 +63,7 @@ pub struct Eigenvalue {
     pub multiplicity: usize,
 }
 
-impl Eigenvalue {
+impl WaveEigenvalue {
     /// λ as a complex number.
     pub fn value(&self) -> C64 {
         C64::new(self.re, self.im)
@@ -77,7 +77,7 @@ pub struct Sector {
     /// Bloch sector j, 0 ≤ j ≤ k/2.
     pub sector: usize,
     /// All zeros found but the translation mode, by falling Re λ.
-    pub eigenvalues: Vec<Eigenvalue>,
+    pub eigenvalues: Vec<WaveEigenvalue>,
 }
 
 /// The spectrum of a wave in a window.
@@ -105,7 +105,7 @@ pub struct Spectrum {
     pub stable: Stability,
     /// What the verdict and the count rest on, where that is not plain.
     #[serde(default)]
-    pub reasons: Vec<Reason>,
+    pub reasons: Vec<VerdictReason>,
     /// Unstable eigenvalues of each sector by the argument principle, where the list is incomplete
     /// and they could be counted.
     #[serde(default)]
@@ -166,7 +166,7 @@ impl Spectrum {
         let own = self.sectors.iter_mut().find(|one| one.sector == sector);
         if let Some(own) = own {
             for omega in [omega].into_iter().chain(conjugate) {
-                let far = |one: &Eigenvalue| (one.value() - C64::new(0.0, omega)).norm();
+                let far = |one: &WaveEigenvalue| (one.value() - C64::new(0.0, omega)).norm();
                 let eigenvalues = own.eigenvalues.iter_mut();
                 let nearest = eigenvalues.min_by(|one, other| far(one).total_cmp(&far(other)));
                 if let Some(one) = nearest.filter(|one| far(one) <= near) {
@@ -176,7 +176,7 @@ impl Spectrum {
         }
         if grew && self.unstable() == 0 {
             self.stable = Stability::Undecided;
-            self.reasons.push(Reason::OnAxis);
+            self.reasons.push(VerdictReason::OnAxis);
         }
         self
     }
@@ -205,7 +205,7 @@ impl Spectrum {
 
     /// The eigenvalues of a sector as tables list them: up to the largest frequency that counts,
     /// and of conjugate pairs in a symmetric sector only the member with Im λ ≥ 0.
-    pub fn listed<'a>(&'a self, sector: &'a Sector) -> impl Iterator<Item = &'a Eigenvalue> {
+    pub fn listed<'a>(&'a self, sector: &'a Sector) -> impl Iterator<Item = &'a WaveEigenvalue> {
         let symmetric = self.symmetric(sector.sector);
         sector
             .eigenvalues
@@ -215,7 +215,7 @@ impl Spectrum {
     }
 
     /// The first eigenvalues of every sector that are listed, with their sectors.
-    pub fn leading(&self, most: usize) -> impl Iterator<Item = (usize, &Eigenvalue)> {
+    pub fn leading(&self, most: usize) -> impl Iterator<Item = (usize, &WaveEigenvalue)> {
         self.sectors.iter().flat_map(move |sector| {
             let listed = self.listed(sector).take(most);
             listed.map(|eigenvalue| (sector.sector, eigenvalue))
@@ -223,7 +223,7 @@ impl Spectrum {
     }
 
     /// The eigenvalue of largest real part, with its sector.
-    pub fn lead(&self) -> Option<(Eigenvalue, usize)> {
+    pub fn lead(&self) -> Option<(WaveEigenvalue, usize)> {
         self.sectors
             .iter()
             .flat_map(|sector| {

@@ -1,6 +1,6 @@
 //! The translation mode λ = 0 of sector 0, and the eigenvalue that comes to it at a fold.
 
-use super::{C64, Eigenvalue, ON_AXIS};
+use super::{C64, ON_AXIS, WaveEigenvalue};
 use crate::tube::stability::characteristic::Characteristic;
 
 /// The zero of sector 0 nearest to λ = 0 is the translation mode if it is nearer than this, in units of
@@ -14,10 +14,10 @@ pub(super) const DOUBLE: f64 = 1e-3;
 /// another one comes to zero, which is then found by itself.
 pub(super) fn remove_translation(
     characteristic: &Characteristic,
-    eigenvalues: &mut Vec<Eigenvalue>,
+    eigenvalues: &mut Vec<WaveEigenvalue>,
 ) -> Option<f64> {
     let rate = characteristic.period.recip();
-    let distance = |one: &Eigenvalue| one.value().norm();
+    let distance = |one: &WaveEigenvalue| one.value().norm();
     let index = (0..eigenvalues.len()).min_by(|one, other| {
         distance(&eigenvalues[*one]).total_cmp(&distance(&eigenvalues[*other]))
     })?;

@@ -1,25 +1,25 @@
 //! Stability from the window and from the limit at high frequency.
 
-use super::count::{EDGE, Search, Window};
-use super::{C64, Eigenvalue, Request, Spectrum};
+use super::count::{EDGE, SearchWindow, ZeroSearch};
+use super::{C64, Spectrum, SpectrumRequest, WaveEigenvalue};
 use crate::orbit::Stability;
 use crate::tube::stability::asymptotic::HighFrequency;
 use crate::tube::stability::characteristic::Characteristic;
-use crate::tube::stability::verdict::Reason;
+use crate::tube::stability::verdict::VerdictReason;
 
 /// The strips of a verdict are at least and at most this high, in units of 1/T.
 const STRIPS: (f64, f64) = (15.0, 600.0);
 
 /// Stability from the window and the limit at high frequency, and what it rests on.
 pub(super) fn verdict(
-    search: &Search,
+    search: &ZeroSearch,
     spectrum: &Spectrum,
-    request: &Request,
+    request: &SpectrumRequest,
     high: &HighFrequency,
-) -> (Stability, Vec<Reason>) {
+) -> (Stability, Vec<VerdictReason>) {
     let mut reasons = Vec::new();
     if !spectrum.complete {
-        reasons.push(Reason::Incomplete {
+        reasons.push(VerdictReason::Incomplete {
             listed: spectrum.on_circle(|sector| spectrum.listed_unstable(sector)),
             counted: spectrum.counted.is_some().then(|| spectrum.unstable()),
         });
@@ -27,52 +27,61 @@ pub(super) fn verdict(
     if spectrum.unstable() > 0 {
         return (Stability::No, reasons);
     }
-    let beyond = |one: &Eigenvalue| one.im.abs() > request.max_frequency;
-    // the fastest growth in lists, sector by sector, beyond the frequencies that count
-    let fastest = |lists: &[&[Eigenvalue]]| {
-        let lists = lists.iter().zip(&request.sectors);
-        lists
-            .flat_map(|(list, sector)| list.iter().map(|one| (*sector, one)))
-            .filter(|(_, one)| one.re > spectrum.axis && beyond(one))
-            .max_by(|one, other| one.1.re.total_cmp(&other.1.re))
-            .map(|(sector, one)| Reason::BeyondWindow {
-                re: one.re,
-                im: one.im,
-                sector,
-            })
-    };
+    let beyond = |one: &WaveEigenvalue| one.im.abs() > request.max_frequency;
     let sectors = spectrum.sectors.iter();
-    let lists: Vec<&[Eigenvalue]> = sectors.map(|one| one.eigenvalues.as_slice()).collect();
-    if let Some(reason) = fastest(&lists) {
+    let lists: Vec<&[WaveEigenvalue]> = sectors.map(|one| one.eigenvalues.as_slice()).collect();
+    if let Some(reason) = fastest(&lists, spectrum.axis, request) {
         reasons.push(reason);
         return (Stability::No, reasons);
     }
     let limit = spectrum.limit;
     // with stick the limit is attained; without, it is a bound only
     if limit > spectrum.axis && search.characteristic.stick {
-        reasons.push(Reason::HighFrequency(limit));
+        reasons.push(VerdictReason::HighFrequency(limit));
         return (Stability::No, reasons);
     }
-    let on_axis = |one: &Eigenvalue| one.re.abs() <= spectrum.axis && !beyond(one);
+    let on_axis = |one: &WaveEigenvalue| one.re.abs() <= spectrum.axis && !beyond(one);
     if lists.iter().copied().flatten().any(on_axis) {
-        reasons.push(Reason::OnAxis);
+        reasons.push(VerdictReason::OnAxis);
     }
-    let asked = |sector: usize| request.sectors.contains(&sector);
-    let left_out: Vec<usize> = (0..=spectrum.mode as usize / 2)
-        .filter(|&sector| !asked(sector) && !asked(search.conjugate(sector)))
-        .collect();
+    let left_out = left_out(search, spectrum, request);
     if !left_out.is_empty() {
-        reasons.push(Reason::Sectors(left_out));
+        reasons.push(VerdictReason::Sectors(left_out));
     }
     if !spectrum.complete {
         return (Stability::Undecided, reasons);
     }
-    let unsettled = Reason::Unsettled(limit);
+    let unsettled = VerdictReason::Unsettled(limit);
     if limit.is_nan() || limit > spectrum.axis {
         reasons.push(unsettled);
         return (Stability::Undecided, reasons);
     }
-    // between the window and the frequencies where the limit holds
+    match beyond_window(search, spectrum, request, high) {
+        HighStrip::Grows(reason) => return (Stability::No, vec![reason]),
+        HighStrip::Settled if reasons.is_empty() => return (Stability::Yes, reasons),
+        HighStrip::Settled => {}
+        HighStrip::Unsettled => reasons.push(unsettled),
+    }
+    (Stability::Undecided, reasons)
+}
+
+/// What strips above the window show.
+enum HighStrip {
+    /// A perturbation grows there.
+    Grows(VerdictReason),
+    /// Nothing grows up to where the limit at high frequency holds.
+    Settled,
+    /// The limit is not reached.
+    Unsettled,
+}
+
+/// Looks between the window and the frequencies where the limit holds, in strips of twice the height each.
+fn beyond_window(
+    search: &ZeroSearch,
+    spectrum: &Spectrum,
+    request: &SpectrumRequest,
+    high: &HighFrequency,
+) -> HighStrip {
     let mut top = request.max_frequency.max(STRIPS.0 * search.rate);
     let most = if search.characteristic.varies() {
         MOST_TURNS_ALONG
@@ -81,25 +90,45 @@ pub(super) fn verdict(
     };
     while top < STRIPS.1 * search.rate && 2.0 * top * search.delay < most {
         top *= 2.0;
-        let strip = Window::symmetric(-0.1 * search.spacing, spectrum.right, top);
+        let strip = SearchWindow::symmetric(-0.1 * search.spacing, spectrum.right, top);
         let Some((found, complete)) = search.zeros(&strip, &request.sectors, &[]) else {
             continue;
         };
-        let lists: Vec<&[Eigenvalue]> = found.iter().map(Vec::as_slice).collect();
-        if let Some(reason) = fastest(&lists) {
-            return (Stability::No, vec![reason]);
+        let lists: Vec<&[WaveEigenvalue]> = found.iter().map(Vec::as_slice).collect();
+        if let Some(reason) = fastest(&lists, spectrum.axis, request) {
+            return HighStrip::Grows(reason);
         }
         if complete && settled(search.characteristic, high, top) {
-            let verdict = if reasons.is_empty() {
-                Stability::Yes
-            } else {
-                Stability::Undecided
-            };
-            return (verdict, reasons);
+            return HighStrip::Settled;
         }
     }
-    reasons.push(unsettled);
-    (Stability::Undecided, reasons)
+    HighStrip::Unsettled
+}
+
+/// Sectors of which neither they nor their conjugates are asked for.
+fn left_out(search: &ZeroSearch, spectrum: &Spectrum, request: &SpectrumRequest) -> Vec<usize> {
+    let asked = |sector: usize| request.sectors.contains(&sector);
+    (0..=spectrum.mode as usize / 2)
+        .filter(|&sector| !asked(sector) && !asked(search.conjugate(sector)))
+        .collect()
+}
+
+/// The fastest growth in lists, sector by sector, beyond the frequencies that count.
+fn fastest(
+    lists: &[&[WaveEigenvalue]],
+    axis: f64,
+    request: &SpectrumRequest,
+) -> Option<VerdictReason> {
+    let lists = lists.iter().zip(&request.sectors);
+    lists
+        .flat_map(|(list, sector)| list.iter().map(|one| (*sector, one)))
+        .filter(|(_, one)| one.re > axis && one.im.abs() > request.max_frequency)
+        .max_by(|one, other| one.1.re.total_cmp(&other.1.re))
+        .map(|(sector, one)| VerdictReason::BeyondWindow {
+            re: one.re,
+            im: one.im,
+            sector,
+        })
 }
 
 /// Most radians that the longest delay may turn in the strip of a verdict, and where friction varies along

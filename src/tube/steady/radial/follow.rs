@@ -3,9 +3,9 @@
 
 use faer::{Mat, c64};
 
-use super::{Error, Pair, Radial, bilinear, iterate, quotient};
+use super::{Radial, RadialError, RadialPair, bilinear, iterate, quotient};
 use crate::tube::model::Damping;
-use crate::tube::steady::growth::{Hopf, Sliding, eigenvalues, stiffness_at};
+use crate::tube::steady::growth::{Hopf, SteadyFriction, eigenvalues, stiffness_at};
 
 /// Least step of the homotopy in damping and drag, as a part of the whole.
 const LEAST_STEP: f64 = 1.0 / 4096.0;
@@ -27,11 +27,11 @@ impl Radial {
     /// When it is lost on the way from 𝒹 = 0.
     pub fn leading(
         &self,
-        pair: &mut Pair,
+        pair: &mut RadialPair,
         friction: f64,
-        sliding: Sliding,
+        sliding: SteadyFriction,
         damping: Damping,
-    ) -> Result<c64, Error> {
+    ) -> Result<c64, RadialError> {
         let start = eigenvalues(pair.kappa, damping);
         let later = |one: c64, other: c64| if one.re >= other.re { one } else { other };
         if sliding.drag == 0.0 || friction == 0.0 {
@@ -42,12 +42,12 @@ impl Radial {
         let drag = friction * sliding.drag * time;
         let friction = friction * sliding.strength;
         let reach = |start: c64| {
-            let correct = |part: f64, guess: [f64; 2], near: &Pair| {
+            let correct = |part: f64, guess: [f64; 2], near: &RadialPair| {
                 self.correct_wave(guess, friction, part * drag, damping, near)
             };
             follow([start.re * time, start.im * time], [0.0; 2], pair, correct)
         };
-        let lost = Error::Slope {
+        let lost = RadialError::Slope {
             mode: self.mode,
             drag: drag / time,
         };
@@ -55,7 +55,7 @@ impl Radial {
         let (other, second) = reach(start[1]).ok_or(lost)?;
         let [one, other] = [one, other].map(|[re, im]| c64::new(re, im) / time);
         let vectors = if one.re >= other.re { first } else { second };
-        *pair = Pair {
+        *pair = RadialPair {
             kappa: pair.kappa,
             ..vectors
         };
@@ -69,8 +69,8 @@ impl Radial {
         friction: f64,
         drag: f64,
         damping: Damping,
-        near: &Pair,
-    ) -> Option<([f64; 2], Pair)> {
+        near: &RadialPair,
+    ) -> Option<([f64; 2], RadialPair)> {
         let mut lambda = c64::new(guess[0], guess[1]);
         let mut pair = near.clone();
         let mass = self.with_friction(&self.mass, friction);
@@ -101,7 +101,7 @@ impl Radial {
     }
 
     /// yᵀEx: both displacements along the shaft at its surface.
-    fn surface(&self, pair: &Pair) -> c64 {
+    fn surface(&self, pair: &RadialPair) -> c64 {
         pair.left[(self.order - 1, 0)] * pair.right[(self.order - 1, 0)]
     }
 
@@ -114,10 +114,10 @@ impl Radial {
         &self,
         families: usize,
         damping: Damping,
-        sliding: Sliding,
-    ) -> Result<Vec<Option<Hopf>>, Error> {
+        sliding: SteadyFriction,
+    ) -> Result<Vec<Option<Hopf>>, RadialError> {
         let time = self.gamma.sqrt();
-        let sliding = Sliding {
+        let sliding = SteadyFriction {
             drag: sliding.drag * time,
             ..sliding
         };
@@ -138,8 +138,13 @@ impl Radial {
 
     /// Follows a Hopf point, in units of time √γ, from the undamped family in tα, tβ, t𝒹 for t from 0
     /// to 1.
-    fn follow_hopf(&self, pair: &Pair, damping: Damping, sliding: Sliding) -> Option<Hopf> {
-        let norm = |pair: &Pair| bilinear(&self.with_friction(&self.mass, 0.0), pair);
+    fn follow_hopf(
+        &self,
+        pair: &RadialPair,
+        damping: Damping,
+        sliding: SteadyFriction,
+    ) -> Option<Hopf> {
+        let norm = |pair: &RadialPair| bilinear(&self.with_friction(&self.mass, 0.0), pair);
         // κ = κ₀ + igf: without friction the problem is self-adjoint, and g is real
         let growth = sliding.strength * (self.by_friction(pair, pair.kappa) / norm(pair)).im;
         let frequency = pair.kappa.re.max(0.0).sqrt();
@@ -155,12 +160,12 @@ impl Radial {
         }
         // df/dt: fg = Im κ(ω) = −ω(α + βω²) to first order
         let slope = -omega * (damping.mass + damping.stiffness * omega * omega) / growth;
-        let correct = |part: f64, guess: [f64; 2], near: &Pair| {
+        let correct = |part: f64, guess: [f64; 2], near: &RadialPair| {
             let damping = Damping {
                 mass: part * damping.mass,
                 stiffness: part * damping.stiffness,
             };
-            let sliding = Sliding {
+            let sliding = SteadyFriction {
                 drag: part * sliding.drag,
                 ..sliding
             };
@@ -176,9 +181,9 @@ impl Radial {
         &self,
         guess: [f64; 2],
         damping: Damping,
-        sliding: Sliding,
-        near: &Pair,
-    ) -> Option<([f64; 2], Pair)> {
+        sliding: SteadyFriction,
+        near: &RadialPair,
+    ) -> Option<([f64; 2], RadialPair)> {
         let [mut friction, mut omega] = guess;
         let mut pair = near.clone();
         let i = c64::new(0.0, 1.0);
@@ -231,9 +236,9 @@ fn scaled(damping: Damping, time: f64) -> Damping {
 fn follow(
     start: [f64; 2],
     slope: [f64; 2],
-    pair: &Pair,
-    correct: impl Fn(f64, [f64; 2], &Pair) -> Option<([f64; 2], Pair)>,
-) -> Option<([f64; 2], Pair)> {
+    pair: &RadialPair,
+    correct: impl Fn(f64, [f64; 2], &RadialPair) -> Option<([f64; 2], RadialPair)>,
+) -> Option<([f64; 2], RadialPair)> {
     let (mut here, mut slope, mut vectors) = (start, slope, pair.clone());
     let (mut reached, mut step) = (0.0, LARGEST_STEP);
     while reached < 1.0 {

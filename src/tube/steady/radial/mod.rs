@@ -67,7 +67,7 @@ const NUDGE: f64 = 1e-13;
 
 /// The eigenvalues of the radial problem could not be computed.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum Error {
+pub enum RadialError {
     /// The eigenvalue solver does not converge.
     #[error(
         "mode {mode}: the eigenvalues of a radial problem of {size} rows do not converge; \
@@ -116,7 +116,7 @@ pub struct Radial {
 
 /// An eigenvalue κ with the coefficients of its displacement and of the adjoint one.
 #[derive(Clone, Debug)]
-pub struct Pair {
+pub struct RadialPair {
     /// κ.
     pub kappa: c64,
     right: Mat<c64>,
@@ -202,7 +202,7 @@ impl Radial {
 
     /// The derivative of yᵀ(A − κB)x with respect to friction: i times the perturbation of the
     /// contact pressure by x, weighted with the adjoint slip.
-    fn by_friction(&self, pair: &Pair, kappa: c64) -> c64 {
+    fn by_friction(&self, pair: &RadialPair, kappa: c64) -> c64 {
         let pressure: c64 = (0..self.size())
             .map(|column| {
                 let entry = self.stiffness[(0, column + 1)] - kappa * self.mass[(0, column + 1)];
@@ -213,8 +213,8 @@ impl Radial {
     }
 
     /// All γκ by increasing modulus.
-    fn scaled_eigenvalues(&self, friction: f64) -> Result<Vec<c64>, Error> {
-        let failed = Error::Eigenvalues {
+    fn scaled_eigenvalues(&self, friction: f64) -> Result<Vec<c64>, RadialError> {
+        let failed = RadialError::Eigenvalues {
             mode: self.mode,
             size: self.size(),
         };
@@ -246,7 +246,7 @@ impl Radial {
     ///
     /// # Errors
     /// When the QZ iteration does not converge, or yields not a single eigenvalue.
-    pub fn lowest(&self, friction: f64, families: usize) -> Result<Vec<Pair>, Error> {
+    pub fn lowest(&self, friction: f64, families: usize) -> Result<Vec<RadialPair>, RadialError> {
         let mut pairs = self.scaled_lowest(friction, families)?;
         for pair in &mut pairs {
             pair.kappa /= self.gamma;
@@ -255,10 +255,14 @@ impl Radial {
     }
 
     /// The same with γκ in place of κ.
-    fn scaled_lowest(&self, friction: f64, families: usize) -> Result<Vec<Pair>, Error> {
+    fn scaled_lowest(
+        &self,
+        friction: f64,
+        families: usize,
+    ) -> Result<Vec<RadialPair>, RadialError> {
         let mut found = self.scaled_eigenvalues(friction)?;
         if found.is_empty() {
-            return Err(Error::Families {
+            return Err(RadialError::Families {
                 mode: self.mode,
                 size: self.size(),
                 families,
@@ -272,13 +276,13 @@ impl Radial {
     }
 
     /// γκ by two-sided inverse iteration: x ← (A − κB)⁻¹Bx, y ← (A − κB)⁻ᵀBᵀy, κ = yᵀAx/yᵀBx.
-    fn refine(&self, friction: f64, guess: c64) -> Pair {
+    fn refine(&self, friction: f64, guess: c64) -> RadialPair {
         let stiffness = self.with_friction(&self.stiffness, friction);
         let mass = self.with_friction(&self.mass, friction);
         let start = Mat::from_fn(self.size(), 1, |row, _| {
             c64::new(1.0 / (row + 1) as f64, 0.0)
         });
-        let mut pair = Pair {
+        let mut pair = RadialPair {
             kappa: guess,
             right: start.clone(),
             left: start,
@@ -290,7 +294,7 @@ impl Radial {
             let kappa = quotient(&stiffness, &mass, &next);
             let change = (kappa - pair.kappa).norm() / guess.norm();
             let credible = (kappa - guess).norm() <= CREDIBLE * guess.norm();
-            pair = Pair {
+            pair = RadialPair {
                 kappa: if credible { kappa } else { pair.kappa },
                 ..next
             };
@@ -303,7 +307,7 @@ impl Radial {
 
     /// Distance of the displacement from the field (0, X) of the reduced model, relative to its
     /// norm ∫(|u|² + |v|²)r dr: the sine of the angle between them.
-    pub fn field_error(&self, pair: &Pair) -> f64 {
+    pub fn field_error(&self, pair: &RadialPair) -> f64 {
         let size = self.size();
         let tangential = self.order - 1;
         let mass = |row: usize, column: usize| self.mass[(row + 1, column + 1)];
@@ -355,7 +359,12 @@ fn radial_functions(s: f64, length: f64, values: &mut [f64], slopes: &mut [f64])
 }
 
 /// One step of two-sided inverse iteration; `None` where the matrix cannot be solved with.
-fn iterate(stiffness: &Mat<c64>, mass: &Mat<c64>, pair: &Pair, kappa: c64) -> Option<Pair> {
+fn iterate(
+    stiffness: &Mat<c64>,
+    mass: &Mat<c64>,
+    pair: &RadialPair,
+    kappa: c64,
+) -> Option<RadialPair> {
     let size = stiffness.nrows();
     for shift in [kappa, kappa * (1.0 + NUDGE), kappa * (1.0 + 16.0 * NUDGE)] {
         let matrix = Mat::from_fn(size, size, |row, column| {
@@ -365,7 +374,7 @@ fn iterate(stiffness: &Mat<c64>, mass: &Mat<c64>, pair: &Pair, kappa: c64) -> Op
         let right = factors.solve(mass * &pair.right);
         let left = factors.solve_transpose(mass.transpose() * &pair.left);
         if let (Some(right), Some(left)) = (unit(right), unit(left)) {
-            return Some(Pair { kappa, right, left });
+            return Some(RadialPair { kappa, right, left });
         }
     }
     None
@@ -384,11 +393,11 @@ fn unit(mut vector: Mat<c64>) -> Option<Mat<c64>> {
 }
 
 /// yᵀMx.
-fn bilinear(matrix: &Mat<c64>, pair: &Pair) -> c64 {
+fn bilinear(matrix: &Mat<c64>, pair: &RadialPair) -> c64 {
     (pair.left.transpose() * matrix * &pair.right)[(0, 0)]
 }
 
 /// yᵀAx/yᵀBx.
-fn quotient(stiffness: &Mat<c64>, mass: &Mat<c64>, pair: &Pair) -> c64 {
+fn quotient(stiffness: &Mat<c64>, mass: &Mat<c64>, pair: &RadialPair) -> c64 {
     bilinear(stiffness, pair) / bilinear(mass, pair)
 }
