@@ -36,7 +36,7 @@ pub use curve::{Curve, CurveEvent, SystemCurve, SystemCurveEvent};
 pub use doubt::Doubt;
 pub use error::ProblemError;
 pub use expectation::Expectation;
-pub use map::{Map, MapAxis, MapPoints, PlaneAxis, Shares, Starts, SystemAxis, SystemMap};
+pub use map::{Map, MapAxis, MapPoints, PlaneAxis, Shares, SystemAxis, SystemMap, WaveStarts};
 pub use scan::{LyapunovCount, Scan, ScanValues, Section, Sweep};
 pub use system::{
     Beginning, Equilibrium, EquilibriumStart, Multipliers, Orbit, OrbitStart, SystemPlot,
