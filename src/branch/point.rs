@@ -86,28 +86,21 @@ pub struct Event {
     pub what: String,
 }
 
-impl Occurrence for Event {
-    fn kind(&self) -> EventType {
-        self.kind
-    }
-
-    fn label(&self) -> usize {
-        self.label
-    }
-
-    fn sector(&self) -> Option<usize> {
-        self.sector
-    }
-
-    fn number(&self, name: &str) -> Option<f64> {
-        match name {
-            "speed" => Some(self.speed),
-            "omega" => self.omega,
-            _ => self.model.value(Parameter::from_column(name)?),
+impl Event {
+    /// What can be expected of it.
+    pub fn occurrence(&self) -> Occurrence {
+        let parameters = Parameter::ALL.into_iter();
+        let parameters = parameters.map(|one| (one.column(), self.model.value(one)));
+        let own = [("speed", Some(self.speed)), ("omega", self.omega)];
+        let numbers = own.into_iter().chain(parameters);
+        Occurrence {
+            kind: self.kind,
+            label: self.label,
+            sector: self.sector,
+            numbers: numbers
+                .map(|(name, value)| (name.to_owned(), value))
+                .collect(),
+            regimes: [self.regimes_before.clone(), self.regimes_after.clone()],
         }
-    }
-
-    fn regimes(&self) -> [&str; 2] {
-        [&self.regimes_before, &self.regimes_after]
     }
 }

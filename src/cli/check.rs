@@ -11,11 +11,14 @@ use super::junit::{self, CaseVerdict, Suite};
 use super::options::{read_any, spare, write};
 use super::prepare::{early_end, follow, ready, ready_system};
 use super::{print, warn};
+use crate::branch::Event;
 use crate::certify::{CertifiedPoint, certify, equilibrium, orbit};
+use crate::hybrid::OrbitEvent;
+use crate::hybrid::equilibrium::EquilibriumEvent;
 use crate::orbit::legs::Run;
 use crate::output::certify::Certified;
 use crate::output::store::Offers;
-use crate::problem::compare::{Compared, Comparison, Occurrence, compare};
+use crate::problem::compare::{Compared, Comparison, compare};
 use crate::problem::{self, Any, Problem, SystemProblem};
 
 #[derive(Debug, Args)]
@@ -120,7 +123,7 @@ fn check_file(path: &Path) -> Result<CheckOutcome, VerbFailure> {
         if problem.certify {
             certified.extend(certify(&item, prepared.source.text()));
         }
-        item.event
+        item.event.as_ref().map(Event::occurrence)
     })?;
     let compared = compare(&problem.expect, &events);
     let compared = compared.iter().map(|one| found(one, parameter.column()));
@@ -146,7 +149,7 @@ fn check_system(
             if prepared.problem.certify {
                 certified.extend(equilibrium::certify(&item, prepared.text()));
             }
-            item.event
+            item.event.as_ref().map(EquilibriumEvent::occurrence)
         })?;
         let compared = compare(&prepared.problem.expect, &events);
         let column = &prepared.continuation.parameter;
@@ -161,7 +164,7 @@ fn check_system(
         if prepared.problem.certify {
             certified.extend(orbit::certify(&item, prepared.source.text()));
         }
-        item.event
+        item.event.as_ref().map(OrbitEvent::occurrence)
     })?;
     let compared = compare(&prepared.problem.expect, &events);
     let column = &prepared.continuation.parameter;
@@ -229,7 +232,7 @@ fn proven<P: Certified>(point: &CertifiedPoint<P>) -> CheckedExpectation {
 }
 
 /// An expectation in words.
-fn found(compared: &Compared<impl Occurrence>, column: &str) -> CheckedExpectation {
+fn found(compared: &Compared, column: &str) -> CheckedExpectation {
     let expectation = compared.expectation;
     let mut title = expectation.event.to_string();
     // writing to a string does not fail

@@ -136,7 +136,7 @@ fn draw<P: RowVerb>(
         let bytes = picture.file(format).map_err(pictures::PlotError::from)?;
         fs::write(path, bytes).map_err(store::io_error("write it", path))?;
     }
-    let named = [(P::KIND.name().to_owned(), Ok(picture))];
+    let named = [(P::FILES.kind.name().to_owned(), Ok(picture))];
     pictures::put(store, None, Format::Svg, named)?;
     Ok(())
 }
@@ -172,7 +172,11 @@ fn run<P: RowVerb>(arguments: &RowsArguments, task: &Task) -> Result<VerbExit, V
     let inputs = problem.inputs(task);
     let picture = picture(arguments.plot.as_deref(), &inputs)?;
     let shard = arguments.shard.unwrap_or(Shard { number: 1, of: 1 });
-    let kind = if shard.of > 1 { P::SHARD } else { P::KIND };
+    let kind = if shard.of > 1 {
+        P::FILES.shard
+    } else {
+        P::FILES.kind
+    };
     if shard.of > 1 && task.out.is_none() {
         out.push(format!("shard-{}-of-{}", shard.number, shard.of));
     }
@@ -229,7 +233,7 @@ fn run<P: RowVerb>(arguments: &RowsArguments, task: &Task) -> Result<VerbExit, V
         1 => {
             problem.join(&folder, std::slice::from_ref(&out))?;
             draw(&problem, folder.store(), picture)?;
-            (P::KIND.name(), problem.end(&folder)?)
+            (P::FILES.kind.name(), problem.end(&folder)?)
         }
         _ => ("shard", VerbExit::Done),
     };
@@ -255,13 +259,13 @@ fn merge<P: RowVerb>(arguments: &MergeArguments) -> Result<VerbExit, VerbFailure
     // the problem file as it was written goes along
     let source = (!own).then(|| first.join(SOURCE));
     let inputs: Vec<PathBuf> = source.into_iter().collect();
-    let store = Store::open(&arguments.out, P::KIND, &problem, existing, &inputs)?;
+    let store = Store::open(&arguments.out, P::FILES.kind, &problem, existing, &inputs)?;
     let folder = RowsFolder::new(store, origin)?;
     problem.join(&folder, &arguments.shards)?;
     draw(&problem, folder.store(), picture)?;
     let exit = problem.end(&folder)?;
     if !arguments.quiet {
-        let what = P::KIND.name();
+        let what = P::FILES.kind.name();
         print(&format!("{what} in {}\n", arguments.out.display()))?;
     }
     Ok(exit)

@@ -77,33 +77,26 @@ pub struct OrbitEvent {
     pub what: String,
 }
 
-impl Occurrence for OrbitEvent {
-    fn kind(&self) -> EventType {
-        self.kind
-    }
-
-    fn label(&self) -> usize {
-        self.label
-    }
-
-    fn number(&self, name: &str) -> Option<f64> {
-        match name {
-            "period" => Some(self.period),
-            "multiplier_re" => self.leading.map(|value| value.re),
-            "multiplier_im" => self.leading.map(|value| value.im),
-            _ => {
-                let parameters = self.parameters.iter();
-                let parameters = parameters.map(|(known, value)| (known, Some(*value)));
-                let monitors = self.monitors.iter();
-                let monitors = monitors.map(|(known, value)| (known, *value));
-                let mut all = parameters.chain(monitors);
-                all.find(|(known, _)| *known == name)?.1
-            }
+impl OrbitEvent {
+    /// What can be expected of it.
+    pub fn occurrence(&self) -> Occurrence {
+        let leading = self.leading;
+        let own = [
+            ("period", Some(self.period)),
+            ("multiplier_re", leading.map(|value| value.re)),
+            ("multiplier_im", leading.map(|value| value.im)),
+        ];
+        let own = own.map(|(name, value)| (name.to_owned(), value));
+        let parameters = self.parameters.iter();
+        let parameters = parameters.map(|(name, value)| (name.clone(), Some(*value)));
+        let monitors = self.monitors.iter().cloned();
+        Occurrence {
+            kind: self.kind,
+            label: self.label,
+            sector: None,
+            numbers: own.into_iter().chain(parameters).chain(monitors).collect(),
+            regimes: [self.regimes_before.clone(), self.regimes_after.clone()],
         }
-    }
-
-    fn regimes(&self) -> [&str; 2] {
-        [&self.regimes_before, &self.regimes_after]
     }
 }
 

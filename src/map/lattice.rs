@@ -116,7 +116,7 @@ impl<'a> Lattice<'a> {
             columns: columns.into_iter().map(column).collect(),
         };
         lattice.all().try_for_each(|strand| {
-            for (number, start) in map.starts.iter().enumerate() {
+            for (number, start) in map.starts.0.iter().enumerate() {
                 let met = strand.line.follow_start(start)?;
                 strand.add(met, number);
             }

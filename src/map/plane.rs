@@ -120,7 +120,7 @@ fn quasi_random(index: usize) -> [f64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::problem::{MapAxis, Start};
+    use crate::problem::{MapAxis, Start, WaveStarts};
     use crate::tube::model::Parameter;
 
     fn plane(points: MapPoints) -> MapPlane {
@@ -129,7 +129,7 @@ mod tests {
             first: axis(Parameter::Friction, (0.1, 0.7)),
             second: axis(Parameter::Mismatch, (0.004, 0.2)),
             points,
-            starts: vec![Start::Fast],
+            starts: WaveStarts(vec![Start::Fast]),
             shares: None,
         })
     }

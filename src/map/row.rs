@@ -84,7 +84,7 @@ impl<'a> Rows<'a> {
                 listed: Vec::new(),
             })
         };
-        let own: Result<_, RunError> = self.map.starts.iter().map(own).collect();
+        let own: Result<_, RunError> = self.map.starts.0.iter().map(own).collect();
         let mut starts: Vec<Branches> = own?;
         once_each(&mut starts);
         for (seed, start) in self.lattice.on_row(index) {
@@ -125,7 +125,7 @@ impl<'a> Rows<'a> {
     /// Quasi-random points, each by itself.
     fn one_by_one(&self, index: usize, points: &[[f64; 2]]) -> Result<Vec<Cell>, RunError> {
         let mut cells = Vec::new();
-        for (number, start) in self.map.starts.iter().enumerate() {
+        for (number, start) in self.map.starts.0.iter().enumerate() {
             for (column, values) in points.iter().enumerate() {
                 let line = self.line(values[0], Vec::new());
                 let begun = line.begin(start.clone(), values[1], Toward::Both, None);
@@ -170,7 +170,7 @@ impl<'a> Rows<'a> {
         why: impl FnOnce() -> Missing,
         cells: &mut Vec<Cell>,
     ) {
-        let start = match self.map.starts[number] {
+        let start = match self.map.starts.0[number] {
             Start::Slow => "slow",
             Start::Fast | Start::Hopf | Start::Restart { .. } | Start::Switch { .. } => "fast",
         };

@@ -23,23 +23,29 @@ use super::store::{
 };
 use crate::branch::row::WaveRow;
 use crate::map::{CellRow, MapPlane};
-use crate::problem::{Problem, ScanValues, SystemMap, SystemProblem};
+use crate::problem::{Problem, SystemMap, SystemProblem};
 use crate::table::{self, number};
 
 const ROWS: &str = "rows";
 
+/// A kind of table that is computed row by row: the folders that have it, and its files.
+pub(crate) struct RowFiles {
+    /// What the folder holds once all rows are joined.
+    pub kind: FolderKind,
+    /// What it holds where it has some of the rows.
+    pub shard: FolderKind,
+    /// The file of the problem.
+    pub origin: &'static str,
+    /// The joined table.
+    pub table: &'static str,
+    /// The joined table as Parquet.
+    pub parquet: Option<&'static str>,
+}
+
 /// A problem whose results are a table that is computed row by row.
 pub(crate) trait Rowed: Clone + PartialEq + Serialize + DeserializeOwned {
-    /// What the folder holds once all rows are joined.
-    const KIND: FolderKind;
-    /// What it holds where it has some of the rows.
-    const SHARD: FolderKind;
-    /// The file of the problem.
-    const ORIGIN: &'static str;
-    /// The joined table.
-    const TABLE: &'static str;
-    /// The joined table as Parquet.
-    const PARQUET: Option<&'static str> = None;
+    /// The kind of its table.
+    const FILES: RowFiles;
 
     /// Number of rows.
     fn rows(&self) -> usize;
@@ -58,25 +64,27 @@ pub(crate) trait Rowed: Clone + PartialEq + Serialize + DeserializeOwned {
 #[serde(transparent)]
 pub(crate) struct Mapped<P>(pub P);
 
-/// What has a plane to map.
-pub(crate) trait HasPlane: Clone + PartialEq + Serialize + DeserializeOwned {
-    /// Its section `map`.
-    fn plane(&self) -> Option<MapPlane>;
-    /// The header of the table.
-    fn header(&self) -> String;
-    /// See [`Rowed::beside`].
-    fn beside(&self) -> Vec<String> {
-        Vec::new()
-    }
-    /// Values beside the plane, each with a row of its own after those of the plane.
-    fn values(&self) -> Option<ScanValues> {
-        None
-    }
-}
+const MAP_FILES: RowFiles = RowFiles {
+    kind: FolderKind::Map,
+    shard: FolderKind::MapShard,
+    origin: MAP_ORIGIN,
+    table: MAP,
+    parquet: match cfg!(feature = "parquet") {
+        true => Some("map.parquet"),
+        false => None,
+    },
+};
 
-impl HasPlane for Problem {
-    fn plane(&self) -> Option<MapPlane> {
-        self.map.as_ref().map(MapPlane::new)
+impl Rowed for Mapped<Problem> {
+    const FILES: RowFiles = MAP_FILES;
+
+    fn rows(&self) -> usize {
+        let map = self.0.map.as_ref();
+        map.map_or(0, |map| MapPlane::new(map).rows())
+    }
+
+    fn first(&self, row: usize) -> Option<f64> {
+        first_of(&MapPlane::new(self.0.map.as_ref()?), row)
     }
 
     fn header(&self) -> String {
@@ -84,21 +92,39 @@ impl HasPlane for Problem {
     }
 }
 
-impl HasPlane for SystemProblem {
-    fn plane(&self) -> Option<MapPlane> {
-        self.map.as_ref().map(MapPlane::new)
-    }
+/// The values of shares have a row each, after those of the plane.
+impl Rowed for Mapped<SystemProblem> {
+    const FILES: RowFiles = MAP_FILES;
 
-    fn header(&self) -> String {
-        let row = CellRow::columns(&self.system.source);
-        table::line_of(&match self.map.as_ref().is_some_and(SystemMap::is_basin) {
-            true => table::columns(&CellRow::of_basin(row, None)),
-            false => table::columns(&row),
+    fn rows(&self) -> usize {
+        let map = self.0.map.as_ref();
+        map.map_or(0, |map| {
+            let shares = map.shares.as_ref();
+            MapPlane::new(map).rows() + shares.map_or(0, |shares| shares.values.count())
         })
     }
 
+    fn first(&self, row: usize) -> Option<f64> {
+        let map = self.0.map.as_ref()?;
+        let plane = MapPlane::new(map);
+        match row.checked_sub(plane.rows()) {
+            Some(value) => Some(map.shares.as_ref()?.values.value(value)),
+            None => first_of(&plane, row),
+        }
+    }
+
+    fn header(&self) -> String {
+        let row = CellRow::columns(&self.0.system.source);
+        table::line_of(
+            &match self.0.map.as_ref().is_some_and(SystemMap::is_basin) {
+                true => table::columns(&CellRow::of_basin(row, None)),
+                false => table::columns(&row),
+            },
+        )
+    }
+
     fn beside(&self) -> Vec<String> {
-        let Some(map) = &self.map else {
+        let Some(map) = &self.0.map else {
             return Vec::new();
         };
         let picture = layout::picture(SHARES_PICTURE, Format::Svg);
@@ -108,40 +134,12 @@ impl HasPlane for SystemProblem {
         let shares = shares.iter().filter(|_| map.shares.is_some());
         basin.chain(shares).map(|name| (*name).to_owned()).collect()
     }
-
-    fn values(&self) -> Option<ScanValues> {
-        Some(self.map.as_ref()?.shares.as_ref()?.values)
-    }
 }
 
-impl<P: HasPlane> Rowed for Mapped<P> {
-    const KIND: FolderKind = FolderKind::Map;
-    const SHARD: FolderKind = FolderKind::MapShard;
-    const ORIGIN: &'static str = MAP_ORIGIN;
-    const TABLE: &'static str = MAP;
-    #[cfg(feature = "parquet")]
-    const PARQUET: Option<&'static str> = Some("map.parquet");
-
-    fn rows(&self) -> usize {
-        let values = self.0.values().map_or(0, ScanValues::count);
-        self.0.plane().map_or(0, |plane| plane.rows()) + values
-    }
-
-    fn first(&self, row: usize) -> Option<f64> {
-        let plane = self.0.plane()?;
-        if let Some(value) = row.checked_sub(plane.rows()) {
-            return self.0.values().map(|values| values.value(value));
-        }
-        plane.row(row).first().map(|point| point[0])
-    }
-
-    fn header(&self) -> String {
-        self.0.header()
-    }
-
-    fn beside(&self) -> Vec<String> {
-        self.0.beside()
-    }
+/// Value of the first parameter where a row of a plane begins.
+fn first_of(plane: &MapPlane, row: usize) -> Option<f64> {
+    let point = |row| plane.row(row).first().map(|point| point[0]);
+    (row < plane.rows()).then(|| point(row)).flatten()
 }
 
 /// Reads the problem of a shard.
@@ -149,7 +147,7 @@ impl<P: HasPlane> Rowed for Mapped<P> {
 /// # Errors
 /// When it is missing, damaged, or of another version.
 pub(crate) fn of_shard<P: Rowed>(folder: &Path) -> Result<ProblemOrigin<P>, StoreError> {
-    let path = folder.join(P::ORIGIN);
+    let path = folder.join(P::FILES.origin);
     let found: ProblemOrigin<P> = decode(&path)?;
     if found.version != VERSION {
         let reason = format!(
@@ -177,7 +175,7 @@ impl<P: Rowed> RowsFolder<P> {
     /// # Errors
     /// When the problem cannot be written down.
     pub(crate) fn new(store: Store, origin: ProblemOrigin<P>) -> Result<RowsFolder<P>, StoreError> {
-        let text = encode(&store.path().join(P::ORIGIN), &origin)?;
+        let text = encode(&store.path().join(P::FILES.origin), &origin)?;
         Ok(RowsFolder {
             begun: Mutex::new(false),
             identity: hash(text.as_bytes()),
@@ -195,19 +193,19 @@ impl<P: Rowed> RowsFolder<P> {
         if *begun {
             return Ok(());
         }
-        let mut names = vec![layout::picture(P::KIND.name(), Format::Svg)];
-        names.extend(P::PARQUET.map(str::to_owned));
+        let mut names = vec![layout::picture(P::FILES.kind.name(), Format::Svg)];
+        names.extend(P::FILES.parquet.map(str::to_owned));
         names.extend(self.origin.problem.beside());
         names.extend(rows.iter().map(|row| row_name(*row)));
         if self.store.resumes() {
             self.store.retain(|_| true)?;
-            self.store.claim([P::ORIGIN, P::TABLE])?;
+            self.store.claim([P::FILES.origin, P::FILES.table])?;
             self.store.claim(names)?;
         } else {
             self.store
-                .begin(&[P::ORIGIN, P::TABLE], names, Some(ROWS))?;
+                .begin(&[P::FILES.origin, P::FILES.table], names, Some(ROWS))?;
         }
-        self.store.save(P::ORIGIN, &self.origin)?;
+        self.store.save(P::FILES.origin, &self.origin)?;
         *begun = true;
         Ok(())
     }
@@ -251,7 +249,7 @@ impl<P: Rowed> RowsFolder<P> {
     fn place(&self, row: usize) -> String {
         format!(
             "# brakewave {} {:016x}, row {row} of {}, first parameter {},",
-            P::KIND.name(),
+            P::FILES.kind.name(),
             self.identity,
             self.origin.problem.rows(),
             self.origin
@@ -276,7 +274,7 @@ impl<P: Rowed> RowsFolder<P> {
         if !text.starts_with(&self.place(row)) {
             return Err(resumable(
                 file,
-                format!("it is not row {row} of this {}", P::KIND.name()),
+                format!("it is not row {row} of this {}", P::FILES.kind.name()),
             ));
         }
         let cells = text.split_off(text.find('\n').map_or(text.len(), |end| end + 1));
@@ -327,7 +325,7 @@ impl<P: Rowed> RowsFolder<P> {
             return Err(refused(self.path(), reason));
         }
         self.begin(&[])?;
-        self.store.write(P::TABLE, |path, out| {
+        self.store.write(P::FILES.table, |path, out| {
             out.write_all(self.origin.problem.header().as_bytes())
                 .map_err(io_error("write it", path))?;
             for (row, file) in &rows {
@@ -354,8 +352,8 @@ impl<P: Rowed> RowsFolder<P> {
             }
             _ => ColumnType::Number,
         };
-        let table = self.path().join(P::TABLE);
-        let Some(file) = P::PARQUET else {
+        let table = self.path().join(P::FILES.table);
+        let Some(file) = P::FILES.parquet else {
             return Ok(());
         };
         self.store.write(file, |path, out| {

@@ -1,7 +1,7 @@
 //! The table of a scan: a row for every sample, and one with a reason where there are fewer than asked for.
 
 use super::layout::{SCAN, SCAN_ORIGIN};
-use super::rows::Rowed;
+use super::rows::{RowFiles, Rowed};
 use super::store::FolderKind;
 use crate::affine::motion::Place;
 use crate::affine::system::System;
@@ -12,10 +12,13 @@ use crate::problem::{Scan, SystemProblem};
 use crate::table::{Table, line_of, number};
 
 impl Rowed for SystemProblem {
-    const KIND: FolderKind = FolderKind::Scan;
-    const SHARD: FolderKind = FolderKind::ScanShard;
-    const ORIGIN: &'static str = SCAN_ORIGIN;
-    const TABLE: &'static str = SCAN;
+    const FILES: RowFiles = RowFiles {
+        kind: FolderKind::Scan,
+        shard: FolderKind::ScanShard,
+        origin: SCAN_ORIGIN,
+        table: SCAN,
+        parquet: None,
+    };
 
     fn rows(&self) -> usize {
         let scan = self.scan.as_ref();

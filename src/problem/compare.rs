@@ -5,24 +5,27 @@ use std::fmt;
 use super::Expectation;
 use crate::orbit::EventType;
 
-/// An event that can be expected.
-pub trait Occurrence {
+/// An event as far as it can be expected.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Occurrence {
     /// Its type.
-    fn kind(&self) -> EventType;
-
+    pub kind: EventType,
     /// Its label.
-    fn label(&self) -> usize;
-
+    pub label: usize,
     /// Bloch sector, where it has one.
-    fn sector(&self) -> Option<usize> {
-        None
-    }
-
-    /// A number of it by the name of its column.
-    fn number(&self, name: &str) -> Option<f64>;
-
+    pub sector: Option<usize>,
+    /// Its numbers by the names of their columns; the first of a name counts.
+    pub numbers: Vec<(String, Option<f64>)>,
     /// Regimes before and after it.
-    fn regimes(&self) -> [&str; 2];
+    pub regimes: [String; 2],
+}
+
+impl Occurrence {
+    /// A number of it by the name of its column.
+    pub fn number(&self, name: &str) -> Option<f64> {
+        let mut numbers = self.numbers.iter();
+        numbers.find(|(known, _)| known == name)?.1
+    }
 }
 
 /// One number of one expectation, compared.
@@ -79,19 +82,19 @@ impl fmt::Display for OtherRegimes {
 
 /// An expectation with the event it is compared with.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Compared<'a, E> {
+pub struct Compared<'a> {
     /// What was expected.
     pub expectation: &'a Expectation,
     /// The event; none where all that it may be are compared with others.
-    pub event: Option<&'a E>,
+    pub event: Option<&'a Occurrence>,
     /// Its numbers.
     pub numbers: Vec<Comparison>,
     /// Its regimes, where they are others.
     pub regimes: Option<OtherRegimes>,
 }
 
-impl<'a, E: Occurrence> Compared<'a, E> {
-    fn new(expectation: &'a Expectation, event: Option<&'a E>) -> Compared<'a, E> {
+impl<'a> Compared<'a> {
+    fn new(expectation: &'a Expectation, event: Option<&'a Occurrence>) -> Compared<'a> {
         let tolerance = expectation.tolerance;
         let compare = |(name, expected): (&str, f64)| Comparison {
             name: name.to_owned(),
@@ -118,31 +121,29 @@ impl<'a, E: Occurrence> Compared<'a, E> {
     }
 }
 
-fn regimes(expectation: &Expectation, event: &impl Occurrence) -> Option<OtherRegimes> {
-    let [before, after] = event.regimes();
+fn regimes(expectation: &Expectation, event: &Occurrence) -> Option<OtherRegimes> {
+    let [before, after] = &event.regimes;
     let sides = [
         (true, &expectation.regimes_before, before),
         (false, &expectation.regimes_after, after),
     ];
-    let other = |(before, expected, found): (bool, &Option<String>, &str)| {
-        let expected = expected
-            .as_ref()
-            .filter(|expected| expected.as_str() != found)?;
+    let other = |(before, expected, found): (bool, &Option<String>, &String)| {
+        let expected = expected.as_ref().filter(|expected| *expected != found)?;
         Some(OtherRegimes {
             before,
             expected: expected.clone(),
-            found: found.to_owned(),
+            found: found.clone(),
         })
     };
     sides.into_iter().find_map(other)
 }
 
 /// Whether an expectation may mean an event.
-fn may_mean(expectation: &Expectation, event: &impl Occurrence) -> bool {
+fn may_mean(expectation: &Expectation, event: &Occurrence) -> bool {
     let (sector, label) = (expectation.sector, expectation.label);
-    event.kind() == expectation.event
-        && (sector.is_none() || sector == event.sector())
-        && label.is_none_or(|label| label == event.label())
+    event.kind == expectation.event
+        && (sector.is_none() || sector == event.sector)
+        && label.is_none_or(|label| label == event.label)
 }
 
 /// An event that an expectation may mean.
@@ -157,10 +158,7 @@ struct Fit {
 /// As many expectations as possible are met: an expectation gives way to another one if it finds an
 /// event elsewhere (augmenting paths in a bipartite graph). Those that are left are shown with the
 /// nearest event that is left.
-pub fn compare<'a, E: Occurrence>(
-    expectations: &'a [Expectation],
-    events: &'a [E],
-) -> Vec<Compared<'a, E>> {
+pub fn compare<'a>(expectations: &'a [Expectation], events: &'a [Occurrence]) -> Vec<Compared<'a>> {
     let fits: Vec<Vec<Fit>> = expectations
         .iter()
         .map(|expectation| {

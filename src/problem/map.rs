@@ -16,8 +16,8 @@ pub(crate) const MAX_DRAWS: usize = 1_000_000;
 /// A map over a plane of two parameters, of waves unless told otherwise.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-#[serde(bound(deserialize = "X: Deserialize<'de>, S: Deserialize<'de> + Starts"))]
-pub struct Map<X = MapAxis, S = Start> {
+#[serde(bound(deserialize = "X: Deserialize<'de>, S: Deserialize<'de> + Default"))]
+pub struct Map<X = MapAxis, S = WaveStarts> {
     /// What is the same along a row of a grid.
     pub first: X,
     /// What changes along a row of a grid: branches of waves are followed in it.
@@ -25,8 +25,8 @@ pub struct Map<X = MapAxis, S = Start> {
     /// Where in the plane.
     pub points: MapPoints,
     /// Which waves to begin with, each at most once; of a system where motions begin.
-    #[serde(default = "Starts::unless_given")]
-    pub starts: Vec<S>,
+    #[serde(default)]
+    pub starts: S,
     /// Of a system: how large a share of motions comes to which attractor, along a parameter.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub shares: Option<Shares>,
@@ -51,23 +51,16 @@ pub struct Shares {
 }
 
 /// The same for motions of a system; those of `orbit` where no starts are given.
-pub type SystemMap = Map<SystemAxis, BeginningSection>;
+pub type SystemMap = Map<SystemAxis, Vec<BeginningSection>>;
 
-/// What a map begins with.
-pub trait Starts: Sized {
-    /// Where the file does not say.
-    fn unless_given() -> Vec<Self>;
-}
+/// The waves that a map begins with: both, unless the file says which.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct WaveStarts(pub Vec<Start>);
 
-impl Starts for Start {
-    fn unless_given() -> Vec<Start> {
-        vec![Start::Fast, Start::Slow]
-    }
-}
-
-impl Starts for BeginningSection {
-    fn unless_given() -> Vec<BeginningSection> {
-        Vec::new()
+impl Default for WaveStarts {
+    fn default() -> WaveStarts {
+        WaveStarts(vec![Start::Fast, Start::Slow])
     }
 }
 

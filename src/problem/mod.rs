@@ -38,7 +38,7 @@ pub use curve::{CurveEvent, CurveSection, SystemCurve, SystemCurveEvent};
 pub use doubt::Doubt;
 pub use error::ProblemError;
 pub use expectation::Expectation;
-pub use map::{Map, MapAxis, MapPoints, PlaneAxis, Shares, Starts, SystemAxis, SystemMap};
+pub use map::{Map, MapAxis, MapPoints, PlaneAxis, Shares, SystemAxis, SystemMap, WaveStarts};
 pub(crate) use output::drawable_columns;
 pub use output::{Output, Plot};
 pub use scan::{LyapunovCount, SampleSection, Scan, ScanValues, Sweep};

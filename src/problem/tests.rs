@@ -169,7 +169,7 @@ fn optional_lines_of_the_template_are_right() {
     assert_eq!(continuation.stop_after.len(), 1);
     assert_eq!(continuation.ds_max, DEFAULT_DS_MAX);
     let map = problem.map.unwrap();
-    assert_eq!(map.starts, [Start::Fast, Start::Slow]);
+    assert_eq!(map.starts.0, [Start::Fast, Start::Slow]);
     assert_eq!(problem.curve.unwrap().event, CurveEvent::GR);
     assert_eq!(problem.method, Some(Method::Exact));
     assert_eq!(problem.simulation.unwrap().courant, DEFAULT_COURANT);

@@ -272,7 +272,7 @@ impl Checks<'_, Problem> {
             self.range(&format!("map.{side}.range"), axis.parameter, axis.range)?;
         }
         self.plane(section)?;
-        let starts = &section.starts;
+        let starts = &section.starts.0;
         let rule = "name Fast, Slow or both, each once";
         self.admit("map.starts", starts, !starts.is_empty(), rule)?;
         for (index, start) in starts.iter().enumerate() {

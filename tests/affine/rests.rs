@@ -160,7 +160,6 @@ pub fn events(all: &[EquilibriumItem]) -> Vec<EquilibriumEvent> {
 }
 
 pub fn number(event: &EquilibriumEvent, name: &str) -> f64 {
-    use brakewave::problem::compare::Occurrence;
     event
         .number(name)
         .unwrap_or_else(|| panic!("{name} of {event:?}"))

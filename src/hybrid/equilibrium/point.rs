@@ -77,34 +77,32 @@ pub struct EquilibriumEvent {
     pub what: String,
 }
 
-impl Occurrence for EquilibriumEvent {
-    fn kind(&self) -> EventType {
-        self.kind
-    }
-
-    fn label(&self) -> usize {
-        self.label
-    }
-
-    fn number(&self, name: &str) -> Option<f64> {
-        match name {
-            "re" => self.leading.map(|value| value.re),
-            "im" => self.leading.map(|value| value.im),
-            "omega" => self.omega,
-            "lyapunov" => self.lyapunov,
-            _ => {
-                let named = self.parameters.iter().chain(&self.state);
-                let named = named.map(|(known, value)| (known, Some(*value)));
-                let monitors = self.monitors.iter();
-                let monitors = monitors.map(|(known, value)| (known, *value));
-                let mut all = named.chain(monitors);
-                all.find(|(known, _)| *known == name)?.1
-            }
+impl EquilibriumEvent {
+    /// What can be expected of it.
+    pub fn occurrence(&self) -> Occurrence {
+        let leading = self.leading;
+        let own = [
+            ("re", leading.map(|value| value.re)),
+            ("im", leading.map(|value| value.im)),
+            ("omega", self.omega),
+            ("lyapunov", self.lyapunov),
+        ];
+        let own = own.map(|(name, value)| (name.to_owned(), value));
+        let named = self.parameters.iter().chain(&self.state);
+        let named = named.map(|(name, value)| (name.clone(), Some(*value)));
+        let monitors = self.monitors.iter().cloned();
+        Occurrence {
+            kind: self.kind,
+            label: self.label,
+            sector: None,
+            numbers: own.into_iter().chain(named).chain(monitors).collect(),
+            regimes: [self.regimes_before.clone(), self.regimes_after.clone()],
         }
     }
 
-    fn regimes(&self) -> [&str; 2] {
-        [&self.regimes_before, &self.regimes_after]
+    /// A number of it by the name of its column.
+    pub fn number(&self, name: &str) -> Option<f64> {
+        self.occurrence().number(name)
     }
 }
 
