@@ -8,7 +8,7 @@ use super::special::{InadmissibleWave, Special};
 use super::wanted::{MOST_STEPS, NoFirstWave, SearchFailure, WaveRequest};
 use crate::continuation::arclength::{self, DEFAULT_DS, DEFAULT_DS_MAX, DEFAULT_DS_MIN, Steps};
 use crate::continuation::walk;
-use crate::orbit::change;
+use crate::orbit::entry;
 use crate::orbit::follow::Limits;
 use crate::orbit::sign::SignVerdict;
 
@@ -408,7 +408,7 @@ const BEYOND_HOPF: f64 = 1e-4;
 /// # Errors
 /// No admissible wave with a short stick zone exists.
 pub(crate) fn beyond_hopf(family: &Family, steps: Steps) -> Result<(Wave, Vector), SearchFailure> {
-    let beyond = change::enter(&family.opening(), BEYOND_HOPF, steps.tolerance)?;
+    let beyond = entry::enter(&family.opening(), BEYOND_HOPF, steps.tolerance)?;
     let step = arclength::advance(&beyond.orbit, &beyond.node, &[], beyond.ds, steps.tolerance)?;
     Ok((beyond.orbit, step.node.point))
 }

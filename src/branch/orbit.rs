@@ -8,7 +8,7 @@ use crate::linalg::{Matrix, Vector};
 use crate::orbit::located::AT_ZERO;
 use crate::orbit::sign::SignVerdict;
 use crate::orbit::{Candidate, Examined, Orbit};
-use crate::orbit::{change, follow};
+use crate::orbit::{entry, follow};
 use crate::tube::flow::FlowError;
 use crate::tube::model::Parameter;
 use crate::tube::model::signature::{Regime, Signature, WaveZone, ZoneEntry};
@@ -26,7 +26,7 @@ pub type Follower = follow::Follower<Wave>;
 /// The state of a branch of waves between two steps.
 pub type State = follow::BranchState<Signature>;
 /// Why a candidate for a wave is not entered.
-pub type NotEntered = change::NotEntered<Wave>;
+pub type NotEntered = entry::NotEntered<Wave>;
 
 /// Excess speed |c|/√a − 1 below which a branch may be seen to tend to √a, and how little everything
 /// else changes then while it falls by the factor e.

@@ -9,7 +9,8 @@
 //! - [`sign`] tells the sign of a function over a whole interval;
 //! - [`event`] has the types of special points, [`special`] what makes a point special and why a branch ends;
 //! - [`monitor`] locates values of numbers of an orbit that are asked for;
-//! - [`events`] locates what happens within a step, `retrace` where the branch would retrace itself, [`change`] finds the signature beyond a change;
+//! - [`events`] locates what happens within a step, `retrace` where the branch would retrace itself;
+//! - [`change`] finds the signature beyond a change, [`entry`] takes the first step into it;
 //! - [`cascade`] recognises changes that follow one another without end;
 //! - [`follow`] puts them together into a curve for the walker of [`crate::continuation`];
 //! - [`legs`] goes both ways from a first orbit, and numbers points, labels and events.
@@ -17,6 +18,7 @@
 pub mod cascade;
 pub mod change;
 mod crossings;
+pub mod entry;
 pub mod event;
 mod events;
 pub mod follow;

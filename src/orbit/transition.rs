@@ -7,7 +7,8 @@
 use std::sync::Arc;
 
 use super::cascade::Cascade;
-use super::change::{self, Beyond, Both, Search};
+use super::change::{self, BeyondSearch, Both};
+use super::entry::Beyond;
 use super::follow::{LocatedPoint, Track};
 use super::located::{BranchEvent, LocatedEvent};
 use super::special::{BranchStop, Change, Special, Tried};
@@ -32,7 +33,7 @@ struct Transition<O: Orbit> {
     margin: O::Margin,
     /// The signature between the first and the second of changes at several instants: the first names the event.
     between: Option<O::Signature>,
-    search: Search<O>,
+    search: BeyondSearch<O>,
 }
 
 impl<O: Orbit> Transition<O> {
@@ -112,7 +113,7 @@ impl<O: Orbit> Track<O> {
         let Transition {
             mut found,
             mut passed,
-            search: Search {
+            search: BeyondSearch {
                 beyond, refused, ..
             },
             ..
