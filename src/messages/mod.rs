@@ -5,6 +5,7 @@ mod curve;
 mod system;
 mod wave;
 
+#[cfg(feature = "cli")]
 pub(crate) use system::{AWAY, halt, lack};
 
 use std::fmt::{self, Display, Formatter};

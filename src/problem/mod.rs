@@ -46,6 +46,7 @@ pub use system::{
     BeginningSection, EquilibriumSection, EquilibriumStart, Multipliers, OrbitSection, OrbitStart,
     SystemPlot, SystemProblem, SystemSimulation,
 };
+#[cfg(feature = "cli")]
 pub(crate) use template::{SYSTEM_TEMPLATE, template};
 #[cfg(feature = "cli")]
 pub(crate) use text::as_written;

@@ -9,7 +9,9 @@ mod figures;
 #[cfg(test)]
 mod tests;
 
+#[cfg(feature = "cli")]
 pub(crate) use cells::{columns, header, line, line_of, table};
+#[cfg(feature = "cli")]
 pub(crate) use figures::number;
 
 use std::borrow::Cow;

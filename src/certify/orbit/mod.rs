@@ -38,6 +38,7 @@ mod zeros;
 use serde::{Deserialize, Serialize};
 
 pub use beyond::SequenceOrbit;
+#[cfg(feature = "cli")]
 pub(crate) use check::proven_again;
 pub use check::verify;
 pub use open::{OpenOrbit, OrbitNotBeyond, UnprovenOrbit};
@@ -46,7 +47,7 @@ pub(crate) use requested::RequestedOrbits;
 pub use system::{NearOrbit, OrbitCondition, PosedOrbit};
 
 use super::arc::{Broken, Moving};
-use super::certificate::{CertifiedPoint, GrowthTally, Provable, RefusedProof, begin_alike};
+use super::certificate::{CertifiedPoint, GrowthTally, Provable, begin_alike};
 use super::{krawczyk, wider};
 use crate::affine::orbit::setting::Setting;
 use crate::affine::orbit::{AffineOrbit, Critical, Scales, Sequence, Watch, ZonePoint};

@@ -1,8 +1,9 @@
 //! What a problem file says of the statements on its branch: its system, its numbers, and the values that it asks for.
 
+use super::OrbitProof;
 use super::system::{OrbitCondition, PosedOrbit};
-use super::{OrbitProof, RefusedProof};
 use crate::certify::CertifiedPoint;
+use crate::certify::certificate::RefusedProof;
 use crate::certify::requested_system::RequestedSystem;
 use crate::problem::{OrbitStart, SystemProblem};
 
