@@ -192,10 +192,8 @@ pub fn noise<S: System>(system: &S, matrix: &Matrix, point: &Vector) -> Option<V
     const SAMPLES: u32 = 8;
     let n = system.unknowns();
     let value = |point: &Vector| {
-        let mut residual = Vector::zeros(n - 1);
-        let mut unused = Matrix::zeros(n - 1, n);
-        let evaluated = system.evaluate(point, residual.as_mut_slice(), &mut unused);
-        evaluated.ok().map(|()| residual)
+        let evaluated = evaluated(system, point).ok();
+        evaluated.map(|(_, residual)| residual)
     };
     let here = value(point)?;
     let mut noise = Vector::zeros(n);
@@ -410,12 +408,18 @@ pub fn relative_residual(matrix: &Matrix, residual: &[f64]) -> f64 {
         })
 }
 
-/// Jacobian of the system alone, n × (n+1), and the largest relative residual.
-pub fn jacobian<S: System>(system: &S, point: &Vector) -> Result<(Matrix, f64), S::Failure> {
+/// Jacobian of the system alone, n × (n+1), and its residual.
+pub fn evaluated<S: System>(system: &S, point: &Vector) -> Result<(Matrix, Vector), S::Failure> {
     let n = system.unknowns();
     let mut matrix = Matrix::zeros(n - 1, n);
     let mut residual = Vector::zeros(n - 1);
     system.evaluate(point, residual.as_mut_slice(), &mut matrix)?;
+    Ok((matrix, residual))
+}
+
+/// Jacobian of the system alone, n × (n+1), and the largest relative residual.
+pub fn jacobian<S: System>(system: &S, point: &Vector) -> Result<(Matrix, f64), S::Failure> {
+    let (matrix, residual) = evaluated(system, point)?;
     let size = relative_residual(&matrix, residual.as_slice());
     Ok((matrix, size))
 }

@@ -34,10 +34,7 @@ const SINGULAR_EVENT: f64 = 1e-6;
 pub(super) fn solved<O: Orbit>(orbit: &O, point: &Vector) -> Option<Node> {
     let known = Node::within(orbit, point.clone(), RESIDUAL_AT_EVENT);
     known.or_else(|| {
-        let mut residual = Vector::zeros(orbit.unknowns() - 1);
-        let mut matrix = Matrix::zeros(residual.len(), orbit.unknowns());
-        let evaluated = orbit.evaluate(point, residual.as_mut_slice(), &mut matrix);
-        evaluated.ok()?;
+        let (matrix, residual) = newton::evaluated(orbit, point).ok()?;
         if residual.amax() > SINGULAR_EVENT {
             return None;
         }

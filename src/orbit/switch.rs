@@ -10,7 +10,7 @@ use super::{Examined, Orbit};
 use crate::continuation::Node;
 use crate::continuation::arclength::correct;
 use crate::continuation::newton::{self, Plane, Settings};
-use crate::linalg::{self, Matrix, Vector};
+use crate::linalg::{self, Vector};
 
 /// Why there is no other branch.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -86,10 +86,7 @@ pub fn is_in_family<O: Orbit>(orbit: &O, at: &Vector) -> bool {
     const ZERO: f64 = 1e-9;
     let last = at.len() - 1;
     let evaluated = |point: &Vector| {
-        let mut matrix = Matrix::zeros(last, last + 1);
-        let mut residual = Vector::zeros(last);
-        let evaluated = orbit.evaluate(point, residual.as_mut_slice(), &mut matrix);
-        evaluated.ok()?;
+        let (matrix, residual) = newton::evaluated(orbit, point).ok()?;
         Some((matrix.columns(0, last).clone_owned(), residual))
     };
     let null = evaluated(at).and_then(|(square, _)| linalg::least(&square));
