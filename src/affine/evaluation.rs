@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use super::contact::law::Law;
 use super::dual::{Coefficient, Dual, Measured};
 use super::expression::{Expression, ExpressionFlaw, Obstacle};
-use super::form::Form;
+use super::form::{Form, Signs};
 use super::system::{Mistake, Switch, System, SystemError};
 
 /// A switch with its expressions as forms.
@@ -135,18 +135,25 @@ fn converted<C, D, E>(
 
 impl<C: Measured> FormMode<C> {
     /// The mode with every expression as it is within it, where its guards are not negative: the absolute value of a
-    /// multiple of one has no kink there, nor has one of a form that is held at zero.
+    /// multiple of one has no kink there, and one of a form that is held at zero is nothing. Guards themselves know of what
+    /// is held alone.
     ///
     /// # Errors
     /// An operation that has no result there.
     pub fn within(mut self) -> Result<Self, Obstacle> {
-        let guards = self.switches.iter().map(|one| &one.guard);
-        let guards = guards.chain(&self.held);
-        let guards: Vec<Form<C>> = guards.cloned().collect();
+        let held = Signs {
+            positive: Vec::new(),
+            zero: self.held.clone(),
+        };
+        let mut known = HashMap::new();
+        for switch in &mut self.switches {
+            switch.guard = switch.guard.where_signed(&held, &mut known)?;
+        }
+        let signs = self.signs();
         let mut known = HashMap::new();
         let mut resolve = |form: &mut Form<C>| {
             if !form.beyond.is_empty() {
-                *form = form.where_positive(&guards, &mut known)?;
+                *form = form.where_signed(&signs, &mut known)?;
             }
             Ok(())
         };
@@ -168,8 +175,16 @@ impl<C: Measured> FormMode<C> {
         if form.beyond.is_empty() {
             return Ok(form.clone());
         }
-        let guards: Vec<Form<C>> = self.switches.iter().map(|one| one.guard.clone()).collect();
-        form.where_positive(&guards, &mut HashMap::new())
+        form.where_signed(&self.signs(), &mut HashMap::new())
+    }
+
+    /// Its guards, which are not negative within it, and what it holds at zero.
+    fn signs(&self) -> Signs<C> {
+        let guards = self.switches.iter().map(|one| one.guard.clone());
+        Signs {
+            positive: guards.collect(),
+            zero: self.held.clone(),
+        }
     }
 }
 

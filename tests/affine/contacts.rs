@@ -217,6 +217,32 @@ fn a_bound_that_depends_on_the_slip() {
     assert!((one / other - 1.0).abs() < 1e-13, "{one} {other}");
 }
 
+/// Where friction falls with the speed of the slip from its value at rest on, slip begins with no acceleration, whatever
+/// the law: the period is that of the slip in a Taylor series of 25 digits from the release F(1 + s) on, and of the stick.
+#[test]
+fn slip_begins_where_a_falling_law_is_that_of_stick() {
+    let with = |bound: &str| {
+        let text = format!(
+            r#"(states: ["x", "v"], parameters: {{"F": 1.2, "s": 0.27, "vb": 0.49, "k": 1.34, "c": 0.03, "vs": 0.3}},
+            contacts: {{"q": Friction(slip: "v - vb", bound: "{bound}")}}, rates: {{"x": "v", "v": "-k*x - c*v + q"}})"#
+        );
+        let from: From = ("backward", &[2.5, 0.0], 200.0);
+        let (orbit, point) = started(&system(&text), from, ("vb", (0.4, 0.6))).unwrap();
+        orbit.cycle(&point).unwrap().period
+    };
+    let period = with("F*(1 + s*exp(-abs(v - vb)/vs))");
+    assert!(
+        (period / 5.7742576411730566 - 1.0).abs() < 1e-13,
+        "{period}"
+    );
+    // the same law in other words: exp(-y) = (1 - tanh(y/2))/(1 + tanh(y/2))
+    let tanh = "tanh(abs(v - vb)/(2*vs))";
+    let other = with(&format!("F*(1 + s*(1 - {tanh})/(1 + {tanh}))"));
+    assert!((other / 5.7742576411730566 - 1.0).abs() < 1e-13, "{other}");
+    with("F*max(1 - s*abs(v - vb)/vs, 0.3)");
+    with("F*(1 + s/(1 + abs(v - vb)/vs))");
+}
+
 /// A wall of springs as two modes of one's own with friction in both, and as a contact beside the friction.
 #[test]
 fn modes_of_ones_own_with_a_contact() {
@@ -389,6 +415,23 @@ fn zones_open_each_at_a_rate_of_its_own() {
     meets(&without, &values);
     // just before the touch the peak is below the gap, just after it above: u = 1/2 and v = 0 at one instant
     assert!((without[1].value - 0.478_122_834_989_434).abs() < 1e-14);
+}
+
+/// A block sticks where the spring that holds it is as strong as its friction: all along the stick the force is at its
+/// bound, and beyond it the block slips slowly back the whole time. The branch meets the same events from either side.
+#[test]
+fn a_stick_at_its_bound_becomes_a_slip() {
+    let text = r#"(states: ["u", "v", "y", "z"], parameters: {"w": 0.755, "N": 0.085, "g": 0.554, "k": 47.243, "c": 0.339}, forcing: "w",
+        contacts: {"p": Spring(gap: "g - u + y", stiffness: "k", damping: "c"), "q": Friction(slip: "z", bound: "N")},
+        rates: {"u": "v", "v": "cos(phase) - u - 0.05*v - p", "y": "z", "z": "-y - 0.1*z + p + q"})"#;
+    let from: From = ("open.forward", &[0.0, 0.1, 0.0, 0.05], 400.0);
+    let range = ("w", (0.755, 0.772));
+    let before = met(text, from, range);
+    let beyond = met(&text.replace("0.755", "0.772"), from, range);
+    let values: Vec<_> = beyond.iter().map(|one| (one.kind, one.value)).collect();
+    assert_eq!(before.len(), 1, "{}", before[0].what);
+    meets(&before, &values);
+    assert!((before[0].value - 0.764_371_044_236_69).abs() < 1e-13);
 }
 
 /// An inelastic ball rests on its table until that falls faster than it, and leaves it with g, ġ and g̈ zero.

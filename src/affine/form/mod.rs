@@ -2,6 +2,8 @@
 
 mod rate;
 mod sign;
+
+pub(super) use sign::Signs;
 #[cfg(test)]
 mod tests;
 

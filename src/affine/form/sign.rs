@@ -7,15 +7,40 @@ use super::{Form, Rule, Term};
 use crate::affine::dual::Measured;
 use crate::affine::expression::{Algebra, Function, Obstacle, Operation};
 
+/// What is known of forms in a mode.
+pub(in crate::affine) struct Signs<C> {
+    /// Guards, none of which is negative.
+    pub positive: Vec<Form<C>>,
+    /// What is held at zero.
+    pub zero: Vec<Form<C>>,
+}
+
+impl<C: Measured> Signs<C> {
+    /// |form| without its kink: ±g for a multiple of what is not negative, and nothing for one of what is zero.
+    fn absolute_value(&self, form: &Form<C>) -> Option<Result<Form<C>, Obstacle>> {
+        let is_multiple = |zero: &Form<C>| form.sign_of_ratio(zero).is_some();
+        if self.zero.iter().any(is_multiple) {
+            return Some(Ok(Form::default()));
+        }
+        let mut signs = self
+            .positive
+            .iter()
+            .filter_map(|one| form.sign_of_ratio(one));
+        let sign = signs.next()?;
+        Some(form.clone().scaled(C::number(sign)))
+    }
+}
+
 impl<C: Measured> Form<C> {
-    /// The form where some others are not negative: ±g in the place of |g| where g is a multiple of one of these.
+    /// The form where the signs of others are known: ±g in the place of |g| where g is a multiple of what is not negative, and
+    /// zero where it is one of what is held at zero.
     /// `known` has the terms that have been met, and whether they are others there.
     ///
     /// # Errors
     /// An operation that has no result there.
-    pub(in crate::affine) fn where_positive(
+    pub(in crate::affine) fn where_signed(
         &self,
-        positive: &[Form<C>],
+        signs: &Signs<C>,
         known: &mut HashMap<*const Term<C>, Option<Form<C>>>,
     ) -> Result<Form<C>, Obstacle> {
         let mut sum = Form {
@@ -25,7 +50,7 @@ impl<C: Measured> Form<C> {
         for (coefficient, term) in &self.beyond {
             let place = Arc::as_ptr(term);
             if !known.contains_key(&place) {
-                let form = term.where_positive(positive, known)?;
+                let form = term.where_signed(signs, known)?;
                 known.insert(place, form);
             }
             match known.get(&place) {
@@ -89,23 +114,20 @@ impl<C: Measured> Form<C> {
 }
 
 impl<C: Measured> Term<C> {
-    /// Another form of it where some are not negative; `None` where it is the same.
-    fn where_positive(
+    /// Another form of it where signs are known; `None` where it is the same.
+    fn where_signed(
         &self,
-        positive: &[Form<C>],
+        signs: &Signs<C>,
         known: &mut HashMap<*const Term<C>, Option<Form<C>>>,
     ) -> Result<Option<Form<C>>, Obstacle> {
         let [one, other] = &self.operands;
         let resolved = [
-            one.where_positive(positive, known)?,
-            other.where_positive(positive, known)?,
+            one.where_signed(signs, known)?,
+            other.where_signed(signs, known)?,
         ];
         if self.rule == Rule::Function(Function::Abs) {
-            let mut signs = positive
-                .iter()
-                .filter_map(|form| resolved[0].sign_of_ratio(form));
-            if let Some(sign) = signs.next() {
-                return resolved[0].clone().scaled(C::number(sign)).map(Some);
+            if let Some(form) = signs.absolute_value(&resolved[0]) {
+                return form.map(Some);
             }
         }
         let is_same = |one: &Form<C>, other: &Form<C>| {
