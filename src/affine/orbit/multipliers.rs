@@ -10,7 +10,7 @@ use nalgebra::Complex;
 
 use super::layout::{AffineOrbit, OrbitAt};
 use super::passage::Passage;
-use super::saltation::{NOTHING, Saltation, rank, sizes_of_product};
+use super::saltation::{NOTHING, Saltation, Slow, rank, sizes_of_product};
 use super::setting::OrbitFailure;
 
 use super::signature::exit_of;
@@ -82,6 +82,8 @@ struct Link {
     closes: f64,
     /// How fast the guard falls, scaled to order one.
     fall: f64,
+    /// How much larger an error of the state is in the jump, which is divided by that.
+    magnified: f64,
 }
 
 /// The linearised motion over a period, by its multipliers.
@@ -99,6 +101,9 @@ pub struct Monodromy {
 
 /// Error of a factor relative to its norm: the rounding of an exponential, or of a series.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
+
+/// A guard that falls more slowly than this, scaled to order one, is looked at for what vanishes with its speed.
+const SLOW: f64 = 1e-3;
 
 /// ż at the end of a zone: by the law there or, where what it adds up cancels, as near rest, that at the entry as the flow
 /// takes it along; every component by what tells it better.
@@ -139,7 +144,22 @@ impl OrbitAt<'_> {
         self.mode(next).field.complete(&mut entry);
         let normal = passage.gradient(row);
         let next_matrix = &self.mode(next).matrix.at;
-        let saltation = Saltation::new(passage, &exit.reset.at, rate, (next_matrix, &entry));
+        let mut saltation = Saltation::new(passage, &exit.reset.at, rate, (next_matrix, &entry));
+        let speed = -fall * self.orbit.setting.scales.time / self.orbit.size(row);
+        let slow = (speed.abs() < SLOW).then(|| {
+            let slow = Slow {
+                guard: &row.at,
+                before: &self.mode(zone).matrix.at,
+                rate,
+                fall,
+            };
+            saltation.refine(passage, &exit.reset.at, next_matrix, &slow)
+        });
+        let magnified = slow.as_ref().map_or(speed.abs().recip(), |(_, off)| {
+            let units = &self.orbit.setting.scales.states;
+            let parts = off.iter().zip(units).map(|(off, unit)| off / unit);
+            parts.fold(0.0, f64::max) * self.orbit.size(row)
+        });
         let bounds = saltation.bounds(|j| (normal[j] / fall).abs());
         let Saltation {
             reset,
@@ -147,14 +167,17 @@ impl OrbitAt<'_> {
             shift,
             ..
         } = saltation;
-        let speed = -fall * self.orbit.setting.scales.time / self.orbit.size(row);
+        let jumps = slow.as_ref().map_or(&shift, |(ratios, _)| ratios);
         let (jump, lost, fall) = match self.onto_surface(zone + 1) {
             // however slowly the motion comes to where sliding begins
             Some(surface) if self.comes_straight(zone) => (surface, 1, 1.0),
             // nothing jumps: what a graze would magnify is zero
-            None if shift.amax() == 0.0 => (reset.clone(), n - rank(reset, bounds), speed),
+            None if jumps.amax() == 0.0 => (reset.clone(), n - rank(reset, bounds), speed),
             surface => {
-                let entry = |i: usize, j: usize| reset[(i, j)] + shift[i] * normal[j] / fall;
+                let entry = |i: usize, j: usize| match &slow {
+                    Some((ratios, _)) => reset[(i, j)] + ratios[i] * normal[j],
+                    None => reset[(i, j)] + shift[i] * normal[j] / fall,
+                };
                 let jump = Matrix::from_fn(n, n, entry);
                 let (jump, bounds) = match surface {
                     Some(surface) => (
@@ -176,6 +199,7 @@ impl OrbitAt<'_> {
                 after,
             }),
             fall,
+            magnified,
         }
     }
 
@@ -191,6 +215,7 @@ impl OrbitAt<'_> {
                 after: passage.rate.rows(0, self.orbit.states()).into_owned(),
             }),
             fall: 1.0,
+            magnified: 1.0,
         }
     }
 
@@ -263,7 +288,7 @@ impl OrbitAt<'_> {
                     matrix: jump.matrix,
                     lost: jump.lost,
                     // it is divided by the speed at the guard, of which less is left the nearer it is to a graze
-                    error: ROUNDING / link.fall.abs().min(1.0),
+                    error: ROUNDING * link.magnified.max(1.0),
                     size: 0.0,
                 });
             }

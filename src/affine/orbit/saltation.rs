@@ -22,6 +22,18 @@ pub(in crate::affine) struct Saltation {
     terms: Vector,
 }
 
+/// The guard of a switch that is met slowly, and what is known of the motion there: at a graze what it divides vanishes with it.
+pub(in crate::affine) struct Slow<'a> {
+    /// g.
+    pub guard: &'a Vector,
+    /// Matrix of the mode that ends.
+    pub before: &'a Matrix,
+    /// ż⁻.
+    pub rate: &'a Vector,
+    /// ġ.
+    pub fall: f64,
+}
+
 impl Saltation {
     /// Of the switch at the end of a passage with this reset and this rate there, into a mode with this matrix at its entry.
     pub fn new(
@@ -46,6 +58,55 @@ impl Saltation {
             after,
             shift,
         }
+    }
+
+    /// (f⁺ − Rż⁻)/ġ where the guard is met slowly, and how far every entry is off relative to the error of the state. Where a
+    /// row of the jump is a multiple of ġ, but for one of g, which is zero there, the ratio is that, however slow: where a
+    /// stick begins it is −1.
+    pub fn refine(
+        &mut self,
+        passage: &Passage,
+        reset: &Matrix,
+        after: &Matrix,
+        slow: &Slow,
+    ) -> (Vector, Vector) {
+        let (n, rows) = (reset.nrows(), slow.before.nrows());
+        let (end, guard, columns) = (&passage.end, slow.guard, slow.before.ncols());
+        let shift = &self.after - product(reset, slow.rate);
+        let difference = after.rows(0, n) - reset.columns(0, rows) * slow.before;
+        let of_guard = slow.before.tr_mul(&guard.rows(0, rows));
+        let largest = |row: &Vector| {
+            let share = |k: &usize| (row[*k] * end[*k]).abs();
+            (0..columns).max_by(|one, other| share(one).total_cmp(&share(other)))
+        };
+        let size = |row: &Vector| {
+            row.iter()
+                .zip(end)
+                .map(|(by, x)| (by * x).abs())
+                .sum::<f64>()
+        };
+        let without = |row: &Vector, of: &Vector| -> (Vector, f64) {
+            let pivot = largest(of).filter(|pivot| of[*pivot] != 0.0);
+            let part = pivot.map_or(0.0, |pivot| row[pivot] / of[pivot]);
+            (row - of * part, part)
+        };
+        let (falls, _) = without(&of_guard, guard);
+        let (mut ratios, mut off) = (Vector::zeros(n), Vector::zeros(n));
+        for i in 0..n {
+            let own = difference.row(i).transpose();
+            let (rest, ratio) = without(&without(&own, guard).0, &falls);
+            if size(&rest) <= CONTINUOUS * (size(&own) + ratio.abs() * size(&of_guard)) {
+                ratios[i] = ratio;
+                self.terms[i] = 0.0;
+                continue;
+            }
+            ratios[i] = shift[i] / slow.fall;
+            let made = (rows..slow.rate.len())
+                .map(|k| (reset[(i, k)] - ratios[i] * guard[k]) * slow.rate[k]);
+            let made: f64 = made.map(f64::abs).sum();
+            off[i] = (size(&(own - &of_guard * ratios[i])) + made) / slow.fall.abs();
+        }
+        (ratios, off)
     }
 
     /// Errors of the entries of the whole map, where a perturbation of a state comes to the switch by so much later.
