@@ -10,6 +10,7 @@
 
 use super::OrbitStop;
 use super::layout::AffineOrbit;
+use crate::affine::mode::AffineSystem;
 use crate::affine::motion::{Halt, Motion, Place, Step};
 use crate::linalg::Vector;
 use crate::orbit::Orbit;
@@ -141,10 +142,28 @@ impl AffineOrbit {
                     return Some(Ok(offs.fold(0.0, f64::max)));
                 }
                 Ok(Step::Switched(_) | Step::Section) => {}
-                // not of a motion that has not begun
-                Err(halt) => return (motion.place().time > begin.time).then_some(Err(halt)),
+                Err(halt) => {
+                    // not of a motion that has not begun, nor of one beside what a mode holds at zero
+                    let there = motion.place();
+                    let tells =
+                        there.time > begin.time && self.halts_at_zero(&system, there, &halt);
+                    return tells.then_some(Err(halt));
+                }
             }
         }
         None
+    }
+
+    /// Whether the guard where a motion does not go on is zero there, and not negative since it began: one that was moved off
+    /// what a stick holds comes into the next mode beyond its guard.
+    fn halts_at_zero(&self, system: &AffineSystem, place: &Place, halt: &Halt) -> bool {
+        /// In units of the guard: the least δ is a hundred times as large.
+        const AT_ZERO: f64 = 1e-11;
+        let Some((mode, guard)) = halt.place() else {
+            return true;
+        };
+        let row = &system.modes[mode].guards[guard].row;
+        let z = system.lift(mode, &place.state, place.phase);
+        row.value(&z).abs() <= AT_ZERO * self.size(row)
     }
 }
