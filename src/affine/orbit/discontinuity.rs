@@ -4,6 +4,7 @@
 //! event lies between them, but for chance. Where the map is continuous both come back next to where they began after one
 //! period, and nearer the smaller δ is. Where motions of one side do and those of the other come, however small δ is, to
 //! one place at a finite distance, or do not go on, the map jumps at the orbit: no sequence of zones goes on from there.
+//! Where those of one side switch no more and rest where they begin, as a block that is held for good, the orbit ends too.
 //!
 //! Where the parameter has no part in the way to the event, as that of an impulse which is given there, rounding decides on
 //! both sides what becomes of them: then motions begin beside the orbit in one state after the other, at p itself.
@@ -41,6 +42,16 @@ enum Fate {
     Elsewhere(f64),
     /// They do not go on.
     Halts(Halt),
+    /// They rest in the mode with this number.
+    Stays(usize),
+}
+
+/// What becomes of a motion within a period.
+struct Passed {
+    /// How far it is off at the end, in units of the range of each state.
+    off: f64,
+    /// The mode in which it began and rests.
+    rests: Option<usize>,
 }
 
 impl AffineOrbit {
@@ -51,6 +62,11 @@ impl AffineOrbit {
             axes.find_map(
                 |axis| match [-1.0, 1.0].map(|side| self.fate(point, axis, side)) {
                     [Some(Fate::Returns), Some(Fate::Returns)] => None,
+                    [Some(Fate::Stays(_)), Some(Fate::Stays(_))] => None,
+                    // moved in a state it need not be beyond the event
+                    [Some(Fate::Stays(mode)), _] | [_, Some(Fate::Stays(mode))] => {
+                        axis.is_none().then_some(Fate::Stays(mode))
+                    }
                     [Some(Fate::Returns), other] | [other, Some(Fate::Returns)] => other,
                     _ => None,
                 },
@@ -58,6 +74,9 @@ impl AffineOrbit {
         match other {
             Fate::Returns => None,
             Fate::Elsewhere(apart) => Some(OrbitStop::Discontinuous { apart }),
+            Fate::Stays(mode) => Some(OrbitStop::Stays {
+                mode: self.setting.system.mode_name(mode).into_owned(),
+            }),
             Fate::Halts(halt) => {
                 let (mode, guard) = halt.place()?;
                 Some(OrbitStop::Halts {
@@ -75,6 +94,10 @@ impl AffineOrbit {
         match (first?, last?) {
             (Ok(first), Ok(last)) => {
                 let before = between.and_then(Result::ok)?;
+                if let [Some(mode), Some(_), Some(_)] = [first.rests, before.rests, last.rests] {
+                    return Some(Fate::Stays(mode));
+                }
+                let [first, before, last] = [first.off, before.off, last.off];
                 let least = first.min(before).min(last);
                 if last <= NEAR && last <= (FALLS * before).max(ROUNDING) {
                     Some(Fate::Returns)
@@ -100,7 +123,7 @@ impl AffineOrbit {
         point: &Vector,
         axis: Option<usize>,
         by: f64,
-    ) -> Option<Result<f64, Halt>> {
+    ) -> Option<Result<Passed, Halt>> {
         let at = self.at(point).ok()?;
         let zones = at.zones.iter().enumerate();
         let longest = zones.max_by(|(_, one), (_, other)| one.duration.total_cmp(&other.duration));
@@ -126,6 +149,8 @@ impl AffineOrbit {
         let system = setting.system.at(&values, &[setting.parameter]).ok()?;
         let period: f64 = at.zones.iter().map(|zone| zone.duration).sum();
         let mut motion = Motion::new(&system, begin.clone(), period);
+        let switches = self.sequence.zone(zone).way.is_some();
+        let mut switched = false;
         for _ in 0..MOST_SWITCHES {
             match motion.step(period) {
                 Ok(Step::Reached) => {
@@ -139,9 +164,13 @@ impl AffineOrbit {
                             let size = if range > NEAR * unit { range } else { *unit };
                             (one - other).abs() / size
                         });
-                    return Some(Ok(offs.fold(0.0, f64::max)));
+                    let off = offs.fold(0.0, f64::max);
+                    let rests = switches && !switched && off <= ROUNDING;
+                    let rests = rests.then_some(begin.mode);
+                    return Some(Ok(Passed { off, rests }));
                 }
-                Ok(Step::Switched(_) | Step::Section) => {}
+                Ok(Step::Switched(_)) => switched = true,
+                Ok(Step::Section) => {}
                 Err(halt) => {
                     // not of a motion that has not begun, nor of one beside what a mode holds at zero
                     let there = motion.place();

@@ -80,6 +80,11 @@ pub enum OrbitStop {
         /// That distance, in units of the range of the states.
         apart: f64,
     },
+    /// On one side of the event motions that begin on its orbit stay in the mode in which they begin.
+    Stays {
+        /// Its name.
+        mode: String,
+    },
     /// What a motion is off grows within a zone until too few digits are left, as along what repels it: a canard.
     LosesDigits {
         /// Name of the mode.
@@ -188,6 +193,10 @@ impl fmt::Display for OrbitStop {
                 "the return map is discontinuous there: motions beside its orbit on the one side of the event come back \
                  to it after a period, on the other they jump to {apart:.1e} of the range of the states away, however \
                  near they begin: the orbits there are others"
+            ),
+            OrbitStop::Stays { mode } => write!(
+                formatter,
+                "beyond it motions that begin on its orbit stay in `{mode}` for good: nothing leads out of it any more"
             ),
             OrbitStop::LosesDigits { mode, growth } => write!(
                 formatter,
