@@ -127,6 +127,28 @@ fn slip_that_grazes_rest_is_held_by_static_friction() {
     assert!((held[0].value - graze.value).abs() < 1e-12);
 }
 
+/// Static friction only just lets go: beyond that the mass is held for good, and the branch ends there, whatever the units and
+/// the order of the states.
+#[test]
+fn a_mass_that_is_held_for_good() {
+    let text = r#"(states: ["x", "v"], parameters: {"A": 0.991, "w": 1.202, "F": 0.693, "c": 0.01}, forcing: "w",
+        contacts: {"q": Friction(slip: "v", bound: "F", static: "1.25*F")},
+        rates: {"x": "v", "v": "A*cos(phase) - x - c*v + q"})"#;
+    let scaled = r#"(states: ["v", "x"], parameters: {"A": 0.991, "w": 1.202, "F": 0.693, "c": 0.01}, forcing: "w",
+        contacts: {"q": Friction(slip: "v", bound: "F", static: "1.25*F")},
+        rates: {"x": "1e4*v", "v": "A*cos(phase) - 1e-4*x - c*v + q"})"#;
+    let ends = [(text, [0.0, 0.099]), (scaled, [0.099, 0.0])].map(|(text, state)| {
+        let (orbit, point) = settled(text, &[], "F", "forward", &state, 200.0);
+        let (seen, all) = follow(&orbit, &point, true, (0.6, 1.1), 2000);
+        let kinds: Vec<_> = seen.iter().map(|one| one.kind).collect();
+        assert_eq!(kinds, [LP, GR]);
+        let reason = why(&all);
+        assert!(reason.contains("stay in `stick` for good"), "{reason}");
+        seen[1].value
+    });
+    assert!((ends[0] / ends[1] - 1.0).abs() < 1e-11, "{ends:?}");
+}
+
 /// A clock: a pendulum with dry friction, kicked as it comes back through x = 0, in which nobody has written down stick.
 pub(crate) const CLOCK: &str = r#"(
     states: ["x", "v"],
