@@ -92,33 +92,55 @@ fn ln_point(x: f64) -> Interval {
     Interval::point(guess) + Interval::new((t - t.square()).low, t.high)
 }
 
-/// cos and sin of one number.
-fn circular_point(x: f64) -> (Interval, Interval) {
-    let all = Interval::new(-1.0, 1.0);
+/// All values of cos and sin.
+const CIRCULAR: Interval = Interval {
+    low: -1.0,
+    high: 1.0,
+};
+
+/// x − n·π/2 for the nearest integer n, and n modulo 4; none where that is too large.
+fn quarter_turns(x: f64) -> Option<(Interval, u8)> {
     let n = (x / std::f64::consts::FRAC_PI_2).round();
     if n.is_nan() || n.abs() > MOST_TURNS {
-        return (all, all);
+        return None;
     }
     let reduced = Interval::point(x)
         - Interval::point(n * HALF_PI[0])
         - Interval::point(n * HALF_PI[1])
         - Interval::point(n) * HALF_PI_REST;
-    let (cosine, sine) = (cosine_series(reduced), sine_series(reduced));
-    let (cosine, sine) = match n.rem_euclid(4.0) as u8 {
-        0 => (cosine, sine),
-        1 => (-sine, cosine),
-        2 => (-cosine, -sine),
-        _ => (sine, -cosine),
+    Some((reduced, n.rem_euclid(4.0) as u8))
+}
+
+/// cos of one number.
+fn cosine_point(x: f64) -> Interval {
+    let cosine = match quarter_turns(x) {
+        None => CIRCULAR,
+        Some((reduced, 0)) => cosine_series(reduced),
+        Some((reduced, 1)) => -sine_series(reduced),
+        Some((reduced, 2)) => -cosine_series(reduced),
+        Some((reduced, _)) => sine_series(reduced),
     };
-    (cosine.intersection(all), sine.intersection(all))
+    cosine.intersection(CIRCULAR)
+}
+
+/// sin of one number.
+fn sine_point(x: f64) -> Interval {
+    let sine = match quarter_turns(x) {
+        None => CIRCULAR,
+        Some((reduced, 0)) => sine_series(reduced),
+        Some((reduced, 1)) => cosine_series(reduced),
+        Some((reduced, 2)) => -sine_series(reduced),
+        Some((reduced, _)) => -cosine_series(reduced),
+    };
+    sine.intersection(CIRCULAR)
 }
 
 /// The arc tangent of a number of [−1, 1]: the library's guess y, and atan x − y = atan t, t = (x − tan y)/(1 + x tan y), with
 /// |atan t| ≤ |t|.
 fn arc_point(x: f64) -> Interval {
     let guess = x.atan();
-    let (cosine, sine) = circular_point(guess);
-    let (x, tangent) = (Interval::point(x), sine / cosine);
+    let tangent = sine_point(guess) / cosine_point(guess);
+    let x = Interval::point(x);
     let off = (x - tangent) / (Interval::ONE + x * tangent);
     let most = off.magnitude();
     Interval::point(guess) + Interval::new(-most, most)
@@ -155,7 +177,10 @@ fn circular(x: Interval, quarter: f64, at: impl Fn(f64) -> Interval) -> Interval
     if x.width().is_nan() || x.width() > 6.0 || x.magnitude() > MOST_TURNS {
         return Interval::new(-1.0, 1.0);
     }
-    let mut values = at(x.low).hull(at(x.high));
+    let mut values = at(x.low);
+    if x.low.to_bits() != x.high.to_bits() {
+        values = values.hull(at(x.high));
+    }
     // turns of π past the maximum: an integer n is an extreme, (−1)ⁿ
     let turns = x / PI - Interval::point(0.5 * quarter);
     let mut n = turns.low.ceil();
@@ -260,12 +285,12 @@ impl Interval {
 
     /// cos x.
     pub fn cos(self) -> Interval {
-        circular(self, 0.0, |x| circular_point(x).0)
+        circular(self, 0.0, cosine_point)
     }
 
     /// sin x.
     pub fn sin(self) -> Interval {
-        circular(self, 1.0, |x| circular_point(x).1)
+        circular(self, 1.0, sine_point)
     }
 }
 

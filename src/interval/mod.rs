@@ -103,7 +103,9 @@ fn quotient(a: f64, b: f64) -> (f64, f64) {
     let q = a / b;
     let known = q.abs() > TINY && a.abs() > TINY && q.is_finite();
     let rest = if known {
-        (-q).mul_add(b, a) * b.signum()
+        // a − qb as a − p − (qb − p) of the double p nearest to qb: the first difference is exact, for p is next to a
+        let p = q * b;
+        ((a - p) - product_rest(q, b, p)) * b.signum()
     } else {
         f64::NAN
     };
