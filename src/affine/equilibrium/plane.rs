@@ -320,27 +320,47 @@ impl PairVectors {
     }
 
     /// Vectors of the same pair of which a is the longer one, across b, and their c, where the own ones are far from that: as ω
-    /// falls r would grow without bound.
+    /// falls r would grow without bound. Vectors that are longer than the other unknowns are shortened, or a step would be a
+    /// step of theirs alone.
     pub fn renewed(&self) -> Option<CriticalUnknowns> {
         /// How many times longer than a b may be: more than 1, or a pair that turns in a circle would turn at every step.
         const LONGER: f64 = 2.0;
+        /// The longest that a and r may be, where the other unknowns are of order one.
+        const LONGEST: f64 = 4.0;
         let omega = self.kappa.sqrt();
         let is_long = omega * self.r.norm() > LONGER * self.a.norm();
-        if !(is_long && omega.is_normal()) {
+        if is_long && omega.is_normal() {
+            let turned = self.turned(omega);
+            let near = (&turned.a / turned.a.norm_squared()).as_slice().to_vec();
+            return Some(CriticalUnknowns {
+                near,
+                further: turned.further(),
+            });
+        }
+        let length = self.a.norm().max(self.r.norm());
+        if length <= LONGEST {
             return None;
         }
-        let parts = self.a.iter().zip(&self.r);
-        let parts: Vec<Complex<f64>> = parts.map(|(a, r)| Complex::new(*a, omega * r)).collect();
-        let (a, b) = turned(&parts);
-        let near = (&a / a.norm_squared()).as_slice().to_vec();
-        let vectors = PairVectors {
-            r: b / omega,
-            a,
+        let shortened = PairVectors {
+            a: &self.a / length,
+            r: &self.r / length,
             kappa: self.kappa,
         };
         Some(CriticalUnknowns {
-            near,
-            further: vectors.further(),
+            near: shortened.across()?,
+            further: shortened.further(),
         })
+    }
+
+    /// Vectors of the same pair of which a is longer than b, and across it.
+    fn turned(&self, omega: f64) -> PairVectors {
+        let parts = self.a.iter().zip(&self.r);
+        let parts: Vec<Complex<f64>> = parts.map(|(a, r)| Complex::new(*a, omega * r)).collect();
+        let (a, b) = turned(&parts);
+        PairVectors {
+            r: b / omega,
+            a,
+            kappa: self.kappa,
+        }
     }
 }
