@@ -415,6 +415,31 @@ fn boundary_equilibria_meet_hopf_points_and_folds() {
     has(&curve, "LP+BE", &[("x", 0.35), ("al", 0.4225), ("h", h)]);
 }
 
+/// The fold in sliding, x = (1 − b)/2, al = (1 + b)²/4, has no eigenvalue but zero. It ends where the field of either mode is in the
+/// surface: x = eb/(1 − e) with e = d or d + h.
+#[test]
+fn folds_in_sliding_end_where_sliding_does() {
+    let asked = "event: LP, parameters: (\"al\", \"b\"), range: ((0.2, 0.7), (0.1, 0.9))";
+    let order = [r#"states: ["x", "y"]"#, r#"states: ["y", "x"]"#];
+    for states in order {
+        let curve = HARVEST.curve(&[(order[0], states)], asked);
+        assert_eq!(types(&curve), ["LP+BE", "LP+BE"]);
+        for point in &curve.points {
+            let [x, y, b, al] = ["x", "y", "b", "al"].map(|name| number(&curve, point, name));
+            assert!((x - 0.5 * (1.0 - b)).abs() <= 1e-12);
+            assert!((al - 0.25 * (1.0 + b).powi(2)).abs() <= 1e-12 && (y - al).abs() <= 1e-15);
+        }
+        for eaten in [0.42, 0.42 + 0.15] {
+            let b = 1.0 / (1.0 + 2.0 * eaten / (1.0 - eaten));
+            has(
+                &curve,
+                "LP+BE",
+                &[("b", b), ("al", 0.25 * (1.0 + b).powi(2))],
+            );
+        }
+    }
+}
+
 /// x = p, y = q within x < 1, y < 1: the corner.
 #[test]
 fn two_boundaries_are_met_at_once() {

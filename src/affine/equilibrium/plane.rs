@@ -194,13 +194,19 @@ impl EquilibriumCurve {
         /// An eigenvalue smaller than this part of the largest may be one that the curve keeps at zero.
         const ZERO: f64 = 1e-6;
         let at = self.linearised(point)?;
-        let (balanced, _) = balance(&at.slopes(), 0.0);
         let mut scales = self.setting.scales.clone();
+        if let Some(known) = known {
+            scales.rate = known.rate;
+        }
+        // where nothing but a zero eigenvalue is left, as at a fold within a surface, what acts one way has this rate
+        let (balanced, _) = balance(&at.slopes(), scales.rate);
         let sizes: Vec<f64> = eigenvalues(&at)
             .iter()
             .map(|one| one.value.norm())
             .collect();
-        let most = sizes.iter().fold(0.0, |most: f64, size| most.max(*size));
+        let most = sizes
+            .iter()
+            .fold(scales.rate, |most: f64, size| most.max(*size));
         let logs = sizes.iter().filter(|size| **size > ZERO * most);
         let logs: Vec<f64> = logs.map(|size| size.ln()).collect();
         let rate = (logs.iter().sum::<f64>() / logs.len() as f64).exp();
