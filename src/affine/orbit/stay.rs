@@ -17,7 +17,7 @@ use crate::continuation::locate::node_at;
 use crate::linalg::Vector;
 use crate::orbit::Orbit as _;
 
-/// How near a saddle an orbit comes, in units of the states, that has lost its digits before.
+/// How near a saddle an orbit comes, as a part of its extent, that has lost its digits before.
 pub(super) const FAR: f64 = 0.2;
 
 /// A stay beside a saddle.
@@ -62,6 +62,25 @@ fn slowest<'a>(way: &'a [Vector], units: &[f64]) -> Option<&'a Vector> {
 }
 
 impl AffineOrbit {
+    /// Units of an orbit's own: what each state varies by on it, wherever its zero is and however small the first orbit was.
+    pub(super) fn extents(&self, point: &Vector) -> Vec<f64> {
+        /// What varies by less than this part of its unit stays but for rounding.
+        const NOTHING: f64 = 1e-9;
+        let units = &self.setting.scales.states;
+        let Ok(extremes) = self.extremes(point) else {
+            return units.clone();
+        };
+        let extents = extremes.iter().zip(units).map(|((low, high), unit)| {
+            let extent = high - low;
+            if extent > NOTHING * unit {
+                extent
+            } else {
+                *unit
+            }
+        });
+        extents.collect()
+    }
+
     /// The longest zone.
     pub(super) fn longest(&self, point: &Vector) -> Option<usize> {
         let duration = |zone: &usize| point[self.duration_index(*zone)];
@@ -80,7 +99,7 @@ impl AffineOrbit {
         self.stay_within(point, zone, NEAR)
     }
 
-    /// The same, where it comes so near, in units of the states.
+    /// The same, where it comes so near, as a part of its extent.
     pub(super) fn stay_within(&self, point: &Vector, zone: usize, most: f64) -> Option<Stay> {
         /// It leaves where it is so many times as far as next to the saddle.
         const LEAVES: f64 = 3.0;
@@ -89,7 +108,7 @@ impl AffineOrbit {
         }
         let at = self.at(point).ok()?;
         let Zone { mode, name, .. } = self.sequence.zone(zone);
-        let units = &self.setting.scales.states;
+        let units = &self.extents(point)[..];
         let time = at.zones[zone].duration;
         let way = way(&at, zone)?;
         let far = |one: &[f64], other: &[f64]| apart(one, other, units);
