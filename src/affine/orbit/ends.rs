@@ -75,9 +75,10 @@ impl AffineOrbit {
             return None;
         }
         let Some(stay) = self.longest_stay(&node.point) else {
-            return self
-                .comes_to_an_equilibrium(node)
-                .or_else(|| (along < stationary).then_some(OrbitStop::Unbounded));
+            return self.comes_to_an_equilibrium(node).or_else(|| {
+                let is_unbounded = along < stationary && self.nearly_rests(&node.point);
+                is_unbounded.then_some(OrbitStop::Unbounded)
+            });
         };
         // of a unit of the branch, of which a step is a small part
         let noise = 16.0 * f64::EPSILON * stay.growth.exp();

@@ -37,9 +37,11 @@ pub(super) struct Stay {
     pub turn: f64,
 }
 
+/// Places of a zone that are looked at.
+const PLACES: usize = 256;
+
 /// Places of a zone, from its entry to its end.
 fn way(at: &OrbitAt, zone: usize) -> Option<Vec<Vector>> {
-    const PLACES: usize = 256;
     let time = at.zones[zone].duration;
     let times = (0..=PLACES).map(|place| time * place as f64 / PLACES as f64);
     at.along(zone, times).ok()
@@ -85,6 +87,22 @@ impl AffineOrbit {
     pub(super) fn longest(&self, point: &Vector) -> Option<usize> {
         let duration = |zone: &usize| point[self.duration_index(*zone)];
         (0..self.zones()).max_by(|one, other| duration(one).total_cmp(&duration(other)))
+    }
+
+    /// Whether the longest zone of an orbit is nearly at rest somewhere, as one is that takes ever longer: a cycle whose parts are
+    /// slow and fast, as that of a canard, may become several times longer at one value of the parameter, to rounding, but is as slow as
+    /// its slow part everywhere there.
+    pub(super) fn nearly_rests(&self, point: &Vector) -> bool {
+        /// At its mean speed it would go over this part of its extent in its period.
+        const SLOW: f64 = 1e-2;
+        let slowest = || {
+            let zone = self.longest(point)?;
+            let way = way(&self.at(point).ok()?, zone)?;
+            let units = &self.extents(point)[..];
+            let moves = |pair: &[Vector]| apart(pair[0].as_slice(), pair[1].as_slice(), units);
+            way.windows(2).map(moves).reduce(f64::min)
+        };
+        slowest().is_some_and(|least| least * (PLACES as f64) < SLOW)
     }
 
     /// The saddle beside which an orbit without forcing spends its longest zone.
