@@ -20,6 +20,10 @@ const STATIONARY: f64 = 1e-11;
 const NEARLY_STATIONARY: f64 = 1e-5;
 const GROWING: f64 = 0.9;
 
+/// An orbit whose parameter still changes by more than this part of its unit in a turn beside a saddle need not come to a
+/// connection: it may only pass the saddle, at any parameter, along what stays invariant.
+const NEARLY_THERE: f64 = 2e-3;
+
 /// States of an orbit that comes to rest vary by less than this part of their units; by the second where no step
 /// succeeds any more.
 const AT_REST: f64 = 1e-8;
@@ -339,7 +343,10 @@ impl AffineOrbit {
             .or_else(|| self.stalls(&node.point, NEARLY_AT_REST))
             .or_else(|| {
                 let stay = self.longest_stay(&node.point)?;
-                (stay.growth > DIGITS).then(|| self.comes_to(stay, node))
+                let stop = (stay.growth > DIGITS).then(|| self.comes_to(stay, node))?;
+                let is_located = matches!(&stop, OrbitStop::Homoclinic { limit: Some(_), .. });
+                let is_near = || self.left_beside_a_saddle(node) < NEARLY_THERE;
+                (is_located || is_near()).then_some(stop)
             })
             .or_else(|| self.comes_slowly(node))
             .or_else(|| self.loses_digits(&node.point))
