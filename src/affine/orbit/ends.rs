@@ -280,6 +280,7 @@ impl AffineOrbit {
     pub(super) fn ends(&self, node: &Node) -> Option<OrbitStop> {
         let unbounded = self.lengthens(node, STATIONARY);
         unbounded
+            .or_else(|| self.has_lost_all_digits(node))
             .or_else(|| self.stalls(&node.point, AT_EQUILIBRIUM))
             .or_else(|| self.grows(node))
             .or_else(|| self.rests(node, AT_REST))
@@ -359,6 +360,21 @@ impl AffineOrbit {
         let stay = self.stay_within(&node.point, self.longest(&node.point)?, FAR)?;
         let stop = (stay.growth > DIGITS).then(|| self.comes_to(stay, node))?;
         matches!(&stop, OrbitStop::Homoclinic { limit: Some(_), .. }).then_some(stop)
+    }
+
+    /// The same where nothing but the duration grows and the orbit has lost all digits: steps succeed beyond that, but by
+    /// chance.
+    fn has_lost_all_digits(&self, node: &Node) -> Option<OrbitStop> {
+        /// Growth, as a power of e, that has taken them.
+        const ALL: f64 = 36.0;
+        let Node { point, tangent, .. } = node;
+        let along = tangent[tangent.len() - 1].abs();
+        let zone = self.longest(point)?;
+        let comes = self.has_own_period()
+            && along < NEARLY_THERE
+            && tangent[self.duration_index(zone)] > GROWING
+            && self.stay_within(point, zone, FAR)?.growth > ALL;
+        comes.then(|| self.comes_slowly(node)).flatten()
     }
 
     /// Whether what a motion is off grows within a zone until half of all digits are lost.
