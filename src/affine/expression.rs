@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use winnow::LocatingSlice;
 use winnow::ascii::{digit0, digit1, multispace0};
 use winnow::combinator::{
-    Infix, Prefix, alt, cut_err, delimited, dispatch, expression, fail, opt, preceded,
+    Infix, Prefix, alt, cut_err, delimited, dispatch, expression, fail, opt, preceded, terminated,
 };
 use winnow::prelude::*;
 use winnow::token::{any, one_of, take_while};
@@ -415,10 +415,10 @@ fn nesting(text: &str) -> usize {
             }
             '^' => open[level] += 1,
             '+' | '-' if !after_operand => open[level] += 1,
-            '+' | '-' | '*' | '/' => open[level] = 0,
+            '+' | '-' | '*' | '/' | ',' => open[level] = 0,
             _ => {}
         }
-        after_operand = !"(^+-*/".contains(c);
+        after_operand = !"(^+-*/,".contains(c);
         deepest = deepest.max(open.len() - 1 + open.iter().sum::<usize>());
     }
     deepest
@@ -448,7 +448,7 @@ fn named(text: &mut Text) -> ModalResult<ExpressionNode> {
     let closed = || cut_err(preceded(multispace0, ')'));
     let opened = || (multispace0, '(', multispace0);
     if let Some(extremum) = Extremum::named(name) {
-        let second = preceded(cut_err(','), cut_err(sum));
+        let second = preceded((cut_err(','), multispace0), cut_err(sum));
         let both = delimited(opened(), (cut_err(sum), second), closed());
         return opt(both)
             .map(|both| match both {
@@ -489,7 +489,7 @@ fn sum(text: &mut Text) -> ModalResult<Expression> {
         Ok(Expression { node, span })
     }
     expression(operand)
-        .prefix(dispatch! {any;
+        .prefix(dispatch! {terminated(any, multispace0);
             '-' => Prefix(9, |_: &mut Text, one: Expression| {
                 let span = one.span.clone();
                 Ok(Expression { node: ExpressionNode::Negative(Box::new(one)), span })
@@ -497,7 +497,7 @@ fn sum(text: &mut Text) -> ModalResult<Expression> {
             '+' => Prefix(9, |_: &mut Text, one| Ok(one)),
             _ => fail,
         })
-        .infix(dispatch! {any;
+        .infix(dispatch! {terminated(any, multispace0);
             '+' => Infix::Left(5, binary::<0>),
             '-' => Infix::Left(5, binary::<1>),
             '*' => Infix::Left(7, binary::<2>),
@@ -533,6 +533,9 @@ mod tests {
             ("1e-3*.5e3 + 2.", 2.5),
             (" cos ( 0 ) * omega_0", 0.5),
             ("x*-2", -6.0),
+            ("x * -2 - - 1", -5.0),
+            ("2^ - 1", 0.5),
+            ("max(-2, -x) + min(0,-x) + max(1, - x)", -4.0),
             ("sqrt(x + 1)*exp(ln(1))/x", 2.0 / 3.0),
             ("max(x, 2) - min (x, 2 ) + min(max(1, x), 5)", 4.0),
             ("acos(0) - asin(1) + atan(0) + sinh(0)*cosh(x)", 0.0),

@@ -211,10 +211,12 @@ impl ParameterPlane for EquilibriaInPlane {
         point: &Vector,
         further: &[f64],
     ) -> Vec<Option<f64>> {
+        /// An ω below this, in its unit, is the root of a rounding: the coefficient has a pole where it is zero.
+        const ROUNDED: f64 = 1e-7;
         let lyapunov = match condition {
             EventCondition::Spectral(CriticalEquilibrium::Pair { .. }) => {
                 let omega = self.omega(further);
-                (omega > 0.0)
+                (omega > ROUNDED * self.scales.rate)
                     .then(|| curve.lyapunov(point, omega))
                     .flatten()
             }

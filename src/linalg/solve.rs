@@ -124,7 +124,8 @@ fn least_condition(matrix: &Matrix, factors: &Factors) -> f64 {
 pub fn solve(matrix: &Matrix, right: &Vector) -> Option<Vector> {
     let scaled = Scaled::new(matrix, true);
     let factors = Factors::new(&scaled.matrix);
-    let regular = least_condition(&scaled.matrix, &factors) <= SINGULAR;
+    let condition = least_condition(&scaled.matrix, &factors);
+    let regular = condition <= SINGULAR;
     if !regular || !right.iter().all(|x| x.is_finite()) {
         return None;
     }
@@ -154,10 +155,13 @@ pub fn solve(matrix: &Matrix, right: &Vector) -> Option<Vector> {
         }
         before = change;
     }
+    // an unknown that is zero keeps the rounding of the last step, whose size is a rounding of the others
+    let zero = condition * f64::EPSILON * solution.component_div(&scaled.columns).amax();
     let at_rounding = (0..n).all(|row| {
         let terms = (0..n).map(|column| (-matrix[(row, column)], solution[column]));
         let size: f64 = terms.clone().map(|(a, x)| (a * x).abs()).sum::<f64>() + right[row].abs();
-        exact_sum(right[row], terms).abs() <= 4.0 * f64::EPSILON * size
+        let rounding = size.max(zero / scaled.rows[row]);
+        exact_sum(right[row], terms).abs() <= 4.0 * f64::EPSILON * rounding
     });
     (at_rounding && solution.iter().all(|x| x.is_finite())).then_some(solution)
 }
@@ -227,6 +231,24 @@ mod tests {
                 (x * unit(j + 5) - 1.0).abs() <= 2.0 * f64::EPSILON,
                 "{j}: {x:e}"
             );
+        }
+    }
+
+    /// The first two equations have the solution x = 0, y = 1/1.44, and the third follows x: z = 0. What is left of x by its
+    /// rounding is the size of every term of the third.
+    #[test]
+    fn what_follows_an_unknown_that_is_zero_is_zero() {
+        for a in [1.44, 1.2 * 1.2, 0.7 * 0.7, 2.3] {
+            for b in [2.44, 1.0 + a, 3.1] {
+                let entries = [b - 1.0, a, 0.0, -b, -a, 0.0, 0.3, 0.0, -1.4];
+                let matrix = Matrix::from_row_slice(3, 3, &entries);
+                for y in [1.0 / 3.0, 0.1, 7.7] {
+                    let right = Vector::from_vec(vec![y, -y, 0.0]);
+                    let found = solve(&matrix, &right).unwrap();
+                    assert!((found[1] * a / y - 1.0).abs() < 8.0 * f64::EPSILON);
+                    assert!(found[0].abs().max(found[2].abs()) < f64::EPSILON);
+                }
+            }
         }
     }
 

@@ -38,6 +38,28 @@ fn hopf_points_have_their_frequency_and_first_lyapunov_coefficient() {
         ];
         meets(&course.events(), HB, "B", 1.0 + a * a, &numbers);
     }
+    // a third state that follows changes nothing within the plane of the pair but the length of its vector: l₁|q|² is the same, where
+    // |q|² is that of the first two states as a part of all
+    for a in [1.0, 0.7, 1.2, 1.3] {
+        let text = format!(
+            r#"(states: ["x", "y", "z"], parameters: {{"A": {a:?}, "B": 1.0}}, modes: {{"flow": (rates:
+                {{"x": "A - (B + 1)*x + x^2*y", "y": "B*x - x^2*y", "z": "0.3*(x - A) - 1.4*z"}})}})"#
+        );
+        let course = Course {
+            system: &text,
+            state: &[a, 1.0 / a, 0.0],
+            range: (0.5, 5.0),
+            ..STARTS[0]
+        };
+        // (A − iω)q = 0 of x, y: q = (A², −A² + iA); z = 0.3 x/(1.4 + iA)
+        let square = a * a;
+        let plane = square * square + square * square + square;
+        let follower = 0.09 * square * square / (1.96 + square);
+        let lyapunov = -(2.0 + square) / (2.0 * a * (1.0 + 2.0 * square));
+        let lyapunov = lyapunov * plane / (plane + follower);
+        let numbers = [("omega", a), ("lyapunov", lyapunov), ("x", a), ("z", 0.0)];
+        meets(&course.events(), HB, "B", 1.0 + square, &numbers);
+    }
     let predators = STARTS[1].events();
     let omega = 0.414_039_335_605_412_530_68;
     let lyapunov = -1.199_286_351_408_781_123_3;

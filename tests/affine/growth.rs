@@ -16,13 +16,18 @@ use EventType::{BE, UZ};
 
 /// The BE of a branch, and its problem with an orbit that begins there.
 fn at_boundary(course: &Course) -> (SystemProblem, EarlierPoint) {
-    let all = course.all(&[1.0; 9], false);
+    at_boundary_in(course, &[1.0; 9], false)
+}
+
+/// The same with the states in these units, in reversed order where asked for.
+fn at_boundary_in(course: &Course, units: &[f64], reversed: bool) -> (SystemProblem, EarlierPoint) {
+    let all = course.all(units, reversed);
     let at = all.iter().find(|item| item.point.kind == Some(BE)).unwrap();
     let named = EarlierPoint::Equilibrium(NamedEquilibrium {
         saved: at.saved.clone().unwrap(),
         kind: Some(BE),
     });
-    let mut problem = course.problem(&[1.0; 9], false, "stability: ()");
+    let mut problem = course.problem(units, reversed, "stability: ()");
     problem.equilibrium = None;
     problem.orbit = ron::from_str(r#"(start: Switch(dir: "earlier", label: 2))"#).unwrap();
     (problem, named)
@@ -114,6 +119,36 @@ fn a_cycle_grows_from_two_foci_in_exact_proportion() {
                 let leading = found.leading().unwrap();
                 assert!((leading.re - multiplier).abs() <= 1e-10, "{leading}");
             }
+        }
+    }
+}
+
+/// States in units as different as micrometres and kilometres, in either order: the period is the same.
+#[test]
+fn units_of_the_states_do_not_decide_whether_a_cycle_grows() {
+    let system = foci([-1.1, 1.7, 0.35, 0.9]).replace("\"mu\": 0.5", "\"mu\": -0.5");
+    let course = Course {
+        system: &system,
+        mode: "left",
+        state: &[-0.5 / 1.7, 0.55 / 1.7],
+        parameter: "mu",
+        range: (-1.0, 1.0),
+    };
+    for units in [
+        [1.0, 1.0],
+        [1000.0, 1.0],
+        [1.0, 1e-3],
+        [1e-6, 1e3],
+        [7e8, 3.0],
+    ] {
+        for reversed in [false, true] {
+            let (problem, named) = at_boundary_in(&course, &units, reversed);
+            let section = problem.continuation.clone().unwrap();
+            let mut run = OrbitRunner::begin(&problem, &section, Some(&named))
+                .unwrap_or_else(|error| panic!("{units:?} {reversed}: {error}"));
+            let found = run.step().remove(0).point;
+            let off = found.period - 6.300_438_643_117_6;
+            assert!(off.abs() <= 1e-11, "{units:?} {reversed}: {off:e}");
         }
     }
 }

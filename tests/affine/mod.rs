@@ -12,6 +12,7 @@ mod ending;
 mod equilibria;
 mod exponents;
 mod growth;
+mod homoclinic;
 mod matrices;
 mod monitors;
 mod motion;

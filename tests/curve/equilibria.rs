@@ -208,6 +208,35 @@ fn hopf_curves_of_fitzhugh_and_nagumo_have_gh_and_end_in_bt() {
     }
 }
 
+/// ẋ = y, ẏ = b₁ + b₂y + x² + xy (Bogdanov and Takens): HB at x = −b₂, b₁ = −b₂², ω² = 2b₂, to the BT at 0, where states and
+/// parameters vanish. y stays zero; what its unit is makes no difference, nor does the order of the states.
+#[test]
+fn the_hopf_curve_of_the_normal_form_comes_to_its_bt_at_zero() {
+    for names in [r#"["x", "y"]"#, r#"["y", "x"]"#] {
+        for unit in [1.0, 1e-3, 100.0] {
+            let system = format!(
+                r#"states: {names}, parameters: {{"b1": -0.25, "b2": 0.2}}, modes: {{"flow": (rates: {{
+                    "x": "{unit:?}*y", "y": "(b1 + b2*{unit:?}*y + x^2 + x*{unit:?}*y)/{unit:?}"}})}}"#
+            );
+            let family = Family {
+                system: system.leak(),
+                start: r#"mode: "flow", state: {"x": -0.5, "y": 0.0}"#,
+                branch: r#"parameter: "b2", range: (-0.5, 1.0)"#,
+            };
+            let asked =
+                "event: HB, parameters: (\"b1\", \"b2\"), range: ((-1.0, 0.2), (-0.5, 1.5))";
+            let curve = family.curve(&[], asked);
+            assert_eq!(types(&curve), ["BT"]);
+            has(&curve, "BT", &[("x", 0.0), ("b1", 0.0), ("b2", 0.0)]);
+            for point in &curve.points {
+                let [x, one, two] = ["x", "b1", "b2"].map(|name| number(&curve, point, name));
+                assert!((x + two).abs() <= 1e-12 && (one + two * two).abs() <= 1e-12);
+                assert!((number(&curve, point, "omega").powi(2) - 2.0 * two).abs() <= 1e-12);
+            }
+        }
+    }
+}
+
 /// Where v² is larger than on the curve both eigenvalues decay, and on the other side both grow, up to a fold of the branch. What lies
 /// beyond it is elsewhere: there the upper branch is stable again.
 #[test]
@@ -384,6 +413,31 @@ fn boundary_equilibria_meet_hopf_points_and_folds() {
     let curve = HARVEST.curve(&[], asked);
     assert_eq!(types(&curve), ["LP+BE"]);
     has(&curve, "LP+BE", &[("x", 0.35), ("al", 0.4225), ("h", h)]);
+}
+
+/// The fold in sliding, x = (1 − b)/2, al = (1 + b)²/4, has no eigenvalue but zero. It ends where the field of either mode is in the
+/// surface: x = eb/(1 − e) with e = d or d + h.
+#[test]
+fn folds_in_sliding_end_where_sliding_does() {
+    let asked = "event: LP, parameters: (\"al\", \"b\"), range: ((0.2, 0.7), (0.1, 0.9))";
+    let order = [r#"states: ["x", "y"]"#, r#"states: ["y", "x"]"#];
+    for states in order {
+        let curve = HARVEST.curve(&[(order[0], states)], asked);
+        assert_eq!(types(&curve), ["LP+BE", "LP+BE"]);
+        for point in &curve.points {
+            let [x, y, b, al] = ["x", "y", "b", "al"].map(|name| number(&curve, point, name));
+            assert!((x - 0.5 * (1.0 - b)).abs() <= 1e-12);
+            assert!((al - 0.25 * (1.0 + b).powi(2)).abs() <= 1e-12 && (y - al).abs() <= 1e-15);
+        }
+        for eaten in [0.42, 0.42 + 0.15] {
+            let b = 1.0 / (1.0 + 2.0 * eaten / (1.0 - eaten));
+            has(
+                &curve,
+                "LP+BE",
+                &[("b", b), ("al", 0.25 * (1.0 + b).powi(2))],
+            );
+        }
+    }
 }
 
 /// x = p, y = q within x < 1, y < 1: the corner.

@@ -2,7 +2,7 @@
 //!
 //! At x₀, p₀ a guard g of the mode is zero; of a sliding mode, g is the form of the surface, which the mode beyond has as its guard.
 //! At p₀ + δ motions of two states set out from x₀ + s|δx′|∇g/|∇g|, x′ = dx/dp along the equilibria: on a ray from the boundary
-//! into the mode. Where they enter the mode for the first and the second time, q along the boundary, |q₂| − |q₁| changes its sign
+//! into the mode, with lengths and ∇g in the units of the states that make ∂f/∂x of the mode balanced. Where they enter the mode for the first and the second time, q along the boundary, |q₂| − |q₁| changes its sign
 //! at a cycle. Of a system of linear parts q/δ at a cycle does not depend on δ; of any other hardly, where the cycle is one that
 //! grows from the equilibrium.
 
@@ -12,7 +12,7 @@ use super::field::{Linear, Linearised};
 use crate::affine::mode::AffineSystem;
 use crate::affine::motion::{Motion, Place, Step};
 use crate::continuation::Node;
-use crate::linalg::Vector;
+use crate::linalg::{Vector, balance};
 
 /// Distances of the parameter that are tried, as parts of its range: where the field bends, cycles are proportional to those
 /// that are small enough.
@@ -60,9 +60,11 @@ struct Boundary<'a> {
     mode: usize,
     /// The equilibrium.
     place: [f64; 2],
-    /// ∇g/|∇g|, into the mode.
+    /// Units of the states.
+    units: [f64; 2],
+    /// ∇g/|∇g|, into the mode, in these units.
     normal: [f64; 2],
-    /// |δx′|.
+    /// |δx′| in these units.
     reach: f64,
     /// When motions are given up.
     until: f64,
@@ -73,7 +75,8 @@ impl Boundary<'_> {
     fn returned(&self, s: f64) -> Option<Returned> {
         let [n, m] = self.normal;
         let way = s * self.reach;
-        let state = vec![self.place[0] + way * n, self.place[1] + way * m];
+        let on_ray = |i: usize| self.place[i] + way * self.normal[i] * self.units[i];
+        let state = vec![on_ray(0), on_ray(1)];
         let start = Place {
             time: 0.0,
             phase: 0.0,
@@ -84,7 +87,7 @@ impl Boundary<'_> {
         let first = self.entry(&mut motion)?;
         let second = self.entry(&mut motion)?;
         let along = |place: &Place| {
-            let [x, y] = [0, 1].map(|i| place.state[i] - self.place[i]);
+            let [x, y] = [0, 1].map(|i| (place.state[i] - self.place[i]) / self.units[i]);
             n * y - m * x
         };
         Some(Returned {
@@ -179,12 +182,17 @@ impl EquilibriumCurve {
         let margin = least.filter(|margin| margin.value.abs() < VANISHED);
         let guard = margin.ok_or(NoCycle::NoBoundary)?.guard;
         let (mode, gradient) = self.beside(&at, guard).ok_or(NoCycle::NoBoundary)?;
+        let beyond = self.in_mode(mode).ok_or(NoCycle::NoBoundary)?;
+        let slopes = beyond.linearised(point).map_err(|_| NoCycle::NoBoundary)?;
+        let (balanced, _) = balance(&slopes.slopes(), 0.0);
+        let balanced = [balanced[0], balanced[1]];
         let units = &self.setting.scales.units;
         let tangent = Node::on(self, point.clone())
             .ok_or(NoCycle::NoBoundary)?
             .tangent;
-        let drift = |i: usize| tangent[i] * units[i] / (tangent[2] * units[2]);
+        let drift = |i: usize| tangent[i] * units[i] / (tangent[2] * units[2] * balanced[i]);
         let speed = drift(0).hypot(drift(1));
+        let gradient = [0, 1].map(|i| gradient[i] * balanced[i]);
         let normal = gradient.map(|by| by / gradient[0].hypot(gradient[1]));
         let place = self.place(point);
         let mut guesses = Vec::new();
@@ -200,6 +208,7 @@ impl EquilibriumCurve {
                             system: &system,
                             mode,
                             place: [place[0], place[1]],
+                            units: balanced,
                             normal,
                             reach: (speed * shift).abs(),
                             until: LONGEST / self.setting.scales.rate,

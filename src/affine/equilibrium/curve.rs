@@ -319,7 +319,8 @@ pub(super) fn scales(
         let (x, change) = (state[index].abs(), change[index].abs());
         if x > NOTHING * change { x } else { change }
     };
-    let (balanced, _) = balance(&slopes, 0.0);
+    let rate = rate_unit(&slopes);
+    let (balanced, _) = balance(&slopes, rate);
     let largest = (0..n).fold(0.0, |most: f64, index| {
         most.max(size(index) / balanced[index])
     });
@@ -334,7 +335,7 @@ pub(super) fn scales(
     };
     Some(EquilibriumScales {
         units: (0..n).map(unit).chain([width]).collect(),
-        rate: rate_unit(&slopes),
+        rate,
         first,
     })
 }

@@ -194,13 +194,19 @@ impl EquilibriumCurve {
         /// An eigenvalue smaller than this part of the largest may be one that the curve keeps at zero.
         const ZERO: f64 = 1e-6;
         let at = self.linearised(point)?;
-        let (balanced, _) = balance(&at.slopes(), 0.0);
         let mut scales = self.setting.scales.clone();
+        if let Some(known) = known {
+            scales.rate = known.rate;
+        }
+        // where nothing but a zero eigenvalue is left, as at a fold within a surface, what acts one way has this rate
+        let (balanced, _) = balance(&at.slopes(), scales.rate);
         let sizes: Vec<f64> = eigenvalues(&at)
             .iter()
             .map(|one| one.value.norm())
             .collect();
-        let most = sizes.iter().fold(0.0, |most: f64, size| most.max(*size));
+        let most = sizes
+            .iter()
+            .fold(scales.rate, |most: f64, size| most.max(*size));
         let logs = sizes.iter().filter(|size| **size > ZERO * most);
         let logs: Vec<f64> = logs.map(|size| size.ln()).collect();
         let rate = (logs.iter().sum::<f64>() / logs.len() as f64).exp();
@@ -320,27 +326,47 @@ impl PairVectors {
     }
 
     /// Vectors of the same pair of which a is the longer one, across b, and their c, where the own ones are far from that: as ω
-    /// falls r would grow without bound.
+    /// falls r would grow without bound. Vectors that are longer than the other unknowns are shortened, or a step would be a
+    /// step of theirs alone.
     pub fn renewed(&self) -> Option<CriticalUnknowns> {
         /// How many times longer than a b may be: more than 1, or a pair that turns in a circle would turn at every step.
         const LONGER: f64 = 2.0;
+        /// The longest that a and r may be, where the other unknowns are of order one.
+        const LONGEST: f64 = 4.0;
         let omega = self.kappa.sqrt();
         let is_long = omega * self.r.norm() > LONGER * self.a.norm();
-        if !(is_long && omega.is_normal()) {
+        if is_long && omega.is_normal() {
+            let turned = self.turned(omega);
+            let near = (&turned.a / turned.a.norm_squared()).as_slice().to_vec();
+            return Some(CriticalUnknowns {
+                near,
+                further: turned.further(),
+            });
+        }
+        let length = self.a.norm().max(self.r.norm());
+        if length <= LONGEST {
             return None;
         }
-        let parts = self.a.iter().zip(&self.r);
-        let parts: Vec<Complex<f64>> = parts.map(|(a, r)| Complex::new(*a, omega * r)).collect();
-        let (a, b) = turned(&parts);
-        let near = (&a / a.norm_squared()).as_slice().to_vec();
-        let vectors = PairVectors {
-            r: b / omega,
-            a,
+        let shortened = PairVectors {
+            a: &self.a / length,
+            r: &self.r / length,
             kappa: self.kappa,
         };
         Some(CriticalUnknowns {
-            near,
-            further: vectors.further(),
+            near: shortened.across()?,
+            further: shortened.further(),
         })
+    }
+
+    /// Vectors of the same pair of which a is longer than b, and across it.
+    fn turned(&self, omega: f64) -> PairVectors {
+        let parts = self.a.iter().zip(&self.r);
+        let parts: Vec<Complex<f64>> = parts.map(|(a, r)| Complex::new(*a, omega * r)).collect();
+        let (a, b) = turned(&parts);
+        PairVectors {
+            r: b / omega,
+            a,
+            kappa: self.kappa,
+        }
     }
 }

@@ -20,6 +20,10 @@ const STATIONARY: f64 = 1e-11;
 const NEARLY_STATIONARY: f64 = 1e-5;
 const GROWING: f64 = 0.9;
 
+/// An orbit whose parameter still changes by more than this part of its unit in a turn beside a saddle need not come to a
+/// connection: it may only pass the saddle, at any parameter, along what stays invariant.
+const NEARLY_THERE: f64 = 2e-3;
+
 /// States of an orbit that comes to rest vary by less than this part of their units; by the second where no step
 /// succeeds any more.
 const AT_REST: f64 = 1e-8;
@@ -75,9 +79,10 @@ impl AffineOrbit {
             return None;
         }
         let Some(stay) = self.longest_stay(&node.point) else {
-            return self
-                .comes_to_an_equilibrium(node)
-                .or_else(|| (along < stationary).then_some(OrbitStop::Unbounded));
+            return self.comes_to_an_equilibrium(node).or_else(|| {
+                let is_unbounded = along < stationary && self.nearly_rests(&node.point);
+                is_unbounded.then_some(OrbitStop::Unbounded)
+            });
         };
         // of a unit of the branch, of which a step is a small part
         let noise = 16.0 * f64::EPSILON * stay.growth.exp();
@@ -275,6 +280,7 @@ impl AffineOrbit {
     pub(super) fn ends(&self, node: &Node) -> Option<OrbitStop> {
         let unbounded = self.lengthens(node, STATIONARY);
         unbounded
+            .or_else(|| self.has_lost_all_digits(node))
             .or_else(|| self.stalls(&node.point, AT_EQUILIBRIUM))
             .or_else(|| self.grows(node))
             .or_else(|| self.rests(node, AT_REST))
@@ -338,7 +344,10 @@ impl AffineOrbit {
             .or_else(|| self.stalls(&node.point, NEARLY_AT_REST))
             .or_else(|| {
                 let stay = self.longest_stay(&node.point)?;
-                (stay.growth > DIGITS).then(|| self.comes_to(stay, node))
+                let stop = (stay.growth > DIGITS).then(|| self.comes_to(stay, node))?;
+                let is_located = matches!(&stop, OrbitStop::Homoclinic { limit: Some(_), .. });
+                let is_near = || self.left_beside_a_saddle(node) < NEARLY_THERE;
+                (is_located || is_near()).then_some(stop)
             })
             .or_else(|| self.comes_slowly(node))
             .or_else(|| self.loses_digits(&node.point))
@@ -351,6 +360,21 @@ impl AffineOrbit {
         let stay = self.stay_within(&node.point, self.longest(&node.point)?, FAR)?;
         let stop = (stay.growth > DIGITS).then(|| self.comes_to(stay, node))?;
         matches!(&stop, OrbitStop::Homoclinic { limit: Some(_), .. }).then_some(stop)
+    }
+
+    /// The same where nothing but the duration grows and the orbit has lost all digits: steps succeed beyond that, but by
+    /// chance.
+    fn has_lost_all_digits(&self, node: &Node) -> Option<OrbitStop> {
+        /// Growth, as a power of e, that has taken them.
+        const ALL: f64 = 36.0;
+        let Node { point, tangent, .. } = node;
+        let along = tangent[tangent.len() - 1].abs();
+        let zone = self.longest(point)?;
+        let comes = self.has_own_period()
+            && along < NEARLY_THERE
+            && tangent[self.duration_index(zone)] > GROWING
+            && self.stay_within(point, zone, FAR)?.growth > ALL;
+        comes.then(|| self.comes_slowly(node)).flatten()
     }
 
     /// Whether what a motion is off grows within a zone until half of all digits are lost.

@@ -36,7 +36,7 @@ impl AffineOrbit {
             })
         });
         let scales = ConnectionScales {
-            states: setting.scales.states.clone(),
+            states: self.extents(point),
             time: setting.scales.time,
             tolerance: setting.system.flow_tolerance(),
         };

@@ -184,12 +184,18 @@ impl AffineOrbit {
         /// How near the point an orbit is found that tells what it is: its multipliers are off by that, squared, and by
         /// rounding divided by it.
         const BESIDE: f64 = 1e-5;
-        if !self.has_own_period() || self.sequence.switches() == 0 {
+        /// An orbit without switches of which a step leaves no more than this part has become an equilibrium, which solves its
+        /// equations with any period: the step has left the branch. One that shrinks to a Hopf point is as large beyond it.
+        const COLLAPSED: f64 = 1e-6;
+        if !self.has_own_period() {
             return None;
         }
         let (units, from) = (&self.setting.scales.states, step.from);
         let (one, other) = (&step.before.rate, &step.after.rate);
         let (before, after) = (one.norm(), other.norm());
+        if self.sequence.switches() == 0 {
+            return (after < COLLAPSED * before).then_some(Shrinking::Far);
+        }
         if one.dot(other) >= TURNED * before * after {
             return None;
         }

@@ -17,7 +17,7 @@ use crate::continuation::locate::node_at;
 use crate::linalg::Vector;
 use crate::orbit::Orbit as _;
 
-/// How near a saddle an orbit comes, in units of the states, that has lost its digits before.
+/// How near a saddle an orbit comes, as a part of its extent, that has lost its digits before.
 pub(super) const FAR: f64 = 0.2;
 
 /// A stay beside a saddle.
@@ -37,9 +37,11 @@ pub(super) struct Stay {
     pub turn: f64,
 }
 
+/// Places of a zone that are looked at.
+const PLACES: usize = 256;
+
 /// Places of a zone, from its entry to its end.
 fn way(at: &OrbitAt, zone: usize) -> Option<Vec<Vector>> {
-    const PLACES: usize = 256;
     let time = at.zones[zone].duration;
     let times = (0..=PLACES).map(|place| time * place as f64 / PLACES as f64);
     at.along(zone, times).ok()
@@ -62,10 +64,45 @@ fn slowest<'a>(way: &'a [Vector], units: &[f64]) -> Option<&'a Vector> {
 }
 
 impl AffineOrbit {
+    /// Units of an orbit's own: what each state varies by on it, wherever its zero is and however small the first orbit was.
+    pub(super) fn extents(&self, point: &Vector) -> Vec<f64> {
+        /// What varies by less than this part of its unit stays but for rounding.
+        const NOTHING: f64 = 1e-9;
+        let units = &self.setting.scales.states;
+        let Ok(extremes) = self.extremes(point) else {
+            return units.clone();
+        };
+        let extents = extremes.iter().zip(units).map(|((low, high), unit)| {
+            let extent = high - low;
+            if extent > NOTHING * unit {
+                extent
+            } else {
+                *unit
+            }
+        });
+        extents.collect()
+    }
+
     /// The longest zone.
     pub(super) fn longest(&self, point: &Vector) -> Option<usize> {
         let duration = |zone: &usize| point[self.duration_index(*zone)];
         (0..self.zones()).max_by(|one, other| duration(one).total_cmp(&duration(other)))
+    }
+
+    /// Whether the longest zone of an orbit is nearly at rest somewhere, as one is that takes ever longer: a cycle whose parts are
+    /// slow and fast, as that of a canard, may become several times longer at one value of the parameter, to rounding, but is as slow as
+    /// its slow part everywhere there.
+    pub(super) fn nearly_rests(&self, point: &Vector) -> bool {
+        /// At its mean speed it would go over this part of its extent in its period.
+        const SLOW: f64 = 1e-2;
+        let slowest = || {
+            let zone = self.longest(point)?;
+            let way = way(&self.at(point).ok()?, zone)?;
+            let units = &self.extents(point)[..];
+            let moves = |pair: &[Vector]| apart(pair[0].as_slice(), pair[1].as_slice(), units);
+            way.windows(2).map(moves).reduce(f64::min)
+        };
+        slowest().is_some_and(|least| least * (PLACES as f64) < SLOW)
     }
 
     /// The saddle beside which an orbit without forcing spends its longest zone.
@@ -80,7 +117,7 @@ impl AffineOrbit {
         self.stay_within(point, zone, NEAR)
     }
 
-    /// The same, where it comes so near, in units of the states.
+    /// The same, where it comes so near, as a part of its extent.
     pub(super) fn stay_within(&self, point: &Vector, zone: usize, most: f64) -> Option<Stay> {
         /// It leaves where it is so many times as far as next to the saddle.
         const LEAVES: f64 = 3.0;
@@ -89,7 +126,7 @@ impl AffineOrbit {
         }
         let at = self.at(point).ok()?;
         let Zone { mode, name, .. } = self.sequence.zone(zone);
-        let units = &self.setting.scales.states;
+        let units = &self.extents(point)[..];
         let time = at.zones[zone].duration;
         let way = way(&at, zone)?;
         let far = |one: &[f64], other: &[f64]| apart(one, other, units);
