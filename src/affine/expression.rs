@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use winnow::LocatingSlice;
 use winnow::ascii::{digit0, digit1, multispace0};
 use winnow::combinator::{
-    Infix, Prefix, alt, cut_err, delimited, dispatch, expression, fail, opt, preceded, terminated,
+    Infix, Prefix, alt, cut_err, delimited, dispatch, expression, fail, opt, peek, preceded,
 };
 use winnow::prelude::*;
 use winnow::token::{any, one_of, take_while};
@@ -489,20 +489,20 @@ fn sum(text: &mut Text) -> ModalResult<Expression> {
         Ok(Expression { node, span })
     }
     expression(operand)
-        .prefix(dispatch! {terminated(any, multispace0);
-            '-' => Prefix(9, |_: &mut Text, one: Expression| {
+        .prefix(dispatch! {peek(any);
+            '-' => preceded((any, multispace0), Prefix(9, |_: &mut Text, one: Expression| {
                 let span = one.span.clone();
                 Ok(Expression { node: ExpressionNode::Negative(Box::new(one)), span })
-            }),
-            '+' => Prefix(9, |_: &mut Text, one| Ok(one)),
+            })),
+            '+' => preceded((any, multispace0), Prefix(9, |_: &mut Text, one| Ok(one))),
             _ => fail,
         })
-        .infix(dispatch! {terminated(any, multispace0);
-            '+' => Infix::Left(5, binary::<0>),
-            '-' => Infix::Left(5, binary::<1>),
-            '*' => Infix::Left(7, binary::<2>),
-            '/' => Infix::Left(7, binary::<3>),
-            '^' => Infix::Right(11, binary::<4>),
+        .infix(dispatch! {any;
+            '+' => preceded(multispace0, Infix::Left(5, binary::<0>)),
+            '-' => preceded(multispace0, Infix::Left(5, binary::<1>)),
+            '*' => preceded(multispace0, Infix::Left(7, binary::<2>)),
+            '/' => preceded(multispace0, Infix::Left(7, binary::<3>)),
+            '^' => preceded(multispace0, Infix::Right(11, binary::<4>)),
             _ => fail,
         })
         .parse_next(text)

@@ -17,7 +17,7 @@ use crate::continuation::locate::node_at;
 use crate::linalg::Vector;
 use crate::orbit::Orbit as _;
 
-/// How near a saddle an orbit comes, as a part of its extent, that has lost its digits before.
+/// How near a saddle an orbit comes, in units of its own, that has lost its digits before.
 pub(super) const FAR: f64 = 0.2;
 
 /// A stay beside a saddle.
@@ -64,21 +64,17 @@ fn slowest<'a>(way: &'a [Vector], units: &[f64]) -> Option<&'a Vector> {
 }
 
 impl AffineOrbit {
-    /// Units of an orbit's own: what each state varies by on it, wherever its zero is and however small the first orbit was.
+    /// Units of an orbit's own: those of the first orbit, but where a state varies by much more than that, what it varies by.
     pub(super) fn extents(&self, point: &Vector) -> Vec<f64> {
-        /// What varies by less than this part of its unit stays but for rounding.
-        const NOTHING: f64 = 1e-9;
+        /// Up to so many units the unit serves. Of a state that varies by less it does: it may only follow the others.
+        const ALIKE: f64 = 5.0;
         let units = &self.setting.scales.states;
         let Ok(extremes) = self.extremes(point) else {
             return units.clone();
         };
         let extents = extremes.iter().zip(units).map(|((low, high), unit)| {
             let extent = high - low;
-            if extent > NOTHING * unit {
-                extent
-            } else {
-                *unit
-            }
+            if extent > ALIKE * unit { extent } else { *unit }
         });
         extents.collect()
     }
@@ -117,7 +113,7 @@ impl AffineOrbit {
         self.stay_within(point, zone, NEAR)
     }
 
-    /// The same, where it comes so near, as a part of its extent.
+    /// The same, where it comes so near, in units of its own.
     pub(super) fn stay_within(&self, point: &Vector, zone: usize, most: f64) -> Option<Stay> {
         /// It leaves where it is so many times as far as next to the saddle.
         const LEAVES: f64 = 3.0;
