@@ -235,9 +235,10 @@ impl Orbit for AffineOrbit {
         point.rows(0, self.width() * self.zones()).amax().max(1.0)
     }
 
-    /// The phase of the first entry counts up to a turn, and a sequence that repeats itself may begin with each part.
-    fn aliases(&self, node: &Node, near: &Node) -> Vec<Node> {
-        let rotations = self.sequence.rotations().into_iter();
+    /// The phase of the first entry counts up to a turn, and a sequence may begin with another zone: one that repeats itself
+    /// with each part, one that changes have led back to with any.
+    fn aliases(&self, signature: &Sequence, node: &Node, near: &Node) -> Vec<Node> {
+        let rotations = signature.rotations_to(&self.sequence).into_iter();
         let aliases = rotations.filter_map(|shift| self.rotated(node, shift));
         aliases.map(|node| self.turned(node, near)).collect()
     }
