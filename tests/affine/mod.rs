@@ -4,6 +4,7 @@
 #![allow(clippy::excessive_precision)] // figures as they are printed
 
 mod branches;
+mod clocks;
 mod contacts;
 mod counts;
 mod crossings;

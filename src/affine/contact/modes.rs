@@ -41,22 +41,17 @@ impl<C: Measured> ContactForms<C> {
                 own,
                 before: &digits,
                 forces,
-                contact,
-                ending,
+                guard: &ending.guard,
+                contact: Some((contact, ending)),
                 together: &together,
                 jump: &jump,
             };
             for arrival in instant.arrivals()? {
-                switches.push(self.switch(&instant, arrival, group));
+                switches.push(self.switch(&instant, (contact, ending), arrival, group));
             }
         }
         for switch in &self.switches[own] {
-            let number = |mode: usize| self.products.number(mode, &digits);
-            switches.push(FormSwitch {
-                to: number(switch.to),
-                rest: switch.rest.map(number),
-                ..switch.clone()
-            });
+            switches.extend(self.own_switches(switch, &digits, forces)?);
         }
         let held = self.held(own, &digits);
         let mode = FormMode {
@@ -264,14 +259,47 @@ impl<C: Measured> ContactForms<C> {
         Ok(jump)
     }
 
-    /// The switch of an instant that leads to these states.
-    fn switch(&self, instant: &Instant<C>, arrival: Arrival<C>, group: usize) -> FormSwitch<C> {
-        let Instant {
-            own,
-            contact,
-            ending,
-            ..
-        } = *instant;
+    /// A switch of the user's mode from these states of the contacts with these forces: one for each end of the chain of changes
+    /// that it begins.
+    fn own_switches(
+        &self,
+        switch: &FormSwitch<C>,
+        before: &[usize],
+        forces: &[Form<C>],
+    ) -> Result<Vec<FormSwitch<C>>, ContactMistake> {
+        let instant = Instant {
+            forms: self,
+            own: switch.to,
+            before,
+            forces,
+            guard: &switch.guard,
+            contact: None,
+            together: &[],
+            jump: &switch.reset,
+        };
+        let of_arrival = |Arrival { digits, conditions }: Arrival<C>| {
+            let number = |mode: usize| self.products.number(mode, &digits);
+            let mut switch = FormSwitch {
+                to: number(switch.to),
+                rest: switch.rest.map(number),
+                ..switch.clone()
+            };
+            switch.conditions.extend(conditions);
+            switch
+        };
+        let arrivals = instant.arrivals()?;
+        Ok(arrivals.into_iter().map(of_arrival).collect())
+    }
+
+    /// The switch of an instant at which a contact ends that leads to these states.
+    fn switch(
+        &self,
+        instant: &Instant<C>,
+        (contact, ending): (usize, &Ending<C>),
+        arrival: Arrival<C>,
+        group: usize,
+    ) -> FormSwitch<C> {
+        let own = instant.own;
         let Arrival { digits, conditions } = arrival;
         let rest = (ending.impact == Some(true)).then(|| {
             let mut closed = digits.clone();
