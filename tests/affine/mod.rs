@@ -3,6 +3,7 @@
 
 #![allow(clippy::excessive_precision)] // figures as they are printed
 
+mod bounds;
 mod branches;
 mod clocks;
 mod contacts;

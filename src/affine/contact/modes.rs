@@ -58,6 +58,7 @@ impl<C: Measured> ContactForms<C> {
             rates,
             switches,
             held,
+            bounds: self.bounds(&digits, forces),
         };
         mode.within().map_err(failed)
     }
@@ -87,6 +88,27 @@ impl<C: Measured> ContactForms<C> {
             }
         }
         Ok(rates)
+    }
+
+    /// The bounds of friction that slips, where they are no constants, with the numbers of the guards that are its slip: what its
+    /// force is, without the sign.
+    fn bounds(&self, digits: &[usize], forces: &[Form<C>]) -> Vec<(usize, Form<C>)> {
+        let contacts = self.laws.iter().zip(digits).zip(forces).enumerate();
+        let bounds = contacts.filter_map(|(contact, ((law, digit), force))| {
+            let bound = match (law, *digit) {
+                (Law::Friction { .. }, FORWARD) => force.clone().negative(),
+                (Law::Friction { .. }, BACKWARD) => force.clone(),
+                _ => return None,
+            };
+            Some((self.first_guard(digits, contact), bound))
+        });
+        bounds.filter(|(_, bound)| !bound.is_constant()).collect()
+    }
+
+    /// The number of the first guard of a contact in a mode with these states.
+    fn first_guard(&self, digits: &[usize], contact: usize) -> usize {
+        let earlier = digits[..contact].iter().zip(&self.laws);
+        earlier.map(|(digit, law)| law.guards(*digit).len()).sum()
     }
 
     /// What is zero all along in a mode: the slip of what sticks, the gap of what is closed.
@@ -306,8 +328,7 @@ impl<C: Measured> ContactForms<C> {
             closed[contact] = CLOSED;
             self.products.number(own, &closed)
         });
-        let earlier = digits[..contact].iter().zip(&self.laws);
-        let index = earlier.map(|(digit, law)| law.guards(*digit).len()).sum();
+        let index = self.first_guard(&digits, contact);
         let direct = digits[contact] == ending.to && ending.zeros > 0;
         FormSwitch {
             guard: ending.guard.clone(),
