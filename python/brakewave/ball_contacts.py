@@ -60,10 +60,11 @@ class Ending:
 
 
 class Instant:
-    """The end of a mode by one contact: states before, with their forces; states that jump."""
+    """The end of a mode by one contact, or by the user's (then no contact): states before, with their forces; states that jump."""
 
     def __init__(self, own, before, forces, contact, ending, jump):
         self.own, self.before, self.forces, self.contact, self.ending, self.jump = own, before, forces, contact, ending, jump
+        self.is_impact = contact is not None and bool(jump)
 
 
 class Contacts:
@@ -285,7 +286,9 @@ class Contacts:
             for beyond, conditions in self.arrivals(instant):
                 switches.append((ending.guard, self.modes.number(own, beyond), instant.jump, conditions, None, group))
         for guard, to, reset, conditions, name in self.own[own][1]:
-            switches.append((guard, self.modes.number(to, digits), reset, conditions, name, None))
+            instant = Instant(to, digits, forces, None, Ending(guard, None), reset)
+            for beyond, more in self.arrivals(instant):
+                switches.append((guard, self.modes.number(to, beyond), reset, [*conditions, *more], name, None))
         return rates, switches
 
     def endings(self, own, digits, contact, forces):
@@ -340,10 +343,11 @@ class Contacts:
     # ------------------------------------------------------------------------------------------------ what follows
     def arrivals(self, at):
         """Every end of the chain of changes at an instant, with what is not negative for it."""
-        digits = list(at.before)
-        digits[at.contact] = at.ending.to
-        # what is released leaves by the sign of what was too much, as long as nothing else changes
-        released = self.laws[at.contact][0] == "Friction" and at.before[at.contact] == STICK
+        digits, released = list(at.before), False
+        if at.contact is not None:
+            digits[at.contact] = at.ending.to
+            # what is released leaves by the sign of what was too much, as long as nothing else changes
+            released = self.laws[at.contact][0] == "Friction" and at.before[at.contact] == STICK
         seen = frozenset([at.contact] if released else [])
         ends, count = [], 0
         trials = self.turned(at, (digits, [], seen, []))[::-1]
@@ -374,7 +378,7 @@ class Contacts:
     def turned(self, at, trial):
         """Trials after an impact, by the velocities of other contacts."""
         trials = [trial]
-        if not at.jump:
+        if not at.is_impact:
             return trials
         speeds = self.moving[at.own][2]
         for contact, (kind, _) in enumerate(self.laws):
@@ -416,9 +420,13 @@ class Contacts:
         forces = self.forces(at.own, digits)
         if forces is None:
             return None
-        same_force = lambda k: self.is_zero(forces[k] - at.forces[k]) or self.ratio(forces[k] - at.forces[k], at.ending.guard) is not None
-        for contact in [at.contact, *(k for k in range(len(digits)) if k != at.contact)]:
-            same = digits[contact] == at.before[contact] and not at.jump and same_force(contact)
+        is_same = lambda apart: self.is_zero(apart) or self.ratio(apart, at.ending.guard) is not None
+        same_force = lambda k: is_same(self.after(at, forces[k]) - at.forces[k])
+        holds = lambda k: self.laws[k][0] == "Friction" and bool(at.jump)
+        same_hold = lambda k: not holds(k) or is_same(self.after(at, self.hold(k, forces)) - self.hold(k, at.forces))
+        ended = [] if at.contact is None else [at.contact]
+        for contact in [*ended, *(k for k in range(len(digits)) if k != at.contact)]:
+            same = digits[contact] == at.before[contact] and not at.is_impact and same_force(contact) and same_hold(contact)
             limits = [] if contact in seen or same else self.limits(at, contact, digits[contact], forces)
             if not limits:
                 continue
@@ -434,17 +442,17 @@ class Contacts:
         """What is not negative where a contact stays in a state, and the state where it is."""
         kind, law = self.laws[contact]
         force, ends = self.after(at, forces[contact]), contact == at.contact
-        rests = not at.jump and (ends or at.before[contact] == STICK)
+        rests = not at.is_impact and (ends or at.before[contact] == STICK)
         if kind == "Friction" and digit == STICK:
             hold = self.after(at, self.hold(contact, forces))
             upper, lower = (hold - force, BACKWARD), (hold + force, FORWARD)
             # a slip that falls to zero is held by a force on its own side
             return {FORWARD: [upper], BACKWARD: [lower]}.get(at.before[contact] if ends else STICK, [upper, lower])
         if kind == "Friction" and rests:
-            rate = self.acceleration(at.own, contact, forces)
+            rate = self.after(at, self.acceleration(at.own, contact, forces))
             return [(rate if digit == FORWARD else -rate, STICK)]
         if kind == "Stop" and digit == CLOSED:
             return [(force, OPEN)]
-        if kind == "Spring" and "damping" in law and digit == CLOSED and at.jump:
+        if kind == "Spring" and "damping" in law and digit == CLOSED and at.is_impact:
             return [(force, PARTING)]
         return []

@@ -33,6 +33,9 @@ pub struct FormMode<C = Dual> {
     pub switches: Vec<FormSwitch<C>>,
     /// What contacts hold at zero all along.
     pub held: Vec<Form<C>>,
+    /// Bounds of friction that slips, where they are no constants, each with the number of the guard that is its slip: a negative
+    /// one makes no sense.
+    pub bounds: Vec<(usize, Form<C>)>,
 }
 
 impl<C> FormSwitch<C> {
@@ -49,7 +52,8 @@ impl<C> FormMode<C> {
     /// All forms of it but those that are held at zero.
     pub fn forms(&self) -> impl Iterator<Item = &Form<C>> {
         let switches = self.switches.iter().flat_map(FormSwitch::forms);
-        self.rates.iter().chain(switches)
+        let bounds = self.bounds.iter().map(|(_, form)| form);
+        self.rates.iter().chain(switches).chain(bounds)
     }
 }
 
@@ -97,11 +101,17 @@ impl<C> FormMode<C> {
         let switches = switches.collect::<Result<Option<Vec<_>>, E>>()?;
         let rates = converted(&self.rates, change)?;
         let held = converted(&self.held, change)?;
-        let parts = rates.zip(switches).zip(held);
-        Ok(parts.map(|((rates, switches), held)| FormMode {
+        let bounds = self.bounds.iter().map(|(guard, form)| {
+            let form = form.convert(change)?;
+            Ok(form.map(|form| (*guard, form)))
+        });
+        let bounds = bounds.collect::<Result<Option<Vec<_>>, E>>()?;
+        let parts = rates.zip(switches).zip(held.zip(bounds));
+        Ok(parts.map(|((rates, switches), (held, bounds))| FormMode {
             rates,
             switches,
             held,
+            bounds,
         }))
     }
 }
@@ -158,6 +168,8 @@ impl<C: Measured> FormMode<C> {
             Ok(())
         };
         self.rates.iter_mut().try_for_each(&mut resolve)?;
+        let bounds = self.bounds.iter_mut().map(|(_, form)| form);
+        bounds.into_iter().try_for_each(&mut resolve)?;
         for switch in &mut self.switches {
             let reset = switch.reset.iter_mut().map(|(_, form)| form);
             reset
@@ -257,6 +269,7 @@ impl<'a, 'p, C: Coefficient> Evaluation<'a, 'p, C> {
                 rates: rates.collect::<Result<_, _>>()?,
                 switches: switches.collect::<Result<_, _>>()?,
                 held: Vec::new(),
+                bounds: Vec::new(),
             })
         });
         modes.collect()
@@ -282,6 +295,7 @@ impl<'a, 'p, C: Coefficient> Evaluation<'a, 'p, C> {
                 name: None,
             }],
             held: Vec::new(),
+            bounds: Vec::new(),
         }))
     }
 

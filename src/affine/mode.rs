@@ -72,6 +72,8 @@ pub struct AffineMode {
     pub surface: Option<Row>,
     /// What contacts hold at zero all along, where that is affine.
     pub held: Vec<Row>,
+    /// Bounds of friction that slips, where they are no constants, each with the number of the guard that is its slip.
+    pub bounds: Vec<(usize, Row)>,
     /// The modes on the two sides of the surface of a sliding mode: the first where its form is positive.
     pub sides: Option<[usize; 2]>,
     /// How the components of z move that are not those of states and phase.
@@ -92,6 +94,7 @@ impl AffineMode {
         };
         self.obstruction == other.obstruction
             && self.held.len() == other.held.len()
+            && self.bounds.len() == other.bounds.len()
             && self.guards.len() == other.guards.len()
             && self.guards.iter().zip(&other.guards).all(guard)
     }
@@ -110,6 +113,9 @@ impl AffineMode {
             }
         }
         for (row, known) in self.held.iter_mut().zip(&origin.held) {
+            regular &= row.lead(known, value);
+        }
+        for ((_, row), (_, known)) in self.bounds.iter_mut().zip(&origin.bounds) {
             regular &= row.lead(known, value);
         }
         regular

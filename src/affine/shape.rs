@@ -16,6 +16,7 @@ pub(super) fn still(states: usize) -> FormMode {
         rates: vec![Form::default(); states],
         switches: Vec::new(),
         held: Vec::new(),
+        bounds: Vec::new(),
     }
 }
 
@@ -80,12 +81,16 @@ impl Shape {
         // what is not affine has no component where nothing else is made of it
         let held = mode.held.iter().filter(|form| form.beyond.is_empty());
         let mut forms = mode.forms().chain(&mode.held);
+        let bounds = mode.bounds.iter();
         AffineMode {
             states: self.states,
             field: Field::default(),
             guards: self.guards(number, &mode.switches),
             surface: None,
             held: held.map(|form| self.row(form)).collect(),
+            bounds: bounds
+                .map(|(guard, form)| (*guard, self.row(form)))
+                .collect(),
             sides: None,
             obstruction: None,
             leads: forms.all(|form| form.degree() <= Degree::Affine),

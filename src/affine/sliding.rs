@@ -226,6 +226,7 @@ impl AffineSystem {
             guards,
             surface: Some(surface),
             held: Vec::new(),
+            bounds: Vec::new(),
             sides: Some(sides),
             field: Field::default(),
             obstruction: None,

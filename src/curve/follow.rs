@@ -218,9 +218,12 @@ impl<P: ParameterPlane> Curve for EventCurve<P> {
         }
     }
 
-    fn aliases(&self, first: &Node, near: &Node) -> Vec<Node> {
+    fn aliases(&self, name: &SignatureOf<P>, first: &Node, near: &Node) -> Vec<Node> {
         /// Points whose states or parameters are further apart, in their units, are not the same: far beyond a step.
         const FAR: f64 = 1.0;
+        if name != self.name() {
+            return Vec::new();
+        }
         let (count, last) = (self.system.orbit_unknowns(), first.point.len() - 2);
         let apart = |from: usize, length: usize| {
             let difference = first.point.rows(from, length) - near.point.rows(from, length);

@@ -3,9 +3,9 @@
 use super::saved::LabelledOrbit;
 use crate::affine::equilibrium::cycle::NoCycle;
 use crate::affine::motion::Halt;
-use crate::affine::orbit::AffineOrbit;
 use crate::affine::orbit::start::{self, Search, Wanted, first, restart};
 use crate::affine::orbit::switch::switch;
+use crate::affine::orbit::{AffineOrbit, OrbitStop};
 use crate::linalg::Vector;
 use crate::orbit::special::ResumeMismatch;
 use crate::orbit::{EventType, legs};
@@ -70,6 +70,9 @@ pub enum NoFirstPoint {
         /// Its type.
         kind: String,
     },
+    /// The bound of friction is negative on the orbit.
+    #[error("no start: {0}")]
+    NegativeBound(OrbitStop),
     /// No cycle is found there.
     #[error("no start: {0}")]
     NoCycle(NoCycle),

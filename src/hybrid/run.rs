@@ -111,6 +111,9 @@ impl OrbitRunner {
             Some(EarlierPoint::Orbit(named)) => begin(problem, continuation, Some(named))?,
             None => begin(problem, continuation, None)?,
         };
+        if let Some(stop) = orbit.negative_bound(&point) {
+            return Err(NoFirstPoint::NegativeBound(stop));
+        }
         let orbit = orbit.with_monitors(problem.monitors());
         let scales = orbit.setting.scales.clone();
         let values = orbit.setting.values.clone();

@@ -89,6 +89,7 @@ impl Settled {
                 | Halt::Outward { .. }
                 | Halt::Void { .. }
                 | Halt::Fast { .. }
+                | Halt::NegativeBound { .. }
                 | Halt::Obstructed { .. } => "stuck",
             },
             NoOrbit::System(_) => NONE,

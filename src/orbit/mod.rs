@@ -254,9 +254,11 @@ pub trait Orbit: System<Failure: Data> + Clone + Debug + PartialEq {
         1.0
     }
 
-    /// A node by every set of unknowns next to another node that gives the same orbit with the same tangent.
-    fn aliases(&self, node: &Node, _near: &Node) -> Vec<Node> {
-        vec![node.clone()]
+    /// A node of orbits of a signature by every set of unknowns of this one, next to another node, that gives the same orbit
+    /// with the same tangent.
+    fn aliases(&self, signature: &Self::Signature, node: &Node, _near: &Node) -> Vec<Node> {
+        let is_own = signature == self.signature();
+        is_own.then(|| node.clone()).into_iter().collect()
     }
 
     /// Whether thin layers may turn the branch within a step: the first step into a signature is then tried

@@ -9,7 +9,7 @@ use super::sign::SignVerdict;
 use super::{Examined, Orbit};
 use crate::continuation::Node;
 use crate::continuation::arclength::correct;
-use crate::continuation::newton::{self, Plane, Settings};
+use crate::continuation::newton::{self, Plane, Settings, Solution};
 use crate::linalg::{self, Vector};
 
 /// Why there is no other branch.
@@ -41,6 +41,14 @@ const SINGULAR: f64 = 1e-7;
 /// the parameter moves by the square of it where the branch begins level.
 const AWAY: f64 = 3e-3;
 const TRIES: i32 = 5;
+
+/// Settings of Newton's method for an orbit beside an event.
+const BESIDE: Settings = Settings {
+    tolerance: 1e-10,
+    most_iterations: 20,
+    halvings: 4,
+    polish: 1,
+};
 
 /// The first orbit of the other branch at an event, and the ways that the branch goes from there, of those asked for. At
 /// a doubling and at a loss of symmetry its two sides go one way, and one is the other shifted in time or mirrored: a
@@ -78,12 +86,18 @@ pub fn other<O: Orbit>(
 }
 
 /// Whether an orbit is one of a family at one value of the parameter, as motions without loss are at a resonance: beside
-/// it, along a null vector, lies another. At a fold or where branches cross, Newton's method comes back from there.
+/// it, along a null vector, lies another. At a fold or where branches cross the orbit that lies there has another value of
+/// the parameter, by no less than the square of the distance. Where the equations with the parameter free are singular,
+/// too, Newton's method at a fixed parameter comes back from there.
 pub fn is_in_family<O: Orbit>(orbit: &O, at: &Vector) -> bool {
     /// Steps: at a double zero each takes half of the distance away, at a threefold one a third.
     const STEPS: usize = 10;
     /// Singular values below this part of the largest are zero.
     const ZERO: f64 = 1e-9;
+    /// Below this part they are nothing but rounding.
+    const ROUNDED: f64 = 1e-14;
+    /// Values of the parameter, in its unit, that are the same but for rounding: far below the square of the distance.
+    const SAME: f64 = 1e-11;
     let last = at.len() - 1;
     let evaluated = |point: &Vector| {
         let (matrix, residual) = newton::evaluated(orbit, point).ok()?;
@@ -94,7 +108,24 @@ pub fn is_in_family<O: Orbit>(orbit: &O, at: &Vector) -> bool {
         return false;
     };
     let along = null.right.insert_row(last, 0.0);
-    let mut point = at + &along * AWAY;
+    let guess = at + &along * AWAY;
+    let mut plane = Plane {
+        normal: &along,
+        through: &guess,
+    };
+    // singular also beside the orbit: it is one of a family whatever the parameter
+    let is_regular = newton::evaluated(orbit, &guess).is_ok_and(|(matrix, _)| {
+        let mut bordered = matrix.insert_row(last, 0.0);
+        bordered.set_row(last, &along.transpose());
+        linalg::least(&bordered).is_some_and(|least| least.value > ROUNDED * least.largest)
+    });
+    let beside = || newton::solve(orbit, &mut plane, &guess, &BESIDE).ok();
+    let beside = is_regular.then(beside).flatten();
+    let near = |solution: &Solution| (&solution.point - &guess).norm() <= AWAY;
+    if let Some(Solution { point, .. }) = beside.filter(near) {
+        return (point[last] - at[last]).abs() <= SAME * at[last].abs().max(1.0);
+    }
+    let mut point = guess;
     for _ in 0..STEPS {
         let step = evaluated(&point).and_then(|(square, residual)| {
             let inverse = linalg::pseudo_inverse(&square, ZERO)?;
@@ -125,12 +156,6 @@ pub fn admitted<O: Orbit>(orbit: &O, point: &Vector) -> Result<(), NoBranch<O>> 
 
 /// The branch that leaves a singular point along a null vector.
 fn side<O: Orbit>(orbit: &O, at: &Vector, along: &Vector) -> Result<BranchSide, NoBranch<O>> {
-    const NEWTON: Settings = Settings {
-        tolerance: 1e-10,
-        most_iterations: 20,
-        halvings: 4,
-        polish: 1,
-    };
     let mut refused = NoBranch::Newton(newton::Failure::Singular);
     for exponent in 0..TRIES {
         let guess = at + along * (AWAY * 0.25_f64.powi(exponent));
@@ -138,7 +163,7 @@ fn side<O: Orbit>(orbit: &O, at: &Vector, along: &Vector) -> Result<BranchSide, 
             normal: along,
             through: &guess,
         };
-        let corrected = correct(orbit, &mut plane, &guess, along, &NEWTON);
+        let corrected = correct(orbit, &mut plane, &guess, along, &BESIDE);
         let found = corrected.map_err(NoBranch::Newton).and_then(|(node, _)| {
             admitted(orbit, &node.point)?;
             Ok(node)

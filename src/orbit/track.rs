@@ -150,8 +150,8 @@ impl<O: Orbit> Curve for Track<O> {
         self.orbit.stretch(&node.point)
     }
 
-    fn aliases(&self, first: &Node, near: &Node) -> Vec<Node> {
-        self.orbit.aliases(first, near)
+    fn aliases(&self, name: &O::Signature, first: &Node, near: &Node) -> Vec<Node> {
+        self.orbit.aliases(name, first, near)
     }
 
     fn arrive(

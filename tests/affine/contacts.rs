@@ -6,6 +6,7 @@ use brakewave::affine::orbit::AffineOrbit;
 use brakewave::affine::orbit::start::{Beginning, NoStart, Search, Wanted, first};
 use brakewave::affine::system::System;
 use brakewave::linalg::Vector;
+use brakewave::orbit::follow::LocatedPoint;
 use brakewave::problem::{Any, parse_any};
 
 use crate::affine::branches::{Seen, follow};
@@ -715,4 +716,45 @@ fn a_paradox_is_told() {
         // ÿ = p(1 - 1.5 mu) - 1 with forward slip
         assert_eq!(at.modes[closed].obstruction.is_some(), told, "{mu}");
     }
+}
+
+/// Two masses, the first between two stops: a closed branch, of which every event comes once. All zones are of one mode, and the
+/// changes on the way lead back to the sequence with another zone as the first.
+#[test]
+fn a_closed_branch_ends_where_it_began() {
+    const STOPS: &str = r#"(
+        states: ["x1", "v1", "x2", "v2"],
+        parameters: {"A": 1.016, "w": 1.468, "k": 0.775, "c": 0.093, "d": 0.814, "e": 0.739},
+        forcing: "w",
+        contacts: {"p": Stop(gap: "d - x1", restitution: "e"), "p2": Stop(gap: "x1 + 1.4*d", restitution: "e")},
+        rates: {
+            "x1": "v1", "v1": "A*cos(phase) - x1 - k*(x1 - x2) - c*v1 - p + p2",
+            "x2": "v2", "v2": "-x2 - k*(x2 - x1) - c*v2",
+        },
+    )"#;
+    let range = (0.88, 2.2);
+    let mut wanted = Wanted::new(system(STOPS), "w", range).unwrap();
+    wanted.periods = 6;
+    let beginning = Beginning {
+        mode: wanted.system.mode("open.open").unwrap(),
+        state: vec![0.0, 0.1, 0.0, 0.0],
+        phase: 0.0,
+    };
+    let (orbit, point) = first(&wanted, &beginning, Search::Settles(400.0)).unwrap();
+    let (seen, all) = follow(&orbit, &point, true, range, 2000);
+    let last = seen.last().unwrap();
+    assert_eq!((last.kind, last.value), (EP, 1.468), "{} points", all.len());
+    let of = |one: &LocatedPoint<AffineOrbit>| one.orbit.cycle(&one.node.point).unwrap();
+    let (begun, ended) = (orbit.cycle(&point).unwrap(), of(all.last().unwrap()));
+    assert_eq!(begun.names, ended.names);
+    for (one, other) in begun.switches.iter().zip(&ended.switches) {
+        assert!((one - other).abs() < 1e-9, "{one} and {other}");
+    }
+    let (events, mut values) = (&seen[..seen.len() - 1], Vec::new());
+    for Seen { kind, value, what } in events {
+        let known = |before: &f64| (before - value).abs() < 1e-9;
+        assert!(!values.iter().any(known), "{kind} at {value} again: {what}");
+        values.push(*value);
+    }
+    assert!(events.len() > 8, "{} events", events.len());
 }

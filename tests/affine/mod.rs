@@ -3,7 +3,9 @@
 
 #![allow(clippy::excessive_precision)] // figures as they are printed
 
+mod bounds;
 mod branches;
+mod clocks;
 mod contacts;
 mod counts;
 mod crossings;

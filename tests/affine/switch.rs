@@ -323,3 +323,58 @@ fn rounding_beside_a_homoclinic_orbit_is_no_event() {
         1e-11,
     );
 }
+
+/// Friction and a stop: the doubled branch begins flat, so that beside its first orbit little tells it from a family at one value
+/// of the parameter. It leads to the graze that the branch of the doubled orbit has from its other side.
+#[test]
+fn a_doubling_that_begins_flat() {
+    const DOUBLES: &str = r#"(
+        system: (
+            states: ["x1", "v1", "x2", "v2"],
+            parameters: {"A": 1.207, "w": 0.631, "k": 1.276, "c": 0.16, "F1": 0.287, "d": 1.0, "e": 0.673},
+            forcing: "w",
+            contacts: {"q": Friction(slip: "v1", bound: "F1"), "p": Stop(gap: "d - x2", restitution: "e")},
+            rates: {
+                "x1": "v1", "v1": "A*cos(phase) - x1 - k*(x1 - x2) - c*v1 + q",
+                "x2": "v2", "v2": "-0.8*x2 - k*(x2 - x1) - c*v2 - p",
+            },
+        ),
+        orbit: (
+            start: Simulate(mode: "forward.open", state: {"x1": 0.0, "v1": 0.1, "x2": 0.0, "v2": 0.0}, settle: 2000.0),
+            periods: 4,
+        ),
+        continuation: (parameter: "d", range: (0.95, 1.05)),
+        stability: (),
+    )"#;
+    // beyond the graze, the branch of what a motion settles on turns back to the doubling
+    let (problem, mut down) = problem(DOUBLES, "d", (0.95, 1.05), Toward::Down);
+    let doubled = collect(OrbitRunner::begin(&problem, &down, None).unwrap(), 400);
+    let (graze, double) = (
+        first(&doubled, EventType::GR),
+        first(&doubled, EventType::PD),
+    );
+    down.stop_after = until(EventType::GR);
+    // of an orbit traversed twice the branch at its doubling is that of the single one
+    let mut single = switched(&problem, &down, double).unwrap();
+    let begun = single.step();
+    near(2.0 * begun[0].point.period, double.point.period, 1e-13);
+    let single = NamedOrbit {
+        saved: begun[0].saved.clone().unwrap(),
+        kind: Some(EventType::PD),
+        has_shrunk: false,
+    };
+    let start = OrbitStart::Switch {
+        dir: "earlier".into(),
+        label: single.saved.label,
+    };
+    let mut problem = problem;
+    problem.orbit.start = start;
+    let earlier = EarlierPoint::Orbit(single);
+    let items = collect(
+        OrbitRunner::begin(&problem, &down, Some(&earlier)).unwrap(),
+        400,
+    );
+    let met = first(&items, EventType::GR);
+    near(met.point.period, double.point.period, 1e-13);
+    near(met.point.parameters[5], graze.point.parameters[5], 1e-13);
+}

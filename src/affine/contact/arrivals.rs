@@ -3,7 +3,8 @@
 //! What one contact does may make others change in the same instant: a block that stops loads its neighbour, an impact
 //! turns a slip round. From the states that the contact which ends would lead to, every other one is looked at in the
 //! order of the file, and where what it does hangs on the state of the instant both ways are followed, each with its
-//! condition. What is left is every end of such a chain, one exit each.
+//! condition. What is left is every end of such a chain, one exit each. A switch of the user's own modes begins such a chain, too:
+//! beyond it other forces act.
 
 use super::forms::ContactForms;
 use super::law::{
@@ -49,16 +50,16 @@ struct Trial<C> {
 pub struct Instant<'a, C = Dual> {
     /// The forms of the system.
     pub forms: &'a ContactForms<C>,
-    /// The user's mode.
+    /// The user's mode beyond.
     pub own: usize,
     /// States of the contacts before.
     pub before: &'a [usize],
     /// Forces before.
     pub forces: &'a [Form<C>],
-    /// The contact that ends.
-    pub contact: usize,
-    /// How.
-    pub ending: &'a Ending<C>,
+    /// What is zero at the instant.
+    pub guard: &'a Form<C>,
+    /// The contact that ends, and how; none where the user's mode does.
+    pub contact: Option<(usize, &'a Ending<C>)>,
     /// Others that end by the same guard, with their states beyond: two that act on one slip.
     pub together: &'a [(usize, usize)],
     /// New values of the states that jump.
@@ -72,17 +73,18 @@ impl<C: Measured> Instant<'_, C> {
     /// Forces that are not determined.
     pub fn arrivals(&self) -> Result<Vec<Arrival<C>>, ContactMistake> {
         let mut digits = self.before.to_vec();
-        digits[self.contact] = self.ending.to;
+        let mut seen = vec![false; digits.len()];
+        if let Some((contact, ending)) = self.contact {
+            digits[contact] = ending.to;
+            // what is released leaves by the sign of what was too much, as long as nothing else changes
+            seen[contact] = self.is_friction(contact) && self.before[contact] == STICK;
+        }
         for (contact, to) in self.together {
             digits[*contact] = *to;
         }
-        let together = self.together.iter().map(|(contact, _)| *contact);
-        for contact in std::iter::once(self.contact).chain(together) {
+        for contact in self.ended() {
             self.follow(contact, &mut digits);
         }
-        // what is released leaves by the sign of what was too much, as long as nothing else changes
-        let mut seen = vec![false; digits.len()];
-        seen[self.contact] = self.is_friction(self.contact) && self.before[self.contact] == STICK;
         let trial = Trial {
             seen,
             conditions: Vec::new(),
@@ -90,7 +92,10 @@ impl<C: Measured> Instant<'_, C> {
             digits,
         };
         let mut ends = Vec::new();
-        let mut open = self.turned(trial)?;
+        let mut open = match self.contact {
+            Some((contact, _)) => self.turned(contact, trial)?,
+            None => vec![trial],
+        };
         open.reverse();
         while let Some(trial) = open.pop() {
             match self.unsettled(&trial)? {
@@ -154,30 +159,66 @@ impl<C: Measured> Instant<'_, C> {
         }
     }
 
+    /// The contacts that end by the guard of the instant.
+    fn ended(&self) -> impl Iterator<Item = usize> {
+        let contact = self.contact.iter().map(|(contact, _)| *contact);
+        contact.chain(self.together.iter().map(|(contact, _)| *contact))
+    }
+
     /// Whether a contact ends by the guard of the instant.
     fn ends(&self, contact: usize) -> bool {
-        contact == self.contact || self.together.iter().any(|(other, _)| *other == contact)
+        self.ended().any(|ended| ended == contact)
+    }
+
+    /// Whether a contact has an impact at the instant.
+    fn is_impact(&self) -> bool {
+        self.contact.is_some() && !self.jump.is_empty()
+    }
+
+    /// Whether a contact stays in its state with what acts on it as it was.
+    ///
+    /// # Errors
+    /// An operation that has no result there.
+    fn is_unchanged(
+        &self,
+        contact: usize,
+        digit: usize,
+        forces: &[Form<C>],
+    ) -> Result<bool, Obstacle> {
+        if digit != self.before[contact] || self.is_impact() {
+            return Ok(false);
+        }
+        let is_same = |before: &Form<C>, form: &Form<C>| {
+            let after = self.after(form)?;
+            Ok(after == *before || after.is_same_at(before, self.guard))
+        };
+        let law = &self.forms.laws[contact];
+        let holds = self.jump.is_empty() || {
+            let before = self.forms.hold(law, self.forces)?;
+            is_same(&before, &self.forms.hold(law, forces)?)?
+        };
+        Ok(holds && is_same(&self.forces[contact], &forces[contact])?)
     }
 
     /// Whether friction has no velocity of slip at the instant: it has just stuck, or comes through zero.
     fn is_at_rest(&self, contact: usize) -> bool {
         let own = self.ends(contact) || self.before[contact] == STICK;
-        self.is_friction(contact) && own && self.jump.is_empty()
+        self.is_friction(contact) && own && !self.is_impact()
     }
 
     fn failed(&self, obstacle: Obstacle) -> ContactMistake {
         ContactMistake::Obstacle(self.forms.name(self.own, self.before), obstacle)
     }
 
-    /// The trials after an impact, which turns the slip of other contacts and the velocity of their gaps.
-    fn turned(&self, trial: Trial<C>) -> Result<Vec<Trial<C>>, ContactMistake> {
+    /// The trials after an impact of a contact, which turns the slip of others and the velocity of their gaps.
+    fn turned(&self, impact: usize, trial: Trial<C>) -> Result<Vec<Trial<C>>, ContactMistake> {
         let mut trials = vec![trial];
         if self.jump.is_empty() {
             return Ok(trials);
         }
         let own = &self.forms.own[self.own];
         for (contact, law) in self.forms.laws.iter().enumerate() {
-            if contact == self.contact {
+            if contact == impact {
                 continue;
             }
             let speed = &own.kinematics[contact].speed;
@@ -188,7 +229,7 @@ impl<C: Measured> Instant<'_, C> {
                 continue;
             }
             // before an impact the velocity of the gap is negative
-            let closing = &own.kinematics[self.contact].speed;
+            let closing = &own.kinematics[impact].speed;
             let rises = change.sign_of_ratio(closing).map(|sign| sign < 0.0);
             let (up, down, held) = match law {
                 Law::Friction { .. } => (FORWARD, BACKWARD, STICK),
@@ -254,21 +295,19 @@ impl<C: Measured> Instant<'_, C> {
             Err(ContactMistake::Singular(_) | ContactMistake::Paradox(..)) => return Ok(None),
             Err(mistake) => return Err(mistake),
         };
-        let others = (0..trial.digits.len()).filter(|contact| *contact != self.contact);
-        for contact in std::iter::once(self.contact).chain(others) {
+        let first = self.contact.map(|(contact, _)| contact);
+        let others = (0..trial.digits.len()).filter(|contact| Some(*contact) != first);
+        for contact in first.into_iter().chain(others) {
             if trial.seen[contact] {
                 continue;
             }
             let digit = trial.digits[contact];
-            let same = digit == self.before[contact]
-                && self.jump.is_empty()
-                && (forces[contact] == self.forces[contact]
-                    || forces[contact].is_same_at(&self.forces[contact], &self.ending.guard));
-            if same {
+            let failed = |error| ContactMistake::Obstacle(name(), error);
+            let unchanged = self.is_unchanged(contact, digit, forces);
+            if unchanged.map_err(failed)? {
                 continue;
             }
-            let limits = self.limits(contact, digit, forces);
-            let limits = limits.map_err(|error| ContactMistake::Obstacle(name(), error))?;
+            let limits = self.limits(contact, digit, forces).map_err(failed)?;
             if limits.is_empty() {
                 continue;
             }
@@ -328,11 +367,12 @@ impl<C: Measured> Instant<'_, C> {
             }
             // a slip that another change has made to begin the wrong way
             (Law::Friction { .. }, FORWARD) if self.is_at_rest(contact) => {
-                vec![(self.forms.acceleration(self.own, contact, forces)?, STICK)]
+                let rate = self.forms.acceleration(self.own, contact, forces)?;
+                vec![(self.after(&rate)?, STICK)]
             }
             (Law::Friction { .. }, BACKWARD) if self.is_at_rest(contact) => {
                 let rate = self.forms.acceleration(self.own, contact, forces)?;
-                vec![(rate.negative(), STICK)]
+                vec![(self.after(&rate)?.negative(), STICK)]
             }
             (Law::Stop { .. }, CLOSED) => vec![(force()?, OPEN)],
             (
@@ -340,7 +380,7 @@ impl<C: Measured> Instant<'_, C> {
                     damping: Some(_), ..
                 },
                 CLOSED,
-            ) if !self.jump.is_empty() => vec![(force()?, PARTING)],
+            ) if self.is_impact() => vec![(force()?, PARTING)],
             _ => Vec::new(),
         })
     }

@@ -41,28 +41,24 @@ impl<C: Measured> ContactForms<C> {
                 own,
                 before: &digits,
                 forces,
-                contact,
-                ending,
+                guard: &ending.guard,
+                contact: Some((contact, ending)),
                 together: &together,
                 jump: &jump,
             };
             for arrival in instant.arrivals()? {
-                switches.push(self.switch(&instant, arrival, group));
+                switches.push(self.switch(&instant, (contact, ending), arrival, group));
             }
         }
         for switch in &self.switches[own] {
-            let number = |mode: usize| self.products.number(mode, &digits);
-            switches.push(FormSwitch {
-                to: number(switch.to),
-                rest: switch.rest.map(number),
-                ..switch.clone()
-            });
+            switches.extend(self.own_switches(switch, &digits, forces)?);
         }
         let held = self.held(own, &digits);
         let mode = FormMode {
             rates,
             switches,
             held,
+            bounds: self.bounds(&digits, forces),
         };
         mode.within().map_err(failed)
     }
@@ -92,6 +88,27 @@ impl<C: Measured> ContactForms<C> {
             }
         }
         Ok(rates)
+    }
+
+    /// The bounds of friction that slips, where they are no constants, with the numbers of the guards that are its slip: what its
+    /// force is, without the sign.
+    fn bounds(&self, digits: &[usize], forces: &[Form<C>]) -> Vec<(usize, Form<C>)> {
+        let contacts = self.laws.iter().zip(digits).zip(forces).enumerate();
+        let bounds = contacts.filter_map(|(contact, ((law, digit), force))| {
+            let bound = match (law, *digit) {
+                (Law::Friction { .. }, FORWARD) => force.clone().negative(),
+                (Law::Friction { .. }, BACKWARD) => force.clone(),
+                _ => return None,
+            };
+            Some((self.first_guard(digits, contact), bound))
+        });
+        bounds.filter(|(_, bound)| !bound.is_constant()).collect()
+    }
+
+    /// The number of the first guard of a contact in a mode with these states.
+    fn first_guard(&self, digits: &[usize], contact: usize) -> usize {
+        let earlier = digits[..contact].iter().zip(&self.laws);
+        earlier.map(|(digit, law)| law.guards(*digit).len()).sum()
     }
 
     /// What is zero all along in a mode: the slip of what sticks, the gap of what is closed.
@@ -264,22 +281,54 @@ impl<C: Measured> ContactForms<C> {
         Ok(jump)
     }
 
-    /// The switch of an instant that leads to these states.
-    fn switch(&self, instant: &Instant<C>, arrival: Arrival<C>, group: usize) -> FormSwitch<C> {
-        let Instant {
-            own,
-            contact,
-            ending,
-            ..
-        } = *instant;
+    /// A switch of the user's mode from these states of the contacts with these forces: one for each end of the chain of changes
+    /// that it begins.
+    fn own_switches(
+        &self,
+        switch: &FormSwitch<C>,
+        before: &[usize],
+        forces: &[Form<C>],
+    ) -> Result<Vec<FormSwitch<C>>, ContactMistake> {
+        let instant = Instant {
+            forms: self,
+            own: switch.to,
+            before,
+            forces,
+            guard: &switch.guard,
+            contact: None,
+            together: &[],
+            jump: &switch.reset,
+        };
+        let of_arrival = |Arrival { digits, conditions }: Arrival<C>| {
+            let number = |mode: usize| self.products.number(mode, &digits);
+            let mut switch = FormSwitch {
+                to: number(switch.to),
+                rest: switch.rest.map(number),
+                ..switch.clone()
+            };
+            switch.conditions.extend(conditions);
+            switch
+        };
+        let arrivals = instant.arrivals()?;
+        Ok(arrivals.into_iter().map(of_arrival).collect())
+    }
+
+    /// The switch of an instant at which a contact ends that leads to these states.
+    fn switch(
+        &self,
+        instant: &Instant<C>,
+        (contact, ending): (usize, &Ending<C>),
+        arrival: Arrival<C>,
+        group: usize,
+    ) -> FormSwitch<C> {
+        let own = instant.own;
         let Arrival { digits, conditions } = arrival;
         let rest = (ending.impact == Some(true)).then(|| {
             let mut closed = digits.clone();
             closed[contact] = CLOSED;
             self.products.number(own, &closed)
         });
-        let earlier = digits[..contact].iter().zip(&self.laws);
-        let index = earlier.map(|(digit, law)| law.guards(*digit).len()).sum();
+        let index = self.first_guard(&digits, contact);
         let direct = digits[contact] == ending.to && ending.zeros > 0;
         FormSwitch {
             guard: ending.guard.clone(),

@@ -355,6 +355,39 @@ impl ModeFlow {
         }
     }
 
+    /// Where a form of z is least over the beginning of a piece, as a time after that, and its value there; `None` where it is
+    /// positive but for rounding. The form is the guard of this number where the mode is linear.
+    pub(super) fn least_below_zero(
+        &self,
+        (guard, form): (usize, &Vector),
+        piece: &FlowPiece,
+        part: f64,
+    ) -> Option<(f64, f64)> {
+        /// Part of its terms within which it is zero but for rounding.
+        const ZERO: f64 = 1e-9;
+        let (taylor, left_out) = match &piece.course {
+            PieceMotion::Series(series) => polynomial(series, form, part * piece.length),
+            _ => self.taylor(guard, piece, part),
+        };
+        let others: f64 = taylor[1..].iter().map(|a| a.abs()).sum();
+        if taylor[0] > others + left_out {
+            return None;
+        }
+        let turns = Bernstein::from_taylor(&taylor, left_out).minima(&mut false);
+        let value = |place: f64| taylor.iter().rev().fold(0.0, |sum, a| sum * place + a);
+        let places = [0.0, 1.0].into_iter().chain(turns);
+        let valued = places.map(|place| (place, value(place)));
+        let (place, least) = valued.min_by(|one, other| one.1.total_cmp(&other.1))?;
+        let terms: f64 = form
+            .iter()
+            .zip(&piece.z)
+            .filter(|(c, _)| **c != 0.0)
+            .map(|(c, z)| (c * z).abs())
+            .sum();
+        let is_negative = least < -ZERO * terms.max(others) - left_out;
+        is_negative.then_some((place * part * piece.length, least))
+    }
+
     /// What a guard does just after a zone begins with a piece.
     pub(super) fn onset(&self, guard: usize, piece: &FlowPiece) -> Onset {
         self.onset_from(guard, piece, 0)

@@ -125,10 +125,10 @@ impl<C: Measured> Term<C> {
             one.where_signed(signs, known)?,
             other.where_signed(signs, known)?,
         ];
-        if self.rule == Rule::Function(Function::Abs) {
-            if let Some(form) = signs.absolute_value(&resolved[0]) {
-                return form.map(Some);
-            }
+        if self.rule == Rule::Function(Function::Abs)
+            && let Some(form) = signs.absolute_value(&resolved[0])
+        {
+            return form.map(Some);
         }
         let is_same = |one: &Form<C>, other: &Form<C>| {
             let mut pairs = one.beyond.iter().zip(&other.beyond);

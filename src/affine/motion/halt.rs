@@ -112,6 +112,17 @@ pub enum Halt {
         /// Why not.
         mistake: ContactMistake,
     },
+    /// The bound of friction is negative where it slips.
+    NegativeBound {
+        /// Time at which it is least over a piece of the motion.
+        time: f64,
+        /// The mode.
+        mode: usize,
+        /// The guard that is the slip.
+        guard: usize,
+        /// The bound there.
+        value: f64,
+    },
     /// The state grows beyond all numbers, or comes to where an expression has no value.
     Unbounded {
         /// Time of the last state that was finite.
@@ -131,6 +142,7 @@ impl Halt {
             | Halt::Livelock { mode, guard, .. }
             | Halt::Outside { mode, guard, .. }
             | Halt::Outward { mode, guard, .. }
+            | Halt::NegativeBound { mode, guard, .. }
             | Halt::Void { mode, guard } => Some((mode, guard)),
             Halt::Obstructed { .. }
             | Halt::Chattering { .. }
@@ -184,6 +196,10 @@ impl Halt {
             Halt::Fast { time, piece } => format!(
                 "at t = {time:?} the motion changes within {piece:.1e}: so fast that the time asked for would take \
                  millions of steps"
+            ),
+            Halt::NegativeBound { time, value, .. } => format!(
+                "at t = {time:?} the bound of the friction against {guard} is {value:.6} in {mode}: it is to be no less than \
+                 zero, or friction drives what slips"
             ),
             Halt::Obstructed { time, mistake, .. } => format!("at t = {time:?} {mistake}"),
             Halt::Unbounded { time } => format!(

@@ -183,6 +183,11 @@ impl<'a> Motion<'a> {
                 flow.watch(-row);
                 flow.watch(row.clone());
             }
+            let mode = &self.system.modes[mode];
+            if mode.field.is_exact {
+                let bounds = mode.bounds.iter();
+                bounds.for_each(|(_, bound)| flow.watch(bound.at.clone()));
+            }
             flow
         })
     }
@@ -259,7 +264,10 @@ impl<'a> Motion<'a> {
             }
             let part = (rest / piece.length).min(1.0);
             let guards = watched.into_iter().chain(0..count);
-            if let Some((after, guard)) = first_crossing(flow, &piece, guards, &mut orders, part) {
+            let crossing = first_crossing(flow, &piece, guards, &mut orders, part);
+            let lasts = crossing.map_or(part, |(after, _)| after / piece.length);
+            self.check_bounds(flow, (&piece, lasts), start + begun)?;
+            if let Some((after, guard)) = crossing {
                 let (z, elapsed) = (flow.within(&piece, after), begun + after);
                 return match self.rises_at(guard, &z) {
                     None => self.switch(guard, elapsed, &z).map(Some),
@@ -298,6 +306,34 @@ impl<'a> Motion<'a> {
             }),
             None => Ok(()),
         }
+    }
+
+    /// Refuses a bound of friction that is negative over a part of a piece, which begins at this time.
+    fn check_bounds(
+        &self,
+        flow: &ModeFlow,
+        (piece, part): (&FlowPiece, f64),
+        begun: f64,
+    ) -> Result<(), Halt> {
+        let number = self.place.mode;
+        let mode = &self.system.modes[number];
+        if part <= 0.0 {
+            return Ok(());
+        }
+        let first = mode.guards.len() + if self.section.is_some() { 2 } else { 0 };
+        for (index, (guard, bound)) in mode.bounds.iter().enumerate() {
+            if let Some((after, value)) =
+                flow.least_below_zero((first + index, &bound.at), piece, part)
+            {
+                return Err(Halt::NegativeBound {
+                    time: begun + after,
+                    mode: number,
+                    guard: *guard,
+                    value,
+                });
+            }
+        }
+        Ok(())
     }
 
     /// The guard that is negative at once where the zone begins; `orders` are those of the zeros of the others.

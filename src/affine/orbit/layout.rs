@@ -362,7 +362,7 @@ impl AffineOrbit {
         Vector::from_vec(point)
     }
 
-    /// The same orbit begun with another zone, in a sequence that is the same from there on: zone k + `shift` becomes k.
+    /// The same orbit begun with another zone, of a sequence that is the own one from there on: zone k + `shift` becomes k.
     pub(super) fn rotated(&self, node: &Node, shift: usize) -> Option<Node> {
         if shift == 0 {
             return Some(node.clone());

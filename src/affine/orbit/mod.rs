@@ -6,7 +6,8 @@
 //! whatever the parameter, as [`forms`] tell, or [`generic`] points, and `conserved` which sums never change. [`margin`] measures the
 //! inequalities, [`examine`] decides them, by what [`turning`] tells of smooth functions; [`candidates`] finds what lies beyond an
 //! event, [`ends`] why nothing does, which is a `stop`, by the motions beside it as [`discontinuity`] has them, `family` where others of
-//! a family go on; [`multipliers`] has the stability, with the `saltation` of every switch and what `surface` tells of sliding;
+//! a family go on, and `bounds` where friction makes no sense; [`multipliers`] has the stability, with the `saltation` of every switch
+//! and what `surface` tells of sliding;
 //! [`start`] finds the first orbit, or says by [`behaviour`] what a motion looks like that comes to none, [`switch`] that of the other
 //! branch at an event, [`hopf`] that at which orbits shrink to nothing, [`homoclinic`] that at which they `stay` for ever. [`row`] has
 //! what results keep of one, `monitor` the numbers of it that a problem asks for, those of them that are integrals by `integral`;
@@ -14,6 +15,7 @@
 
 pub mod behaviour;
 mod bifurcation;
+mod bounds;
 mod branch_point;
 pub mod candidates;
 mod conserved;
@@ -235,9 +237,10 @@ impl Orbit for AffineOrbit {
         point.rows(0, self.width() * self.zones()).amax().max(1.0)
     }
 
-    /// The phase of the first entry counts up to a turn, and a sequence that repeats itself may begin with each part.
-    fn aliases(&self, node: &Node, near: &Node) -> Vec<Node> {
-        let rotations = self.sequence.rotations().into_iter();
+    /// The phase of the first entry counts up to a turn, and a sequence may begin with another zone: one that repeats itself
+    /// with each part, one that changes have led back to with any.
+    fn aliases(&self, signature: &Sequence, node: &Node, near: &Node) -> Vec<Node> {
+        let rotations = signature.rotations_to(&self.sequence).into_iter();
         let aliases = rotations.filter_map(|shift| self.rotated(node, shift));
         aliases.map(|node| self.turned(node, near)).collect()
     }
@@ -340,7 +343,7 @@ impl Orbit for AffineOrbit {
     }
 
     fn exhausted(&self, node: &Node, _: (f64, f64)) -> Option<OrbitStop> {
-        self.ends(node)
+        self.ends(node).or_else(|| self.negative_bound(&node.point))
     }
 
     fn short_of(&self, stop: &OrbitStop, node: &Node) -> f64 {
@@ -362,7 +365,9 @@ impl Orbit for AffineOrbit {
     fn completes(stop: &OrbitStop) -> bool {
         !matches!(
             stop,
-            OrbitStop::Halts { .. } | OrbitStop::LosesDigits { .. }
+            OrbitStop::Halts { .. }
+                | OrbitStop::LosesDigits { .. }
+                | OrbitStop::NegativeBound { .. }
         )
     }
 

@@ -173,16 +173,15 @@ impl Sequence {
 
     /// Whether another sequence is this one but for the zone it begins with.
     pub fn is_rotation_of(&self, other: &Sequence) -> bool {
-        let count = self.len();
-        count == other.len()
-            && (0..count).any(|shift| (0..count).all(|k| self.zone(k + shift) == other.zone(k)))
+        !self.rotations_to(other).is_empty()
     }
 
-    /// Zones with which the sequence may begin and be the same: the first, and more where it repeats itself.
-    pub fn rotations(&self) -> Vec<usize> {
+    /// Zones with which the sequence may begin and be another one; none where it is no rotation of that.
+    pub fn rotations_to(&self, other: &Sequence) -> Vec<usize> {
         let count = self.len();
-        let same = |shift: &usize| (0..count).all(|k| self.zone(k + shift) == self.zone(k));
-        (0..count).filter(same).collect()
+        let same = |shift: &usize| (0..count).all(|k| self.zone(k + shift) == other.zone(k));
+        let shifts = 0..if count == other.len() { count } else { 0 };
+        shifts.filter(same).collect()
     }
 
     /// Zones with which the name may begin, so that it comes first in the order of the modes: more than one

@@ -123,6 +123,17 @@ pub enum OrbitStop {
         /// Name of the mode.
         mode: String,
     },
+    /// The bound of friction is negative where it slips.
+    NegativeBound {
+        /// Name of the mode.
+        mode: String,
+        /// The slip, by the name of its contact.
+        guard: String,
+        /// The least value of the bound in a zone of the mode.
+        value: f64,
+        /// When that is, after the entry of the zone.
+        time: f64,
+    },
     /// The durations of successive zones fall geometrically: switches accumulate, and beyond it infinitely many follow
     /// one another in a finite time.
     Accumulates {
@@ -233,6 +244,16 @@ impl fmt::Display for OrbitStop {
                 formatter,
                 "beyond it {guard} is met again as soon as `{mode}` begins: infinitely many switches follow at one \
                  instant"
+            ),
+            OrbitStop::NegativeBound {
+                mode,
+                guard,
+                value,
+                time,
+            } => write!(
+                formatter,
+                "the bound of the friction against {guard} is {value:.6} in `{mode}`, {time:.6} after the entry: it is to be no less \
+                 than zero, or friction drives what slips"
             ),
             OrbitStop::Shrinks => Critical::Shrinking.fmt(formatter),
             OrbitStop::Slides => write!(

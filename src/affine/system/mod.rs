@@ -229,6 +229,18 @@ impl System {
         format!("`{}`", written.map_or("", |switch| switch.zero.as_str()))
     }
 
+    /// Whether the bound of friction has anything but parameters.
+    pub(super) fn has_varying_bounds(&self) -> bool {
+        let parameters = &self.source.parameters;
+        let mut varies = false;
+        for law in &self.contacts {
+            if let Law::Friction { bound, .. } = law {
+                bound.names(&mut |name, _| varies |= parameters.index(name).is_none());
+            }
+        }
+        varies
+    }
+
     /// The name of a guard of a mode that contacts make.
     fn contact_guard(&self, mode: usize, guard: usize) -> Option<String> {
         let products = self.products.as_ref()?;

@@ -92,10 +92,12 @@ pub trait Curve: Sized {
     /// comes to `reached`.
     fn closing(&self, s: f64, first: &Node, reached: Self::Found) -> Self::Found;
 
-    /// The first node of the curve by every set of unknowns next to a node that gives the same point: an angle has many,
-    /// and a cycle that repeats itself may begin at several places.
-    fn aliases(&self, first: &Node, _near: &Node) -> Vec<Node> {
-        vec![first.clone()]
+    /// The first node of the walk, which is one of the curve of this name, by every set of unknowns of this curve next to
+    /// a node that gives the same point: an angle has many, and a cycle may begin at several places. None where no unknowns
+    /// of this curve give that point.
+    fn aliases(&self, name: &Self::Name, first: &Node, _near: &Node) -> Vec<Node> {
+        let is_own = name == self.name();
+        is_own.then(|| first.clone()).into_iter().collect()
     }
 
     /// Why the curve does not go on from a node that was reached.

@@ -162,6 +162,11 @@ impl<C: Curve> Walker<C> {
         }
         let mut located = self.curve.locate(&step).map_err(refused)?;
         located.sort_by(|(one, _), (other, _)| one.s.total_cmp(&other.s));
+        let passed = self.closes(&step);
+        if let Some((s, _)) = &passed {
+            // what lies beyond the first point has been met where the curve set out
+            located.retain(|(place, _)| place.s <= s + step.at_once());
+        }
         let mut close = match self.curve.within(&step, &located) {
             Within::Nothing => None,
             Within::Pair(least) if least >= self.steps.ds_min && least < ds => {
@@ -179,17 +184,17 @@ impl<C: Curve> Walker<C> {
                 return Ok((found, None));
             }
         }
-        let passed = self.closes(&step);
         let from = std::mem::replace(&mut self.node, taken.node);
         self.travelled += ds;
         self.watched = watched;
         self.ds = taken.next;
         self.curve.arrive(&mut self.node, &self.watched, &located);
-        arclength::passed(&mut self.before, from.clone());
+        arclength::passed(&mut self.before, from);
         let here = |walker: &Walker<C>| walker.curve.point(ds, &walker.node, &walker.watched);
-        if let Some(passed) = passed {
-            let (_, first) = &self.origin;
-            let s = from.tangent.dot(&(&passed.point - &from.point));
+        if let Some((s, passed)) = passed {
+            let (name, first) = &self.origin;
+            let is_own = name == self.curve.name();
+            let first = if is_own { first } else { &passed };
             found.push(self.curve.closing(s, first, here(self)));
             return Ok((found, Some(End::Closed)));
         }
@@ -263,10 +268,10 @@ impl<C: Curve> Walker<C> {
         (self.creeping >= steps).then_some(End::Creeps { steps, longest })
     }
 
-    /// The first point, as one of its aliases, where a step passes it again.
-    fn closes(&self, step: &Segment<C::Watched>) -> Option<Node> {
+    /// Where a step passes the first point again, and that point as one of its aliases.
+    fn closes(&self, step: &Segment<C::Watched>) -> Option<(f64, Node)> {
         let (name, first) = &self.origin;
-        if self.travelled < 4.0 * step.ds || name != self.curve.name() {
+        if self.travelled < 4.0 * step.ds {
             return None;
         }
         let passes = |first: &Node| {
@@ -276,7 +281,10 @@ impl<C: Curve> Walker<C> {
                 && (&step.to.point - &first.point).norm() <= CLOSED * step.ds
                 && step.to.tangent.dot(&first.tangent) > 0.9
         };
-        self.curve.aliases(first, step.to).into_iter().find(passes)
+        let aliases = self.curve.aliases(name, first, step.to);
+        let first = aliases.into_iter().find(passes)?;
+        let s = step.from.tangent.dot(&(&first.point - &step.from.point));
+        Some((s, first))
     }
 }
 
