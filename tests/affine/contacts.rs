@@ -454,7 +454,7 @@ fn two_slips_close_at_once() {
         let text = with(states);
         let system = system(&text);
         let along = ("w", (1.0, 1.14));
-        let state = vec![0.0; 4];
+        let state = vec![0.0; 5];
         let (orbit, point) = started(&system, ("stick", &state, 400.0), along).unwrap();
         let (seen, all) = follow(&orbit, &point, true, along.1, 2000);
         let seen: Vec<&Seen> = seen.iter().filter(|one| one.kind != EP).collect();

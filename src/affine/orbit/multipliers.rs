@@ -146,7 +146,9 @@ impl OrbitAt<'_> {
         let next_matrix = &self.mode(next).matrix.at;
         let mut saltation = Saltation::new(passage, &exit.reset.at, rate, (next_matrix, &entry));
         let speed = -fall * self.orbit.setting.scales.time / self.orbit.size(row);
-        let slow = (speed.abs() < SLOW).then(|| {
+        // what is made of states that a reset changes is another function of those before
+        let is_known = self.mode(zone).field.is_exact || exit.is_continuous();
+        let slow = (speed.abs() < SLOW && is_known).then(|| {
             let slow = Slow {
                 guard: &row.at,
                 before: &self.mode(zone).matrix.at,

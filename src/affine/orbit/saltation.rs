@@ -73,7 +73,13 @@ impl Saltation {
         let (n, rows) = (reset.nrows(), slow.before.nrows());
         let (end, guard, columns) = (&passage.end, slow.guard, slow.before.ncols());
         let shift = &self.after - product(reset, slow.rate);
-        let difference = after.rows(0, n) - reset.columns(0, rows) * slow.before;
+        // f⁺ is one of the state after the reset
+        let mut difference =
+            after.view((0, 0), (n, n)) * reset - reset.columns(0, rows) * slow.before;
+        for column in n..columns {
+            let mut sum = difference.column_mut(column);
+            sum += after.view((0, column), (n, 1));
+        }
         let of_guard = slow.before.tr_mul(&guard.rows(0, rows));
         let largest = |row: &Vector| {
             let share = |k: &usize| (row[*k] * end[*k]).abs();
