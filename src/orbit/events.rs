@@ -199,19 +199,12 @@ pub(super) fn located<O: Orbit>(
     if let Some(shrinks) = shrinks(orbit, range, stop_at, step) {
         return shrinks;
     }
-    let changes = changes(orbit, step)?;
-    // where a zone closes, or a guard is met at no speed that is squared in the equations, the parameter is stationary
-    // along the arc: that is the event itself. Where two close at once the equations are singular, and no fold is found
-    let closing = changes
-        .iter()
-        .any(|(place, _)| orbit.closes(&place.node.point));
-    let fold = match fold(orbit, step) {
-        Some(fold) => fold,
-        None if closing => None,
-        None => return Err(OrbitRefusal::NotFound),
-    };
+    let fold = fold(orbit, step).ok_or(OrbitRefusal::NotFound)?;
     let targets =
         targets(orbit, range, stop_at, step, fold.as_ref()).ok_or(OrbitRefusal::NotFound)?;
+    let changes = changes(orbit, step)?;
+    // where a zone closes, or a guard is met at no speed that is squared in the equations, the parameter is stationary
+    // along the arc: that is the event itself
     let apart = |fold: &(Place, LocatedEvent<O>)| {
         let value = |place: &Place| orbit.value_at(&place.node.point);
         changes.iter().all(|(place, change)| {
@@ -225,7 +218,7 @@ pub(super) fn located<O: Orbit>(
                 grazes || orbit.closes(&place.node.point)
             };
             (place.s - fold.0.s).abs() > step.at_once() && !(same && stationary())
-        }) && !orbit.closes(&fold.0.node.point)
+        }) && (changes.is_empty() || !orbit.closes(&fold.0.node.point))
     };
     let turns = fold.as_ref().map(|(place, _)| place.s);
     let fold = fold.filter(&apart);

@@ -435,49 +435,6 @@ fn a_stick_at_its_bound_becomes_a_slip() {
     assert!((before[0].value - 0.764_371_044_236_69).abs() < 1e-13);
 }
 
-/// A Jenkins element between two masses slips both ways, or sticks: both slips close at once where the linear response of
-/// what sticks has the amplitude B/kⱼ, and no fold is there, whatever the order of the states. The multipliers come to a
-/// limit on the way, which is that of the event.
-#[test]
-fn two_slips_close_at_once() {
-    let with = |states: &str| {
-        format!(
-            r#"(states: [{states}], parameters: {{"A": 0.451, "w": 1.0, "c": 0.024, "k": 0.35, "kj": 0.354, "B": 0.371}}, forcing: "w",
-            contacts: {{"j": Jenkins(slip: "v1 - v2", stiffness: "kj", bound: "B")}},
-            rates: {{"x1": "v1", "v1": "A*cos(phase) - x1 - k*(x1 - x2) - c*v1 + j", "x2": "v2",
-            "v2": "-1.5*x2 - k*(x2 - x1) - c*v2 - j"}})"#
-        )
-    };
-    // zeros of |x₁ − x₂| − B/kⱼ of the linear response, by a root in 25 digits
-    let expected = [1.050_135_007_357_518_9, 1.127_320_936_643_738_4];
-    for states in [r#""x1", "v1", "x2", "v2""#, r#""v2", "x2", "v1", "x1""#] {
-        let text = with(states);
-        let system = system(&text);
-        let along = ("w", (1.0, 1.14));
-        let state = vec![0.0; 5];
-        let (orbit, point) = started(&system, ("stick", &state, 400.0), along).unwrap();
-        let (seen, all) = follow(&orbit, &point, true, along.1, 2000);
-        let seen: Vec<&Seen> = seen.iter().filter(|one| one.kind != EP).collect();
-        assert_eq!(seen.len(), 2, "{states}");
-        for (one, value) in seen.iter().zip(expected) {
-            assert_eq!(one.kind, GR, "{}", one.what);
-            assert!((one.value - value).abs() < 1e-13, "{}", one.value);
-        }
-        let closes = all
-            .iter()
-            .rposition(|one| one.special.is_some() && one.parameter < 1.13);
-        let [before, event] = [closes.unwrap() - 1, closes.unwrap()].map(|index| {
-            let one = &all[index];
-            one.orbit.multipliers(&one.node.point).unwrap()[0]
-        });
-        assert!(event.is_known() && event.error < 1e-6, "{event:?}");
-        assert!(
-            (event.value - before.value).norm() < 0.1,
-            "{before:?} {event:?}"
-        );
-    }
-}
-
 /// An inelastic ball rests on its table until that falls faster than it, and leaves it with g, ġ and g̈ zero.
 #[test]
 fn an_inelastic_ball() {

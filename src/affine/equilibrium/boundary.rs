@@ -2,8 +2,8 @@
 //!
 //! At x₀, p₀ a guard g of the mode is zero; of a sliding mode, g is the form of the surface, which the mode beyond has as its guard.
 //! At p₀ + δ motions of two states set out from x₀ + s|δx′|∇g/|∇g|, x′ = dx/dp along the equilibria: on a ray from the boundary
-//! into the mode, with lengths and ∇g in the units of the states that make ∂f/∂x of the mode balanced. Where they enter the mode for the first and the second time, q along the boundary, |q₂| − |q₁| changes its sign
-//! at a cycle. Of a system of linear parts q/δ at a cycle does not depend on δ; of any other hardly, where the cycle is one that
+//! into the mode, with lengths and ∇g in the units of the states that make ∂f/∂x of the mode balanced. Where they enter the mode
+//! for the first and the second time, q along the boundary, |q₂| − |q₁| changes its sign at a cycle. Of a system of linear parts q/δ at a cycle does not depend on δ; of any other hardly, where the cycle is one that
 //! grows from the equilibrium.
 
 use super::curve::EquilibriumCurve;

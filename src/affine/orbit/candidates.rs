@@ -93,7 +93,12 @@ pub fn candidates(
             add(pieces);
         }
     }
-    for zone in at.beside(margin) {
+    // of an orbit that keeps something of its start others go on
+    let beside = match orbit.conserved.is_empty() {
+        true => at.beside(margin),
+        false => Vec::new(),
+    };
+    for zone in beside {
         for pieces in at.exchanged(zone)? {
             add(pieces);
         }
