@@ -418,23 +418,6 @@ fn zones_open_each_at_a_rate_of_its_own() {
     assert!((without[1].value - 0.478_122_834_989_434).abs() < 1e-14);
 }
 
-/// A block sticks where the spring that holds it is as strong as its friction: all along the stick the force is at its
-/// bound, and beyond it the block slips slowly back the whole time. The branch meets the same events from either side.
-#[test]
-fn a_stick_at_its_bound_becomes_a_slip() {
-    let text = r#"(states: ["u", "v", "y", "z"], parameters: {"w": 0.755, "N": 0.085, "g": 0.554, "k": 47.243, "c": 0.339}, forcing: "w",
-        contacts: {"p": Spring(gap: "g - u + y", stiffness: "k", damping: "c"), "q": Friction(slip: "z", bound: "N")},
-        rates: {"u": "v", "v": "cos(phase) - u - 0.05*v - p", "y": "z", "z": "-y - 0.1*z + p + q"})"#;
-    let from: From = ("open.forward", &[0.0, 0.1, 0.0, 0.05], 400.0);
-    let range = ("w", (0.755, 0.772));
-    let before = met(text, from, range);
-    let beyond = met(&text.replace("0.755", "0.772"), from, range);
-    let values: Vec<_> = beyond.iter().map(|one| (one.kind, one.value)).collect();
-    assert_eq!(before.len(), 1, "{}", before[0].what);
-    meets(&before, &values);
-    assert!((before[0].value - 0.764_371_044_236_69).abs() < 1e-13);
-}
-
 /// An inelastic ball rests on its table until that falls faster than it, and leaves it with g, ġ and g̈ zero.
 #[test]
 fn an_inelastic_ball() {

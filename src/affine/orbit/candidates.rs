@@ -93,16 +93,6 @@ pub fn candidates(
             add(pieces);
         }
     }
-    // of an orbit that keeps something of its start others go on
-    let beside = match orbit.conserved.is_empty() {
-        true => at.beside(margin),
-        false => Vec::new(),
-    };
-    for zone in beside {
-        for pieces in at.exchanged(zone)? {
-            add(pieces);
-        }
-    }
     Ok(found)
 }
 
@@ -166,135 +156,17 @@ impl OrbitAt<'_> {
         }
         for chain in self.chains(last.zone.mode, opened, &first.at.state, first.zone.mode) {
             let mut pieces = opened.pieces.clone();
-            self.follow(&mut pieces, &chain, opened.phase);
+            for (index, stage) in chain.iter().enumerate() {
+                if let Some(last) = pieces.last_mut() {
+                    last.zone.way = Some(stage.way);
+                }
+                if index + 1 < chain.len() {
+                    pieces.push(self.nascent(stage, opened.phase));
+                }
+            }
             cycles.push(pieces);
         }
         cycles
-    }
-
-    /// Adds the zones of no length of a chain of exits, which ends where the next zone begins.
-    fn follow(&self, pieces: &mut Vec<Piece>, chain: &[Stage], phase: f64) {
-        for (index, stage) in chain.iter().enumerate() {
-            if let Some(last) = pieces.last_mut() {
-                last.zone.way = Some(stage.way);
-            }
-            if index + 1 < chain.len() {
-                pieces.push(self.nascent(stage, phase));
-            }
-        }
-    }
-
-    /// The cycles in which a zone that keeps a guard at zero from its entry to its end is one of the mode to which that
-    /// guard leads: a block that sticks has one place, which may be the one where the spring that holds it is as strong
-    /// as friction, or where a stop is touched. Zones beside it that have come to no length by then are left out, and
-    /// chains of exits lead from the zone before it and to the zone after it.
-    fn exchanged(&self, zone: usize) -> Result<Vec<Vec<Piece>>, OrbitFailure> {
-        let count = self.zones.len();
-        let scale = self.orbit.setting.scales.time;
-        let lasts = |zone: &usize| self.zones[zone % count].duration > CLOSING * scale;
-        let before = (1..count).map(|back| zone + count - back).find(lasts);
-        let after = (zone + 1..zone + count).find(lasts);
-        let (Some(before), Some(after), true) = (before, after, lasts(&zone)) else {
-            return Ok(Vec::new());
-        };
-        let [before, zone] = [before % count, zone % count];
-        let omega = self.posed.system.omega.value;
-        let end_of = |zone: usize| -> Result<(Vector, f64), OrbitFailure> {
-            let at = &self.zones[zone];
-            let end = self.passage(zone, at.duration)?.end;
-            Ok((end, at.phase + omega * at.duration))
-        };
-        let rest = (after..=before + if before < after { count } else { 0 })
-            .map(|zone| self.piece(zone))
-            .collect();
-        let (z, phase) = end_of(before)?;
-        let entry = Opened {
-            pieces: rest,
-            z,
-            phase,
-            joined: false,
-        };
-        let at = &self.zones[zone];
-        let (end, phase) = end_of(zone)?;
-        let mut cycles = Vec::new();
-        for mode in self.kept(zone)? {
-            let leave = Opened {
-                pieces: Vec::new(),
-                z: self
-                    .posed
-                    .system
-                    .lift(mode, &end.as_slice()[..self.orbit.states()], phase),
-                phase,
-                joined: false,
-            };
-            let next = after % count;
-            let to = self.orbit.sequence.zone(next).mode;
-            let leaving = self.chains(mode, &leave, &self.zones[next].state, to);
-            let from = self.orbit.sequence.zone(before).mode;
-            for entering in self.chains(from, &entry, &at.state, mode) {
-                for leaving in &leaving {
-                    // the zones exchanged count for none
-                    if entering.len() + leaving.len() > LONGEST + 2 {
-                        continue;
-                    }
-                    let mut pieces = entry.pieces.clone();
-                    self.follow(&mut pieces, &entering, entry.phase);
-                    let name = self.orbit.setting.system.mode_name(mode).into_owned();
-                    pieces.push(Piece {
-                        zone: Zone::new(mode, None, name),
-                        at: at.clone(),
-                        nascent: false,
-                    });
-                    self.follow(&mut pieces, leaving, leave.phase);
-                    cycles.push(pieces);
-                }
-            }
-        }
-        Ok(cycles)
-    }
-
-    /// The modes to which the guards of a zone lead that are zero from its entry to its end.
-    fn kept(&self, zone: usize) -> Result<Vec<usize>, OrbitFailure> {
-        /// A guard that is zero at so many instants is zero in between: its zeros are isolated otherwise.
-        const INSTANTS: usize = 4;
-        let at = &self.zones[zone];
-        let stays = |guard: usize| -> Result<bool, OrbitFailure> {
-            let row = &self.mode(zone).guards[guard].row;
-            for index in 1..=INSTANTS {
-                let time = at.duration * index as f64 / INSTANTS as f64;
-                let z = self.passage(zone, time)?.end;
-                if self.relative(row, &z).abs() > NEAR {
-                    return Ok(false);
-                }
-            }
-            Ok(true)
-        };
-        let entry = self.entry(zone);
-        let mode = self.orbit.sequence.zone(zone).mode;
-        let mut modes: Vec<usize> = Vec::new();
-        for stage in self.exits(mode, &entry) {
-            let is_known = stage.mode == mode || modes.contains(&stage.mode);
-            if !is_known && self.agree(&entry, &stage.state) && stays(stage.way.guard)? {
-                modes.push(stage.mode);
-            }
-        }
-        Ok(modes)
-    }
-
-    /// The zones that last and lie on either side of where a margin is looked at.
-    fn beside(&self, margin: &Margin) -> Vec<usize> {
-        let count = self.zones.len();
-        let scale = self.orbit.setting.scales.time;
-        let lasts = |zone: &usize| self.zones[*zone].duration > CLOSING * scale;
-        let zone = margin.zone;
-        let before = (1..count)
-            .map(|back| (zone + count - back) % count)
-            .find(lasts);
-        let after = (1..count).map(|on| (zone + on) % count).find(lasts);
-        let mut beside: Vec<usize> = before.into_iter().chain(after).collect();
-        beside.extend(Some(zone).filter(lasts));
-        beside.dedup();
-        beside
     }
 
     /// The zone of a mode on the way, which has no length yet.
