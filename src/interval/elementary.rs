@@ -175,7 +175,7 @@ fn circular(x: Interval, quarter: f64, at: impl Fn(f64) -> Interval) -> Interval
         return x;
     }
     if x.width().is_nan() || x.width() > 6.0 || x.magnitude() > MOST_TURNS {
-        return Interval::new(-1.0, 1.0);
+        return CIRCULAR;
     }
     let mut values = at(x.low);
     if x.low.to_bits() != x.high.to_bits() {

@@ -66,6 +66,15 @@ pub struct Instant<'a, C = Dual> {
     pub jump: &'a [(usize, Form<C>)],
 }
 
+/// The states of a contact in which what is turned rises and falls, and in which it is held.
+fn ways<C>(law: &Law<Form<C>>) -> [usize; 3] {
+    match law {
+        Law::Friction { .. } => [FORWARD, BACKWARD, STICK],
+        Law::Jenkins { .. } => [HELD, HELD, HELD],
+        Law::Stop { .. } | Law::Spring { .. } => [OPEN, CLOSED, CLOSED],
+    }
+}
+
 impl<C: Measured> Instant<'_, C> {
     /// Every end of the chain of changes.
     ///
@@ -231,11 +240,7 @@ impl<C: Measured> Instant<'_, C> {
             // before an impact the velocity of the gap is negative
             let closing = &own.kinematics[impact].speed;
             let rises = change.sign_of_ratio(closing).map(|sign| sign < 0.0);
-            let (up, down, held) = match law {
-                Law::Friction { .. } => (FORWARD, BACKWARD, STICK),
-                Law::Jenkins { .. } => (HELD, HELD, HELD),
-                Law::Stop { .. } | Law::Spring { .. } => (OPEN, CLOSED, CLOSED),
-            };
+            let [up, down, held] = ways(law);
             let mut next = Vec::new();
             for trial in trials {
                 let digit = trial.digits[contact];

@@ -165,6 +165,16 @@ impl EquilibriumCurve {
         Some((mode, gradient(surface, sign)))
     }
 
+    /// The guard that is zero at a boundary equilibrium.
+    fn vanished(&self, point: &Vector) -> Option<usize> {
+        /// A guard at a located event is zero but for rounding.
+        const VANISHED: f64 = 1e-9;
+        let examination = self.examined(point).ok()?;
+        let guards = examination.margins.iter();
+        let least = guards.min_by(|one, other| one.value.abs().total_cmp(&other.value.abs()))?;
+        (least.value.abs() < VANISHED).then_some(least.guard)
+    }
+
     /// Guesses of cycles next to a boundary equilibrium, whose size is in proportion to the distance of the parameter.
     ///
     /// # Errors
@@ -174,13 +184,7 @@ impl EquilibriumCurve {
         if self.states() != 2 {
             return Err(NoCycle::NotPlanar);
         }
-        let examination = self.examined(point).map_err(|_| NoCycle::NoBoundary)?;
-        let guards = examination.margins.iter();
-        let least = guards.min_by(|one, other| one.value.abs().total_cmp(&other.value.abs()));
-        /// A guard at a located event is zero but for rounding.
-        const VANISHED: f64 = 1e-9;
-        let margin = least.filter(|margin| margin.value.abs() < VANISHED);
-        let guard = margin.ok_or(NoCycle::NoBoundary)?.guard;
+        let guard = self.vanished(point).ok_or(NoCycle::NoBoundary)?;
         let (mode, gradient) = self.beside(&at, guard).ok_or(NoCycle::NoBoundary)?;
         let beyond = self.in_mode(mode).ok_or(NoCycle::NoBoundary)?;
         let slopes = beyond.linearised(point).map_err(|_| NoCycle::NoBoundary)?;

@@ -171,6 +171,12 @@ impl ModeFlow {
         }
     }
 
+    /// Watches the bounds of friction of its mode.
+    pub(super) fn watch_bounds(&mut self, mode: &AffineMode) {
+        let bounds = mode.bounds.iter();
+        bounds.for_each(|(_, bound)| self.watch(bound.at.clone()));
+    }
+
     /// The splitting that knows exp(Mt) best, where it is stiff.
     pub(super) fn split(&self, time: f64) -> Option<&Splitting> {
         let ways = self.exact.iter().flat_map(|exact| &exact.stiff);
@@ -355,20 +361,30 @@ impl ModeFlow {
         }
     }
 
-    /// Where a form of z is least over the beginning of a piece, as a time after that, and its value there; `None` where it is
-    /// positive but for rounding. The form is the guard of this number where the mode is linear.
-    pub(super) fn least_below_zero(
+    /// A bound of friction of the mode that is negative over the beginning of a piece: the guard that is its slip, the time of its
+    /// least value after that beginning, and that value. The bounds are the forms watched last.
+    pub(super) fn negative_bound(
         &self,
-        (guard, form): (usize, &Vector),
+        mode: &AffineMode,
         piece: &FlowPiece,
         part: f64,
-    ) -> Option<(f64, f64)> {
+    ) -> Option<(usize, f64, f64)> {
+        let first = self.guards.len() - mode.bounds.len();
+        let bounds = mode.bounds.iter().enumerate();
+        let mut negative = bounds.filter_map(|(index, (guard, _))| {
+            let (after, value) = self.least_below_zero(first + index, piece, part)?;
+            Some((*guard, after, value))
+        });
+        negative.next()
+    }
+
+    /// Where a form that is watched is least over the beginning of a piece, as a time after that, and its value there; `None`
+    /// where it is positive but for rounding.
+    fn least_below_zero(&self, guard: usize, piece: &FlowPiece, part: f64) -> Option<(f64, f64)> {
         /// Part of its terms within which it is zero but for rounding.
         const ZERO: f64 = 1e-9;
-        let (taylor, left_out) = match &piece.course {
-            PieceMotion::Series(series) => polynomial(series, form, part * piece.length),
-            _ => self.taylor(guard, piece, part),
-        };
+        let form = &self.guards[guard];
+        let (taylor, left_out) = self.taylor(guard, piece, part);
         let others: f64 = taylor[1..].iter().map(|a| a.abs()).sum();
         if taylor[0] > others + left_out {
             return None;

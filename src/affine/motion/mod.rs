@@ -183,11 +183,7 @@ impl<'a> Motion<'a> {
                 flow.watch(-row);
                 flow.watch(row.clone());
             }
-            let mode = &self.system.modes[mode];
-            if mode.field.is_exact {
-                let bounds = mode.bounds.iter();
-                bounds.for_each(|(_, bound)| flow.watch(bound.at.clone()));
-            }
+            flow.watch_bounds(&self.system.modes[mode]);
             flow
         })
     }
@@ -268,15 +264,12 @@ impl<'a> Motion<'a> {
             let lasts = crossing.map_or(part, |(after, _)| after / piece.length);
             self.check_bounds(flow, (&piece, lasts), start + begun)?;
             if let Some((after, guard)) = crossing {
-                let (z, elapsed) = (flow.within(&piece, after), begun + after);
-                return match self.rises_at(guard, &z) {
-                    None => self.switch(guard, elapsed, &z).map(Some),
-                    Some(risen) => {
-                        let phase = phase + self.system.omega.value * elapsed;
-                        self.come(start + begun + after, phase, &z);
-                        Ok(risen.then_some(Step::Section))
-                    }
-                };
+                return self.cross(
+                    guard,
+                    begun + after,
+                    start + begun + after,
+                    &flow.within(&piece, after),
+                );
             }
             if part < 1.0 {
                 piece.z = flow.within(&piece, rest);
@@ -293,6 +286,24 @@ impl<'a> Motion<'a> {
         let phase = phase + self.system.omega.value * (until - start);
         self.come(until, phase, &piece.z);
         Ok(Some(Step::Reached))
+    }
+
+    /// Goes over a guard, or the section, which is reached so long after the zone began.
+    fn cross(
+        &mut self,
+        guard: usize,
+        elapsed: f64,
+        time: f64,
+        z: &Vector,
+    ) -> Result<Option<Step>, Halt> {
+        match self.rises_at(guard, z) {
+            None => self.switch(guard, elapsed, z).map(Some),
+            Some(risen) => {
+                let phase = self.place.phase + self.system.omega.value * elapsed;
+                self.come(time, phase, z);
+                Ok(risen.then_some(Step::Section))
+            }
+        }
     }
 
     /// Refuses a mode in which the forces of contacts make no motion.
@@ -315,25 +326,18 @@ impl<'a> Motion<'a> {
         (piece, part): (&FlowPiece, f64),
         begun: f64,
     ) -> Result<(), Halt> {
-        let number = self.place.mode;
-        let mode = &self.system.modes[number];
-        if part <= 0.0 {
-            return Ok(());
+        let mode = self.place.mode;
+        let lasts = part > 0.0;
+        let negative = || flow.negative_bound(&self.system.modes[mode], piece, part);
+        match lasts.then(negative).flatten() {
+            Some((guard, after, value)) => Err(Halt::NegativeBound {
+                time: begun + after,
+                mode,
+                guard,
+                value,
+            }),
+            None => Ok(()),
         }
-        let first = mode.guards.len() + if self.section.is_some() { 2 } else { 0 };
-        for (index, (guard, bound)) in mode.bounds.iter().enumerate() {
-            if let Some((after, value)) =
-                flow.least_below_zero((first + index, &bound.at), piece, part)
-            {
-                return Err(Halt::NegativeBound {
-                    time: begun + after,
-                    mode: number,
-                    guard: *guard,
-                    value,
-                });
-            }
-        }
-        Ok(())
     }
 
     /// The guard that is negative at once where the zone begins; `orders` are those of the zeros of the others.

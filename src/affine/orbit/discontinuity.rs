@@ -46,8 +46,8 @@ enum Fate {
     Stays(usize),
 }
 
-/// What becomes of a motion within a period.
-struct Passed {
+/// Where a motion is after a period.
+struct PeriodEnd {
     /// How far it is off at the end, in units of the range of each state.
     off: f64,
     /// The mode in which it began and rests.
@@ -123,7 +123,7 @@ impl AffineOrbit {
         point: &Vector,
         axis: Option<usize>,
         by: f64,
-    ) -> Option<Result<Passed, Halt>> {
+    ) -> Option<Result<PeriodEnd, Halt>> {
         let at = self.at(point).ok()?;
         let zones = at.zones.iter().enumerate();
         let longest = zones.max_by(|(_, one), (_, other)| one.duration.total_cmp(&other.duration));
@@ -167,7 +167,7 @@ impl AffineOrbit {
                     let off = offs.fold(0.0, f64::max);
                     let rests = switches && !switched && off <= ROUNDING;
                     let rests = rests.then_some(begin.mode);
-                    return Some(Ok(Passed { off, rests }));
+                    return Some(Ok(PeriodEnd { off, rests }));
                 }
                 Ok(Step::Switched(_)) => switched = true,
                 Ok(Step::Section) => {}

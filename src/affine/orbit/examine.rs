@@ -227,7 +227,7 @@ impl OrbitAt<'_> {
         Ok(parts.iter().flat_map(of_part).chain([duration]).collect())
     }
 
-    fn parts(&self, zone: usize) -> Result<Vec<Part>, OrbitFailure> {
+    pub(super) fn parts(&self, zone: usize) -> Result<Vec<Part>, OrbitFailure> {
         let duration = self.zones[zone].duration;
         if duration.is_nan() || duration <= 0.0 {
             return Ok(Vec::new());

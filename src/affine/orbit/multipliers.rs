@@ -14,6 +14,7 @@ use super::saltation::{NOTHING, Saltation, Slow, rank, sizes_of_product};
 use super::setting::OrbitFailure;
 
 use super::signature::exit_of;
+use crate::affine::mode::{Exit, Row};
 use crate::linalg::periodic_schur::{Factor, balance, eigenvalues, regular_part, units_along};
 use crate::linalg::{Matrix, Vector, product};
 use crate::orbit::located::AT_ZERO;
@@ -146,22 +147,10 @@ impl OrbitAt<'_> {
         let next_matrix = &self.mode(next).matrix.at;
         let mut saltation = Saltation::new(passage, &exit.reset.at, rate, (next_matrix, &entry));
         let speed = -fall * self.orbit.setting.scales.time / self.orbit.size(row);
-        // what is made of states that a reset changes is another function of those before
-        let is_known = self.mode(zone).field.is_exact || exit.is_continuous();
-        let slow = (speed.abs() < SLOW && is_known).then(|| {
-            let slow = Slow {
-                guard: &row.at,
-                before: &self.mode(zone).matrix.at,
-                rate,
-                fall,
-            };
-            saltation.refine(passage, &exit.reset.at, next_matrix, &slow)
-        });
-        let magnified = slow.as_ref().map_or(speed.abs().recip(), |(_, off)| {
-            let units = &self.orbit.setting.scales.states;
-            let parts = off.iter().zip(units).map(|(off, unit)| off / unit);
-            parts.fold(0.0, f64::max) * self.orbit.size(row)
-        });
+        let is_slow = speed.abs() < SLOW;
+        let refined = || self.refined(zone, passage, (row, exit), rate, &mut saltation);
+        let slow = is_slow.then(refined).flatten();
+        let magnified = slow.as_ref().map_or(speed.abs().recip(), |(_, by)| *by);
         let bounds = saltation.bounds(|j| (normal[j] / fall).abs());
         let Saltation {
             reset,
@@ -203,6 +192,33 @@ impl OrbitAt<'_> {
             fall,
             magnified,
         }
+    }
+
+    /// The jump of the rates at a switch over the speed of its guard, which is low, and how much larger an error of the state is
+    /// in that. `None` where what is made of states is another function of those before a reset.
+    fn refined(
+        &self,
+        zone: usize,
+        passage: &Passage,
+        (guard, exit): (&Row, &Exit),
+        rate: &Vector,
+        saltation: &mut Saltation,
+    ) -> Option<(Vector, f64)> {
+        let mode = self.mode(zone);
+        let slow = Slow {
+            guard: &guard.at,
+            before: &mode.matrix.at,
+            rate,
+            fall: guard.at.dot(rate),
+        };
+        let is_known = mode.field.is_exact || exit.is_continuous();
+        is_known.then(|| {
+            let next = &self.mode(zone + 1).matrix.at;
+            let (ratios, off) = saltation.refine(passage, &exit.reset.at, next, &slow);
+            let parts = off.iter().zip(&self.orbit.setting.scales.states);
+            let most = parts.map(|(off, unit)| off / unit).fold(0.0, f64::max);
+            (ratios, most * self.orbit.size(guard))
+        })
     }
 
     /// What leads from a zone that no switch ends to itself a period later.

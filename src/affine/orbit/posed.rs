@@ -160,7 +160,10 @@ impl Posed {
     pub fn flow(&self, mode: usize) -> &ModeFlow {
         self.flows.get_or_make(mode, || {
             let balance = || self.balance(mode).clone();
-            ModeFlow::balanced(&self.system.modes[mode], self.longest, balance)
+            let mode = &self.system.modes[mode];
+            let mut flow = ModeFlow::balanced(mode, self.longest, balance);
+            flow.watch_bounds(mode);
+            flow
         })
     }
 }
