@@ -137,8 +137,8 @@ impl Saddle {
         let values = &equilibrium.eigenvalues;
         let growing = values.iter().take_while(|value| value.re > 0.0).count();
         let slowest = values.get(growing.checked_sub(1)?)?.re;
-        // into a sliding mode a motion comes from without, and nothing needs to decay
-        let slides = system.modes[rest.mode].surface.is_some();
+        // into a mode that slides or holds a motion comes from without, and nothing needs to decay
+        let slides = system.modes[rest.mode].surfaces().next().is_some();
         let decay = values.iter().find(|value| value.re < 0.0);
         let decay = decay.or(values.first().filter(|_| slides))?.re.abs();
         let n = units.len();

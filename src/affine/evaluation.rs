@@ -49,11 +49,12 @@ impl<C> FormSwitch<C> {
 }
 
 impl<C> FormMode<C> {
-    /// All forms of it but those that are held at zero.
+    /// All forms of it.
     pub fn forms(&self) -> impl Iterator<Item = &Form<C>> {
         let switches = self.switches.iter().flat_map(FormSwitch::forms);
         let bounds = self.bounds.iter().map(|(_, form)| form);
-        self.rates.iter().chain(switches).chain(bounds)
+        let own = self.rates.iter().chain(&self.held);
+        own.chain(switches).chain(bounds)
     }
 }
 

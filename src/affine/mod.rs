@@ -6,7 +6,7 @@
 //! out, `products` what contacts make, `sliding` puts modes between two others, and [`origin`] leads a system along a parameter.
 //! [`program`] makes components of z of others, [`series`] has the flow of a mode whose rates are not affine, by [`recurrence`], `exponential` those of matrices, `stiff` what is
 //! slow of one, [`flow`] either with the signs of its guards, [`motion`] follows it through its switches, [`course`] sees it at equal
-//! times, and [`tangent`] has its perturbations; [`steady`] has the equilibria, [`equilibrium`] branches of them, [`orbit`] the periodic
+//! times, and [`tangent`] has its perturbations; [`steady`] has the equilibria, within the `surfaces` that a mode does not leave, [`equilibrium`] branches of them, [`orbit`] the periodic
 //! orbits, whose period [`closure`] may prescribe, [`connection`] those to which they come beside saddles, and of which [`monitor`]s are numbers, laid out in a [`monitored`] system.
 
 pub mod closure;
@@ -40,6 +40,7 @@ pub(crate) mod slots;
 pub mod steady;
 mod stiff;
 mod substitution;
+mod surfaces;
 pub mod system;
 pub mod tangent;
 pub mod values;

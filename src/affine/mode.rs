@@ -68,9 +68,9 @@ pub struct AffineMode {
     pub matrix: MatrixBy,
     /// Everything that is positive in it.
     pub guards: Vec<Guard>,
-    /// What is zero all along in a sliding mode.
+    /// What is zero all along in a sliding mode between two others.
     pub surface: Option<Row>,
-    /// What contacts hold at zero all along, where that is affine.
+    /// What contacts hold at zero all along.
     pub held: Vec<Row>,
     /// Bounds of friction that slips, where they are no constants, each with the number of the guard that is its slip.
     pub bounds: Vec<(usize, Row)>,
@@ -85,6 +85,11 @@ pub struct AffineMode {
 }
 
 impl AffineMode {
+    /// Every form that is zero all along in it.
+    pub fn surfaces(&self) -> impl Iterator<Item = &Row> {
+        self.surface.iter().chain(&self.held)
+    }
+
     /// Whether it leads to the same places by as many guards, exits and conditions as another.
     pub(super) fn has_shape_of(&self, other: &AffineMode) -> bool {
         let kind = |exit: &Exit| (exit.to, exit.rest, exit.tangent, exit.conditions.len());

@@ -26,7 +26,7 @@ pub(super) fn field(mode: &AffineMode, program: &Arc<Program>, how: (f64, bool))
     let conditions = exits().flat_map(|exit| exit.conditions.iter().cloned());
     let reset = exits().flat_map(|exit| (0..mode.states).map(|row| exit.reset.row(row)));
     let guards = mode.guards.iter().map(|guard| guard.row.clone());
-    let along = guards.chain(mode.surface.clone());
+    let along = guards.chain(mode.surfaces().cloned());
     Field::new(program, &mode.matrix, (along, conditions.chain(reset)), how)
 }
 
@@ -78,9 +78,7 @@ impl Shape {
 
     /// A mode of this number, but for how what is not affine moves.
     pub fn mode(&self, number: usize, mode: &FormMode, omega: Dual) -> AffineMode {
-        // what is not affine has no component where nothing else is made of it
-        let held = mode.held.iter().filter(|form| form.beyond.is_empty());
-        let mut forms = mode.forms().chain(&mode.held);
+        let held = mode.held.iter();
         let bounds = mode.bounds.iter();
         AffineMode {
             states: self.states,
@@ -93,7 +91,7 @@ impl Shape {
                 .collect(),
             sides: None,
             obstruction: None,
-            leads: forms.all(|form| form.degree() <= Degree::Affine),
+            leads: mode.forms().all(|form| form.degree() <= Degree::Affine),
             matrix: self.matrix(&mode.rates, omega),
         }
     }

@@ -10,19 +10,18 @@ use std::f64::consts::TAU;
 use nalgebra::Complex;
 
 use super::mode::{AffineMode, AffineSystem, Row};
+use super::surfaces::Surfaces;
 use crate::interval::Interval;
-use crate::linalg::{
-    Eigenvalue, Factors, Matrix, Vector, condition, known_eigenvalues, pseudo_inverse, solve,
-};
+use crate::linalg::{Factors, Matrix, Vector, known_eigenvalues, pseudo_inverse, solve};
 
-/// An equilibrium of a mode: f(x) = 0; of a sliding mode, also on its surface.
+/// An equilibrium of a mode: f(x) = 0, also on the surfaces that the mode does not leave.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Equilibrium {
     /// The mode.
     pub mode: usize,
     /// The state.
     pub state: Vec<f64>,
-    /// Eigenvalues of ∂f/∂x, the fastest growing first; a sliding mode has one zero for the direction it takes away.
+    /// Eigenvalues of ∂f/∂x within these surfaces, the fastest growing first.
     pub eigenvalues: Vec<Complex<f64>>,
     /// Whether perturbations decay, as far as more than rounding says so: false where one grows.
     pub stable: Option<bool>,
@@ -117,11 +116,11 @@ const PARTS: usize = 4000;
 struct NewtonStep {
     /// The next state.
     next: Vector,
-    /// Derivatives of the rates, and those of the equations that are solved; these include that of a surface.
+    /// Derivatives of the rates, and those of the equations that are solved; these include those of surfaces.
     slopes: Matrix,
     square: Matrix,
-    /// Gradient of the surface.
-    normal: Option<Vector>,
+    /// The derivatives within the surfaces.
+    within: Matrix,
     /// What a rounding of every equation is relative to.
     sizes: Vector,
     /// Whether every rate is zero to rounding.
@@ -136,7 +135,7 @@ struct RestState {
     /// What each state is known to.
     error: Vector,
     slopes: Matrix,
-    normal: Option<Vector>,
+    within: Matrix,
     isolation: Isolation,
 }
 
@@ -164,14 +163,10 @@ impl AffineSystem {
     /// Why there is none, or a family of them.
     pub fn equilibria(&self, mode: usize) -> Result<Vec<Equilibrium>, NoEquilibrium> {
         let n = self.states;
-        let AffineMode {
-            field,
-            matrix,
-            surface,
-            ..
-        } = &self.modes[mode];
+        let own = &self.modes[mode];
+        let AffineMode { field, matrix, .. } = own;
         let is_forced = |row: &Row| self.turns(&row.at);
-        if field.is_forced(matrix, n) || surface.as_ref().is_some_and(is_forced) {
+        if field.is_forced(matrix, n) || own.surfaces().any(is_forced) {
             return Err(NoEquilibrium::Forced);
         }
         if field.is_exact {
@@ -233,7 +228,7 @@ impl AffineSystem {
             error: step.next.abs() * ROUNDING,
             state: step.next,
             slopes: step.slopes,
-            normal: step.normal,
+            within: step.within,
             isolation: Isolation::Simple,
         })
     }
@@ -331,7 +326,7 @@ impl AffineSystem {
             state: state.clone(),
             error: error.unwrap_or_else(|| state.abs() * f64::EPSILON),
             slopes: step.slopes,
-            normal: step.normal,
+            within: step.within,
             isolation,
         }
     }
@@ -340,15 +335,10 @@ impl AffineSystem {
     /// singular the nearest such place. `None` where rates have no value.
     fn newton_step(&self, mode: usize, state: &Vector) -> Option<NewtonStep> {
         let n = self.states;
-        let AffineMode {
-            matrix,
-            surface,
-            field,
-            ..
-        } = &self.modes[mode];
+        let own = &self.modes[mode];
+        let AffineMode { matrix, field, .. } = own;
         let z = self.lift(mode, state.as_slice(), 0.0);
-        // on a surface its own equation takes the place of the direction that sliding leaves out
-        let extra = surface.iter().map(|row| row.at.transpose());
+        let extra = own.surfaces().map(|row| row.at.transpose());
         let rates = (0..n).map(|row| matrix.at.row(row).into_owned());
         let rows: Vec<_> = rates.chain(extra).collect();
         let equations = Matrix::from_rows(&rows);
@@ -366,39 +356,33 @@ impl AffineSystem {
         let mut zero = values.iter().zip(&sizes);
         let rests = zero.all(|(value, size)| value.abs() <= ROUNDING * size);
         let right = &left * state - &values;
-        let own = left.rows(0, n).into_owned();
-        let replaced = |row: usize| {
-            let (mut square, mut values) = (own.clone(), right.rows(0, n).into_owned());
-            let mut of_square = sizes.rows(0, n).into_owned();
-            if surface.is_some() {
-                square.set_row(row, &left.row(n));
-                (values[row], of_square[row]) = (right[n], sizes[n]);
-            }
-            (square, values, of_square)
-        };
-        // rates along the normal of a surface are zero in it: the row that makes the best system gives way to its equation
-        let candidates = if surface.is_some() { 0..n } else { 0..1 };
-        let best = candidates
-            .map(replaced)
-            .min_by(|one, other| condition(&one.0).total_cmp(&condition(&other.0)));
-        let (square, values, sizes) = best?;
+        let slopes = left.rows(0, n).into_owned();
+        let gradients = (n..left.nrows()).map(|row| left.row(row).transpose());
+        let surfaces = Surfaces::balanced(&gradients.collect::<Vec<_>>(), &slopes);
+        let (mut square, mut values) = (slopes.clone(), right.rows(0, n).into_owned());
+        let mut of_square = sizes.rows(0, n).into_owned();
+        // the rates of states that surfaces give follow from the others, and give way to their equations
+        for (row, form) in surfaces.given() {
+            square.set_row(row, &left.row(n + form));
+            (values[row], of_square[row]) = (right[n + form], sizes[n + form]);
+        }
         let solved = solve(&square, &values);
         let regular = solved.is_some();
         let nearest =
             || Some(state - pseudo_inverse(&square, 1e-13)? * (&square * state - &values));
         Some(NewtonStep {
             next: solved.or_else(nearest)?,
-            slopes: own,
-            normal: surface.as_ref().map(|_| left.row(n).transpose()),
+            within: surfaces.within(&slopes),
+            slopes,
             square,
-            sizes,
+            sizes: of_square,
             rests,
             regular,
         })
     }
 
     fn equilibrium(&self, mode: usize, rest: &RestState) -> Equilibrium {
-        let known = eigenvalues_within(&rest.slopes, rest.normal.as_ref());
+        let known = known_eigenvalues(&rest.within).unwrap_or_default();
         // one eigenvalue of a degenerate equilibrium is zero, and only another that grows decides
         let is_simple = rest.isolation == Isolation::Simple;
         let least = known
@@ -413,9 +397,6 @@ impl AffineSystem {
         let grows = decisive.any(|(_, one)| one.value.re > one.error);
         let decays = is_simple && known.iter().all(|one| one.value.re < -one.error);
         let mut eigenvalues: Vec<Complex<f64>> = known.iter().map(|one| one.value).collect();
-        if rest.normal.is_some() {
-            eigenvalues.push(Complex::from(0.0));
-        }
         eigenvalues.sort_by(|one, other| {
             let key = |value: &Complex<f64>| (-value.re, -value.im);
             let (one, other) = (key(one), key(other));
@@ -574,24 +555,4 @@ fn single_out(found: &mut Vec<RestState>) {
         ..rest
     }));
     *found = simple;
-}
-
-/// Eigenvalues of slopes; in a surface of this normal those of the motion within it.
-pub(super) fn eigenvalues_within(slopes: &Matrix, normal: Option<&Vector>) -> Vec<Eigenvalue> {
-    known_eigenvalues(&slopes_within(slopes, normal)).unwrap_or_default()
-}
-
-/// The matrix of the motion, in a surface that of all states but the one that it gives by the others.
-pub(super) fn slopes_within(slopes: &Matrix, normal: Option<&Vector>) -> Matrix {
-    let Some(normal) = normal else {
-        return slopes.clone();
-    };
-    // the largest entry of the normal in the units of the slopes
-    let (units, _) = crate::linalg::balance(slopes, 0.0);
-    let axis = normal.component_mul(&units).iamax();
-    let others: Vec<usize> = (0..normal.len()).filter(|index| *index != axis).collect();
-    Matrix::from_fn(others.len(), others.len(), |i, j| {
-        let (i, j) = (others[i], others[j]);
-        slopes[(i, j)] - slopes[(i, axis)] * normal[j] / normal[axis]
-    })
 }

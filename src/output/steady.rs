@@ -65,16 +65,8 @@ pub(crate) fn equilibria(system: &System, values: &[f64]) -> Result<String, Syst
         let all = at.equilibria(mode);
         for found in all.iter().flatten() {
             let state = found.state.iter().copied().map(number);
-            // what a surface takes away is no eigenvalue of the motion in it
-            let sliding = usize::from(at.modes[mode].surface.is_some());
-            let mut values = found.eigenvalues.clone();
-            let least = (0..values.len())
-                .min_by(|one, other| values[*one].norm().total_cmp(&values[*other].norm()));
-            if let Some(least) = least.filter(|_| sliding == 1) {
-                values.remove(least);
-            }
             let parts = |part: fn(&Complex<f64>) -> f64| {
-                let numbers = values.iter().map(|value| number(part(value)));
+                let numbers = found.eigenvalues.iter().map(|value| number(part(value)));
                 numbers.collect::<Vec<_>>().join(" ")
             };
             let stable = match found.stable {

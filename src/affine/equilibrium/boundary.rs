@@ -1,6 +1,6 @@
 //! Guesses of the cycles that grow from a boundary equilibrium in proportion to the parameter's distance.
 //!
-//! At x₀, p₀ a guard g of the mode is zero; of a sliding mode, g is the form of the surface, which the mode beyond has as its guard.
+//! At x₀, p₀ a guard g of the mode is zero; of a mode that keeps a surface, g is the guard of the mode beyond that is zero all along in it.
 //! At p₀ + δ motions of two states set out from x₀ + s|δx′|∇g/|∇g|, x′ = dx/dp along the equilibria: on a ray from the boundary
 //! into the mode, with lengths and ∇g in the units of the states that make ∂f/∂x of the mode balanced. Where they enter the mode
 //! for the first and the second time, q along the boundary, |q₂| − |q₁| changes its sign at a cycle. Of a system of linear parts q/δ at a cycle does not depend on δ; of any other hardly, where the cycle is one that
@@ -148,21 +148,22 @@ impl Boundary<'_> {
 }
 
 impl EquilibriumCurve {
-    /// The mode at a boundary, with the gradient of what is positive in it: the own one, or the one beyond a sliding mode.
-    fn beside(&self, at: &Linearised, guard: usize) -> Option<(usize, [f64; 2])> {
+    /// The mode at a boundary, with the gradient of what is positive in it: the own one, or the one beyond where it keeps a surface.
+    fn beside(
+        &self,
+        (point, at): (&Vector, &Linearised),
+        guard: usize,
+    ) -> Option<(usize, [f64; 2])> {
         let own = self.signature.mode;
-        let gradient = |linear: &Linear, sign: f64| [sign * linear.by[0], sign * linear.by[1]];
-        let Some(surface) = &at.surface else {
-            return Some((own, gradient(&at.guards[guard], 1.0)));
-        };
-        let known = &self.lifted.modes[own];
-        let (sides, exits) = (known.sides?, &known.guards[guard].exits);
-        let side = |mode: usize| sides.iter().position(|side| *side == mode);
-        let (mode, side) = exits
-            .iter()
-            .find_map(|exit| Some((exit.to, side(exit.to)?)))?;
-        let sign = if side == 0 { 1.0 } else { -1.0 };
-        Some((mode, gradient(surface, sign)))
+        let gradient = |linear: &Linear| [linear.by[0], linear.by[1]];
+        if at.surfaces.is_empty() {
+            return Some((own, gradient(&at.guards[guard])));
+        }
+        // the guard of the mode beyond that is zero all along in this one
+        let mut exits = self.lifted.modes[own].guards[guard].exits.iter();
+        let (mode, opens) = exits.find_map(|exit| Some((exit.to, exit.tangent?.0)))?;
+        let beyond = self.in_mode(mode)?.linearised(point).ok()?;
+        Some((mode, gradient(beyond.guards.get(opens)?)))
     }
 
     /// The guard that is zero at a boundary equilibrium.
@@ -185,7 +186,9 @@ impl EquilibriumCurve {
             return Err(NoCycle::NotPlanar);
         }
         let guard = self.vanished(point).ok_or(NoCycle::NoBoundary)?;
-        let (mode, gradient) = self.beside(&at, guard).ok_or(NoCycle::NoBoundary)?;
+        let (mode, gradient) = self
+            .beside((point, &at), guard)
+            .ok_or(NoCycle::NoBoundary)?;
         let beyond = self.in_mode(mode).ok_or(NoCycle::NoBoundary)?;
         let slopes = beyond.linearised(point).map_err(|_| NoCycle::NoBoundary)?;
         let (balanced, _) = balance(&slopes.slopes(), 0.0);

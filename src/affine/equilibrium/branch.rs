@@ -128,13 +128,15 @@ impl Orbit for EquilibriumCurve {
             .get(margin.guard)
             .map_or(&[][..], |guard| &guard.exits);
         let mut found: Vec<Candidate<EquilibriumCurve>> = Vec::new();
-        for exit in exits {
-            let known = |one: &Candidate<EquilibriumCurve>| one.orbit.signature.mode == exit.to;
-            let elsewhere = exit.to == mode || found.iter().any(known);
-            if elsewhere || !self.stays(exit, point) {
+        let ways = exits
+            .iter()
+            .flat_map(|exit| [Some(exit.to), exit.rest].map(|to| (exit, to)));
+        for (exit, to) in ways.filter_map(|(exit, to)| Some((exit, to?))) {
+            let known = |one: &Candidate<EquilibriumCurve>| one.orbit.signature.mode == to;
+            if to == mode || found.iter().any(known) || !self.stays(exit, point) {
                 continue;
             }
-            found.extend(self.in_mode(exit.to).map(|orbit| Candidate {
+            found.extend(self.in_mode(to).map(|orbit| Candidate {
                 orbit,
                 point: point.clone(),
                 nascent: Vec::new(),

@@ -1,12 +1,11 @@
 //! Functions that change their sign along a curve of special equilibria where it meets another one.
 //!
-//! They are functions of the matrix A of the motion, in a sliding mode within its surface. Eigenvalues that the curve itself
+//! They are functions of the matrix A of the motion, within the surfaces of its mode. Eigenvalues that the curve itself
 //! keeps at zero, or at the sum zero, are left out.
 
 use super::curve::EquilibriumCurve;
 use super::normal_form::normal_form;
 use super::spectrum::{SMALL, eigenvalues};
-use crate::affine::steady::slopes_within;
 use crate::linalg::{Eigenvalue, Matrix, Vector, balance, least};
 use nalgebra::Complex;
 
@@ -102,7 +101,7 @@ impl EquilibriumCurve {
     /// What vanishes along a curve of folds where zero is a double eigenvalue.
     pub fn double_zero(&self, point: &Vector) -> Option<f64> {
         let at = self.linearised(point).ok()?;
-        adjugate_trace(&slopes_within(&at.slopes(), at.normal().as_ref()))
+        adjugate_trace(&at.within())
     }
 
     /// What vanishes where another pair of eigenvalues has the sum zero.

@@ -1,8 +1,9 @@
 //! The equilibria of one mode as a curve in a parameter, or as a family in two: unknowns, units and equations.
 //!
-//! The unknowns are the states and the parameters, each in its unit. The equations are f(x, p) = 0. In a sliding mode the
-//! rates satisfy ∇h·f = 0 wherever they are taken, so that one of them follows from the others: that of the state by
-//! which the surface changes most gives way to h(x, p) = 0.
+//! The unknowns are the states and the parameters, each in its unit. The equations are f(x, p) = 0. Where a mode
+//! keeps forms h at zero, as one that slides, sticks or is closed, its rates satisfy ∇h·f = 0, or what it is is one of the other
+//! forms, so that some of them follow from the others: those of the states by which these surfaces change most give way to
+//! h(x, p) = 0.
 
 use std::sync::Arc;
 
@@ -85,9 +86,9 @@ pub struct EquilibriumCurve {
     pub(super) beside: Option<(usize, f64)>,
     /// The same with the monitors in this mode, where there are any.
     pub(super) observed: Option<Arc<MonitoredSystem>>,
-    /// Factors that make rates, the form of the surface and guards of order one at the first equilibrium.
+    /// Factors that make rates, the forms of surfaces and guards of order one at the first equilibrium.
     pub(super) rates: Vec<f64>,
-    pub(super) surface: f64,
+    pub(super) surfaces: Vec<f64>,
     pub(super) guards: Vec<f64>,
 }
 
@@ -154,7 +155,6 @@ impl EquilibriumCurve {
             // there the mode has no values: elsewhere it is as it is
             None => vec![1.0; count],
         };
-        let surface = at.as_ref().and_then(|at| at.surface.as_ref());
         let followed = std::iter::once(setting.parameter).chain(beside.map(|(index, _)| index));
         let followed: Vec<usize> = followed.collect();
         let has_monitors = !setting.system.monitors().is_empty();
@@ -162,7 +162,7 @@ impl EquilibriumCurve {
         Some(EquilibriumCurve {
             signature: RestMode { mode, name },
             rates: all(at.as_ref().map(|at| &at.rates), states),
-            surface: surface.map_or(1.0, of),
+            surfaces: all(at.as_ref().map(|at| &at.surfaces), own.surfaces().count()),
             guards: all(at.as_ref().map(|at| &at.guards), own.guards.len()),
             lifted,
             beside,
@@ -235,19 +235,13 @@ impl EquilibriumCurve {
         })
     }
 
-    /// The state whose rate gives way to the form of the surface.
-    fn axis(&self, at: &Linearised) -> Option<usize> {
-        let normal = at.normal()?;
-        let units = Vector::from_column_slice(&self.setting.scales.units[..self.states()]);
-        Some(normal.component_mul(&units).iamax())
-    }
-
     /// The equations in their order, each with its factor.
     pub(super) fn equations(&self, at: &Linearised) -> Vec<(Of, f64)> {
-        let axis = self.axis(at);
-        let equation = |state: usize| match axis == Some(state) {
-            true => (Of::Surface, self.surface),
-            false => (Of::Rate(state), self.rates[state]),
+        let units = Vector::from_column_slice(&self.setting.scales.units[..self.states()]);
+        let surfaces = at.surfaces(&units);
+        let equation = |state: usize| match surfaces.form_of(state) {
+            Some(form) => (Of::Surface(form), self.surfaces[form]),
+            None => (Of::Rate(state), self.rates[state]),
         };
         (0..self.states()).map(equation).collect()
     }
@@ -257,12 +251,12 @@ impl EquilibriumCurve {
         let units = &self.setting.scales.units;
         let rows = self.equations(at).into_iter().map(|(of, factor)| {
             let linear = match of {
-                Of::Rate(state) => Some(&at.rates[state]),
-                Of::Surface => at.surface.as_ref(),
+                Of::Rate(state) => &at.rates[state],
+                Of::Surface(form) => &at.surfaces[form],
             };
-            linear.map(|linear| linear.scaled(units, factor))
+            linear.scaled(units, factor)
         });
-        rows.flatten().collect()
+        rows.collect()
     }
 }
 

@@ -9,6 +9,7 @@ use crate::affine::hyperdual::{DIRECTIONS, HyperDual};
 use crate::affine::mode::{AffineSystem, Row};
 use crate::affine::monitored::MonitoredSystem;
 use crate::affine::series::Field;
+use crate::affine::surfaces::Surfaces;
 use crate::affine::system::{System, SystemError};
 use crate::linalg::{Matrix, Vector};
 
@@ -96,8 +97,8 @@ impl Linear {
 pub(super) struct Linearised {
     /// Rates of the states.
     pub rates: Vec<Linear>,
-    /// The form that is zero in a sliding mode.
-    pub surface: Option<Linear>,
+    /// The forms that are zero all along in the mode.
+    pub surfaces: Vec<Linear>,
     /// Guards, those of a sliding mode with what holds it.
     pub guards: Vec<Linear>,
 }
@@ -109,11 +110,24 @@ impl Linearised {
         Matrix::from_fn(n, n, |row, column| self.rates[row].by[column])
     }
 
-    /// Gradient of the surface in the states.
-    pub fn normal(&self) -> Option<Vector> {
+    /// The surfaces that the motion does not leave, in these units of the states.
+    pub fn surfaces(&self, units: &Vector) -> Surfaces {
+        Surfaces::new(&self.normals(), units)
+    }
+
+    /// ∂f/∂x of the motion within its surfaces.
+    pub fn within(&self) -> Matrix {
+        let slopes = self.slopes();
+        Surfaces::balanced(&self.normals(), &slopes).within(&slopes)
+    }
+
+    /// Gradients of the surfaces in the states.
+    fn normals(&self) -> Vec<Vector> {
         let states = self.rates.len();
-        let surface = self.surface.as_ref()?;
-        Some(surface.by.rows(0, states).clone_owned())
+        let surfaces = self.surfaces.iter();
+        surfaces
+            .map(|one| one.by.rows(0, states).clone_owned())
+            .collect()
     }
 }
 
@@ -122,8 +136,8 @@ impl Linearised {
 pub(super) enum Of {
     /// The rate of a state.
     Rate(usize),
-    /// The form of its surface.
-    Surface,
+    /// The form of one of its surfaces.
+    Surface(usize),
 }
 
 /// A mode at a place u.
@@ -172,9 +186,9 @@ impl LocalField<'_> {
         let mode = &self.lifted.modes[self.mode];
         match of {
             Of::Rate(state) => LocalField::of(mode.matrix.at.row(state).iter(), z),
-            Of::Surface => {
-                let surface = mode.surface.iter().flat_map(|row| row.at.iter());
-                LocalField::of(surface, z)
+            Of::Surface(index) => {
+                let surface = mode.surfaces().skip(index).take(1);
+                LocalField::of(surface.flat_map(|row| row.at.iter()), z)
             }
         }
     }
@@ -222,10 +236,10 @@ impl LocalField<'_> {
         let rates = (0..states).map(|state| linear(&mut mode.matrix.at.row(state).iter()));
         let found = Linearised {
             rates: rates.collect(),
-            surface: mode.surface.as_ref().map(of_row),
+            surfaces: mode.surfaces().map(of_row).collect(),
             guards: mode.guards.iter().map(|guard| of_row(&guard.row)).collect(),
         };
-        let all = found.rates.iter().chain(&found.surface);
+        let all = found.rates.iter().chain(&found.surfaces);
         let is_finite = all.chain(&found.guards).all(Linear::is_finite);
         is_finite.then_some(found)
     }

@@ -5,8 +5,8 @@
 //!
 //! > l₁ = 1/(2ω) Re[⟨p, C(q, q, q̄)⟩ + 2⟨p, B(q, h₁₁)⟩ + ⟨p, B(q̄, h₂₀)⟩], Ah₁₁ = −B(q, q̄), (2iω − A)h₂₀ = B(q, q).
 //!
-//! In a sliding mode A has one more eigenvalue zero, that of the direction across the surface h = 0, which the motion
-//! keeps: h₁₁ is then fixed by ∇h·h₁₁ = −D²h(q, q̄), and h₂₀ satisfies the same condition by itself.
+//! In a mode that slides, sticks or is closed A has further eigenvalues zero, those of the directions across the surfaces h = 0,
+//! which the motion keeps: h₁₁ is then fixed by ∇h·h₁₁ = −D²h(q, q̄), and h₂₀ satisfies the same condition by itself.
 
 use nalgebra::{Complex, DMatrix, DVector};
 
@@ -142,17 +142,17 @@ fn cubic(field: &LocalField, q: &ComplexVector) -> ComplexVector {
     DVector::from_fn(q.len(), |row, _| Complex::new(re[row], im[row]))
 }
 
-/// h₁₁ from B(q, q̄) and, on a surface, D²h(q, q̄).
+/// h₁₁ from B(q, q̄) and, on surfaces, D²h(q, q̄).
 fn mean(at: &Linearised, bent: &ComplexVector) -> Option<Vector> {
     let mut matrix = at.slopes();
     let n = matrix.nrows();
     let mut right = Vector::from_fn(n, |row, _| -bent[row].re);
-    if let Some(normal) = at.normal() {
-        // rates along the normal are zero: the row of the largest entry follows from the others
-        let (units, _) = balance(&matrix, 0.0);
-        let row = normal.component_mul(&units).iamax();
-        matrix.set_row(row, &normal.transpose());
-        right[row] = -bent[n].re;
+    // the rates of the states that surfaces give follow from the others
+    let (units, _) = balance(&matrix, 0.0);
+    for (row, form) in at.surfaces(&units).given() {
+        let surface = &at.surfaces[form];
+        matrix.set_row(row, &surface.by.rows(0, n).transpose());
+        right[row] = -bent[n + form].re;
     }
     solve(&matrix, &right)
 }
@@ -181,7 +181,7 @@ pub(super) fn normal_form(field: LocalField, at: &Linearised, omega: f64) -> Opt
     let product = p.dotc(&q);
     p /= product.conj();
     let mut functions: Vec<Of> = (0..n).map(Of::Rate).collect();
-    functions.extend(at.surface.as_ref().map(|_| Of::Surface));
+    functions.extend((0..at.surfaces.len()).map(Of::Surface));
     let curvature = Curvature { field, functions };
     let conjugate = q.conjugate();
     let h11 = mean(at, &curvature.of(&q, &conjugate))?;

@@ -4,9 +4,8 @@ use nalgebra::Complex;
 
 use super::curve::EquilibriumCurve;
 use super::field::Linearised;
-use crate::affine::steady::eigenvalues_within;
 use crate::continuation::Node;
-use crate::linalg::{Eigenvalue, Matrix, Vector};
+use crate::linalg::{Eigenvalue, Matrix, Vector, known_eigenvalues};
 use crate::orbit::Growth;
 
 /// Place of the function that vanishes where another branch passes: the determinant of the equations bordered by the
@@ -30,9 +29,9 @@ pub(super) fn ordered(mut values: Vec<Eigenvalue>) -> Vec<Eigenvalue> {
     values
 }
 
-/// All eigenvalues of the motion, those within its surface in a sliding mode.
+/// All eigenvalues of the motion within its surfaces.
 pub(super) fn eigenvalues(at: &Linearised) -> Vec<Eigenvalue> {
-    ordered(eigenvalues_within(&at.slopes(), at.normal().as_ref()))
+    ordered(known_eigenvalues(&at.within()).unwrap_or_default())
 }
 
 /// How perturbations grow, in this unit of rates.

@@ -5,9 +5,10 @@
 //! what it was takes the place of the equation by which it would return, which says nothing.
 
 use super::forms::{Forms, Units};
-use super::signature::{Sequence, Zone, exit_of};
+use super::signature::{Sequence, exit_of};
 
 use crate::affine::mode::{AffineMode, AffineSystem, MatrixBy, Row};
+use crate::affine::surfaces::Surfaces;
 use crate::linalg::{Matrix, Vector};
 
 /// The sums of states that never change along a sequence.
@@ -17,19 +18,24 @@ pub struct Conserved {
     basis: Vec<(usize, Vector)>,
     /// Those of which no law says the value.
     sums: Vec<Vector>,
+    /// Where modes are not linear, the numbers of the forms that contacts hold in every zone, one for each of the sums.
+    lasting: Vec<usize>,
 }
 
 /// Part of the terms of an entry below which it is their rounding.
 const NOTHING: f64 = 64.0 * f64::EPSILON;
 
 impl Conserved {
-    /// Of a sequence of linear zones whose modes and exits are in the system.
+    /// Of a sequence whose modes and exits are in the system; where these are not linear, of what contacts hold alone.
     pub fn new(system: &AffineSystem, sequence: &Sequence, units: &Units) -> Conserved {
         let first = &system.modes[sequence.zone(0).mode];
         // what slides all the time is led onto its surface
         let slides = sequence.switches() == 0 && first.surface.is_some();
-        if slides || system.program.made() > 0 || !system.modes.are_exact() {
+        if slides {
             return Conserved::default();
+        }
+        if system.program.made() > 0 || !system.modes.are_exact() {
+            return Conserved::of_contacts(system, sequence, units);
         }
         let basis = dependencies(changes(system, sequence));
         // what is held has the value that holds it, and moves with it
@@ -49,7 +55,39 @@ impl Conserved {
                 sums.push(sum.clone());
             }
         }
-        Conserved { basis, sums }
+        Conserved {
+            basis,
+            sums,
+            lasting: Vec::new(),
+        }
+    }
+
+    /// What contacts hold in every zone, where it is no function of anything but the states and changes with them alike
+    /// everywhere.
+    fn of_contacts(system: &AffineSystem, sequence: &Sequence, units: &Units) -> Conserved {
+        let states = system.states;
+        let is_flat = |row: &Row| {
+            let fixed = |by: &Vector| by.rows(0, states).iter().all(|by| *by == 0.0);
+            row.by.iter().all(fixed) && !(states + 1..system.size()).any(|c| row.has(c))
+        };
+        let held = system.modes[sequence.zone(0).mode].held.iter().enumerate();
+        let lasts = |row: &&Row| is_flat(row) && is_held(system, sequence, row);
+        let (numbers, gradients): (Vec<usize>, Vec<Vector>) = held
+            .filter(|(_, row)| lasts(row))
+            .map(|(number, row)| (number, row.at.rows(0, states).clone_owned()))
+            .unzip();
+        let sizes = units.z.rows(0, states).clone_owned();
+        let surfaces = Surfaces::new(&gradients, &sizes);
+        Conserved {
+            basis: surfaces.reduced().collect(),
+            sums: Vec::new(),
+            lasting: surfaces.given().map(|(_, form)| numbers[form]).collect(),
+        }
+    }
+
+    /// Whether a form that a mode holds has a value by a law in every zone, where modes are not linear.
+    pub fn lasts(&self, held: usize) -> bool {
+        self.lasting.contains(&held)
     }
 
     /// Whether there is none.
@@ -119,13 +157,18 @@ fn row(sum: &Vector, size: usize) -> Row {
     row
 }
 
+/// Whether contacts hold a form in every zone.
+fn is_held(system: &AffineSystem, sequence: &Sequence, form: &Row) -> bool {
+    let mut zones = sequence.0.iter();
+    zones.all(|zone| system.modes[zone.mode].held.contains(form))
+}
+
 /// What is held at zero in every zone, whatever the parameters: each form with a component that it has most of.
 fn held(system: &AffineSystem, sequence: &Sequence) -> Vec<(usize, Vector)> {
-    let mode = |zone: &Zone| &system.modes[zone.mode];
-    let first = &mode(sequence.zone(0)).held;
+    let first = &system.modes[sequence.zone(0).mode].held;
     let all = first.iter().filter(|held| {
         let fixed = held.by.iter().flat_map(|by| by.iter()).all(|by| *by == 0.0);
-        fixed && sequence.0.iter().all(|zone| mode(zone).held.contains(held))
+        fixed && is_held(system, sequence, held)
     });
     let mut known: Vec<(usize, Vector)> = Vec::new();
     for form in all {

@@ -55,8 +55,10 @@ impl Equations<'_> {
             let row = orbit.width() * zone + state;
             let pivot = facts.zero.pivots.iter().position(|pivot| *pivot == state);
             if let Some(generic) = &facts.generic {
-                let own = generic.surface.filter(|own| *own == state);
-                if let Some(surface) = own.and(at.mode(next).surface.as_ref()) {
+                let mut own = generic.surfaces.iter();
+                let number = own.find(|(_, given)| *given == state);
+                let surface = number.and_then(|(number, _)| at.mode(next).surfaces().nth(*number));
+                if let Some(surface) = surface {
                     let factor = orbit.size(surface).recip();
                     self.add(row, next, &at.at_entry(next, surface, 0), factor);
                     continue;

@@ -136,8 +136,8 @@ impl AffineOrbit {
             0.0 => value.re.abs().recip(),
             turns => PI / turns,
         };
-        // what slides comes from without
-        let slides = system.modes[*mode].surface.is_some();
+        // what slides or is held comes from without
+        let slides = system.modes[*mode].surfaces().next().is_some();
         let growing = values.iter().rfind(|value| value.re > 0.0)?;
         let decaying = values.iter().find(|value| value.re < 0.0);
         let decaying = decaying.or(Some(growing).filter(|_| slides))?;

@@ -37,9 +37,10 @@ pub struct ZoneFacts {
 pub struct Generic {
     /// States of which the first derivatives of the guard, as many as are divided out, each have one.
     pub pivots: Vec<usize>,
-    /// The state that the surface of a sliding mode has, where the zone before slides, too, or is this one: no guard of
-    /// a mode beside the surface tells that the motion lies in it.
-    pub surface: Option<usize>,
+    /// The surfaces in which the motion lies although no guard of another mode tells it, each with a state that it gives: that of a
+    /// sliding mode where the zone before slides, too, or is this one, and those that contacts hold in every zone, where the
+    /// orbit begins.
+    pub surfaces: Vec<(usize, usize)>,
     /// Points of its end.
     pub end: Points,
     /// Whether other points, at another value of the parameter, tell the same.
@@ -310,7 +311,7 @@ pub fn facts(
             return told.clone();
         }
         let facts = if !linear {
-            generic(system, sequence, zone, units, zones, forms)
+            generic(system, (sequence, conserved), zone, units, zones, forms)
         } else if let Some(known) = known.filter(|known| known.pivots_are_of(&forms)) {
             known.with(forms)
         } else {
@@ -353,7 +354,7 @@ fn with_orders(zeros: &Zeros, zone: usize, (zero, end): (Forms, Forms)) -> ZoneF
 /// The facts of a zone by points next to it.
 fn generic(
     system: &AffineSystem,
-    sequence: &Sequence,
+    (sequence, conserved): (&Sequence, &Conserved),
     zone: usize,
     units: &Units,
     zones: &[ZonePoint],
@@ -382,16 +383,23 @@ fn generic(
     let [at_entry, at_end] = [&first, &last].map(|points| points.orders(system, units, total));
     let before = sequence.zone(zone + sequence.len() - 1).mode;
     let slides = system.modes[before].surface.is_some();
-    let surface = mode.surface.as_ref().filter(|_| slides);
+    let own = usize::from(mode.surface.is_some());
+    let surfaces = mode.surfaces().enumerate();
+    let surfaces: Vec<(usize, &Row)> = surfaces
+        .filter(|(number, _)| match number.checked_sub(own) {
+            None => slides,
+            Some(held) => zone == 0 && conserved.lasts(held),
+        })
+        .collect();
     let divided = sequence.zone(zone).way.into_iter().flat_map(|way| {
         let orders = 0..at_entry[way.guard].unwrap_or(0);
         orders.map(move |order| (&mode.guards[way.guard].row, order))
     });
-    let zeros = surface.map(|row| (row, 0)).into_iter().chain(divided);
-    let mut pivots = first.pivots(system, zeros, units);
-    let surface = surface
-        .filter(|_| !pivots.is_empty())
-        .map(|_| pivots.remove(0));
+    let zeros = surfaces.iter().map(|(_, row)| (*row, 0)).chain(divided);
+    let mut states = first.pivots(system, zeros, units);
+    let pivots = states.split_off(surfaces.len().min(states.len()));
+    let numbers = surfaces.into_iter().map(|(number, _)| number);
+    let surfaces = numbers.zip(states).collect();
     // the slopes of a derivative of a guard may come to zero elsewhere, and so may those of a guard that is curved
     let base = mode.field.base();
     let flat = |row: &Row| (base..row.at.len()).all(|c| !row.has(c));
@@ -408,7 +416,7 @@ fn generic(
         divided: pivots.len(),
         generic: Some(Generic {
             pivots,
-            surface,
+            surfaces,
             end: last,
             lasts,
         }),

@@ -115,18 +115,10 @@ impl Checks<'_, SystemProblem> {
     /// Refuses a beginning that names no mode, or not every state once, or a phase of nothing.
     pub(super) fn start(&self, path: &str, start: &BeginningSection) -> Check {
         let Source {
-            states,
-            modes,
-            sliding,
-            forcing,
-            ..
+            states, forcing, ..
         } = self.source();
         let system = &self.problem.system;
-        let names: Vec<&str> = modes.names().chain(sliding.names()).collect();
-        match system.products.is_some() {
-            true => self.product(path, start)?,
-            false => self.one_of(&format!("{path}.mode"), "mode", &start.mode, &names)?,
-        }
+        self.names_a_mode(&format!("{path}.mode"), &start.mode)?;
         let names: Vec<&str> = states.iter().map(String::as_str).collect();
         let home = format!("{path}.state");
         let Ordered(given) = &start.state;
@@ -158,10 +150,14 @@ impl Checks<'_, SystemProblem> {
         self.fits(path, start)
     }
 
-    /// Refuses a name that is none of a mode that contacts make.
-    fn product(&self, path: &str, start: &BeginningSection) -> Check {
+    /// Refuses a name that is none of a mode, of the file or made by contacts.
+    pub(super) fn names_a_mode(&self, path: &str, name: &str) -> Check {
         let system = &self.problem.system;
-        if system.mode(&start.mode).is_some() {
+        if system.products.is_none() {
+            let names: Vec<&str> = system.mode_names().collect();
+            return self.one_of(path, "mode", name, &names);
+        }
+        if system.mode(name).is_some() {
             return Ok(());
         }
         let contacts = self.source().contacts.0.iter();
@@ -173,12 +169,12 @@ impl Checks<'_, SystemProblem> {
         let own = self.source().modes.names().collect::<Vec<_>>().join("/");
         let own = (!own.is_empty()).then(|| format!("{own} of `modes`"));
         let parts: Vec<String> = own.into_iter().chain(of_contacts).collect();
-        let message = format!("`{}` is no mode of the contacts", excerpt(&start.mode));
+        let message = format!("`{}` is no mode of the contacts", excerpt(name));
         let help = format!(
             "join the states of the contacts by dots: {}",
             parts.join(", ")
         );
-        self.refuse(&format!("{path}.mode"), message, help)
+        self.refuse(path, message, help)
     }
 
     /// Refuses a mode whose contacts contradict the state.

@@ -143,8 +143,7 @@ impl Checks<'_, SystemProblem> {
                 None => Ok(()),
             },
             EquilibriumStart::Steady { mode, .. } => {
-                let names: Vec<&str> = source.modes.names().chain(source.sliding.names()).collect();
-                self.one_of("equilibrium.start.mode", "mode", mode, &names)
+                self.names_a_mode("equilibrium.start.mode", mode)
             }
             EquilibriumStart::Restart { .. } | EquilibriumStart::Switch { .. } => Ok(()),
         }
