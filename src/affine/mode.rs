@@ -14,6 +14,7 @@ use super::program::Program;
 pub use super::rows::{MatrixBy, Row};
 use super::series::Field;
 use super::slots::Slots;
+use super::surfaces::Surfaces;
 use crate::linalg::Vector;
 
 /// A way for a mode to end.
@@ -88,6 +89,14 @@ impl AffineMode {
     /// Every form that is zero all along in it.
     pub fn surfaces(&self) -> impl Iterator<Item = &Row> {
         self.surface.iter().chain(&self.held)
+    }
+
+    /// The derivatives of a form in the components of z.
+    fn gradient(&self, row: &Row, z: &Vector) -> Vector {
+        match self.field.is_exact {
+            true => row.at.clone(),
+            false => self.field.series(z, 0, true, true).jet(row, 0).1,
+        }
     }
 
     /// Whether it leads to the same places by as many guards, exits and conditions as another.
@@ -166,17 +175,35 @@ impl AffineSystem {
         z
     }
 
+    /// The surfaces of a mode through a state at a phase, in these units of the states.
+    pub(super) fn surfaces(
+        &self,
+        mode: usize,
+        state: &[f64],
+        phase: f64,
+        units: &Vector,
+    ) -> Surfaces {
+        let own = &self.modes[mode];
+        if own.surfaces().next().is_none() {
+            return Surfaces::default();
+        }
+        let z = self.lift(mode, state, phase);
+        let gradients: Vec<Vector> = own
+            .surfaces()
+            .map(|row| own.gradient(row, &z).rows(0, self.states).clone_owned())
+            .collect();
+        Surfaces::new(&gradients, units)
+    }
+
     /// Moves z of a sliding mode back onto its surface, from which rounding and the truncation of series lead it away:
     /// along the state of which its form has most. What is further off than they lead is left where it is.
     pub fn correct(&self, mode: usize, z: &mut Vector) {
         /// Part of the terms of the form: a start may have this distance from its surface by its decimals.
         const NEAR: f64 = 1e-9;
-        let AffineMode { surface, field, .. } = &self.modes[mode];
+        let own = &self.modes[mode];
+        let AffineMode { surface, field, .. } = own;
         let Some(surface) = surface else { return };
-        let gradient = match field.is_exact {
-            true => surface.at.clone(),
-            false => field.series(z, 0, true, true).jet(surface, 0).1,
-        };
+        let gradient = own.gradient(surface, z);
         let size = |state: &usize| gradient[*state].abs();
         let most = (0..self.states).max_by(|one, other| size(one).total_cmp(&size(other)));
         let (off, terms) = (surface.value(z), surface.size(z));

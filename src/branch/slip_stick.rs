@@ -9,8 +9,10 @@ use crate::tube::model::{FrictionLaw, Model, Parameter};
 use crate::tube::wave::Wave;
 use crate::tube::wave::start;
 
-/// Steps in which the friction law is turned from Coulomb's into the one asked for.
-const LAW_STEPS: usize = 8;
+/// Longest and shortest part of the way from Coulomb's law to the one asked for that is taken at once: a stiff wave, whose slip
+/// grows a hundredfold, changes by its own size within a hundredth of it.
+const LAW_STEP: f64 = 0.125;
+const LEAST_LAW_STEP: f64 = 1e-5;
 
 /// The slip-stick wave of a model as a boundary-value problem, admissible or not: in closed form
 /// under Coulomb's law, and from there in steps of the law.
@@ -49,10 +51,9 @@ pub(super) fn slip_stick_wave(
     if let FrictionLaw::Regularised { epsilon } = model.law {
         return smooth_wave(&wave, &point, parameter, epsilon);
     }
-    for step in 1..=LAW_STEPS {
-        let share = step as f64 / LAW_STEPS as f64;
+    let turned = |share: f64| {
         let partly = |ratio: f64| 1.0 + share * (ratio - 1.0);
-        let law = match model.law {
+        posed(match model.law {
             FrictionLaw::Static { ratio } => FrictionLaw::Static {
                 ratio: partly(ratio),
             },
@@ -61,8 +62,19 @@ pub(super) fn slip_stick_wave(
                 velocity,
             },
             other => other,
-        };
-        point = polish(&posed(law), &point)?;
+        })
+    };
+    let (mut share, mut step) = (0.0, LAW_STEP);
+    while share < 1.0 {
+        let next = (share + step).min(1.0);
+        match polish(&turned(next), &point) {
+            Ok(found) => {
+                (share, point) = (next, found);
+                step = LAW_STEP.min(2.0 * step);
+            }
+            Err(reason) if step <= LEAST_LAW_STEP => return Err(reason),
+            Err(_) => step *= 0.5,
+        }
     }
     Ok((posed(model.law), point))
 }

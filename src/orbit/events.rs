@@ -199,10 +199,14 @@ pub(super) fn located<O: Orbit>(
     if let Some(shrinks) = shrinks(orbit, range, stop_at, step) {
         return shrinks;
     }
-    let fold = fold(orbit, step).ok_or(OrbitRefusal::NotFound)?;
+    let changes = changes(orbit, step)?;
+    // where zones of both halves of an orbit close at once the equations are singular, and no fold is found
+    let fold = match fold(orbit, step) {
+        None if turns_at_closing(orbit, step, &changes) => None,
+        found => found.ok_or(OrbitRefusal::NotFound)?,
+    };
     let targets =
         targets(orbit, range, stop_at, step, fold.as_ref()).ok_or(OrbitRefusal::NotFound)?;
-    let changes = changes(orbit, step)?;
     // where a zone closes, or a guard is met at no speed that is squared in the equations, the parameter is stationary
     // along the arc: that is the event itself
     let apart = |fold: &(Place, LocatedEvent<O>)| {
@@ -277,6 +281,27 @@ fn check_uncertainty<'a, O: Orbit + 'a>(
         }
     }
     Ok(())
+}
+
+/// Whether the parameter turns where zones close, and nowhere else in a step: its slopes at both ends are in proportion to the
+/// distances from there.
+fn turns_at_closing<O: Orbit>(
+    orbit: &O,
+    step: &Step<O>,
+    changes: &[(Place, LocatedEvent<O>)],
+) -> bool {
+    /// The slope bends by this part of itself at most.
+    const BENDS: f64 = 0.1;
+    let last = step.from.tangent.len() - 1;
+    let slopes = [step.from, step.to].map(|node| node.tangent[last]);
+    let mut closings = changes
+        .iter()
+        .filter(|(place, _)| orbit.closes(&place.node.point));
+    closings.any(|(place, _)| {
+        let [before, after] = [slopes[0] * (step.ds - place.s), slopes[1] * place.s];
+        slopes[0] * slopes[1] < 0.0
+            && (before + after).abs() <= BENDS * before.abs().max(after.abs())
+    })
 }
 
 /// Whether a fold is a crossing of branches at which the parameter is stationary.

@@ -14,6 +14,7 @@ mod ending;
 mod equilibria;
 mod exponents;
 mod growth;
+mod held;
 mod homoclinic;
 mod matrices;
 mod monitors;

@@ -5,6 +5,7 @@ use super::failure::NoStart;
 use crate::affine::mode::AffineSystem;
 use crate::affine::motion::Place;
 use crate::affine::orbit::behaviour::RETURNED;
+use crate::linalg::Vector;
 
 /// A zone longer than this, and than the motion that settled, does not end.
 pub(super) const ENDLESS: f64 = 1000.0;
@@ -61,9 +62,16 @@ pub(super) fn moves(
         let place = place.clone();
         return Err(NoStart::Rests { time, place });
     }
-    // where they stand is kept along a branch, but where a motion slides
     let mode = &system.modes[place.mode];
-    if states.is_empty() || mode.surface.is_none() && mode.field.is_exact {
+    // where they stand is kept along a branch of linear modes, and where a law holds them it is no choice
+    // a state that is zero all along has no size
+    let units = sizes
+        .iter()
+        .map(|size| if *size > 0.0 { *size } else { 1.0 });
+    let units = Vector::from_iterator(sizes.len(), units);
+    let surfaces = system.surfaces(place.mode, &place.state, place.phase, &units);
+    let free = |state: &usize| surfaces.form_of(*state).is_none();
+    if mode.surface.is_none() && mode.field.is_exact || !states.iter().any(free) {
         return Ok(());
     }
     let names = &wanted.system.source.states;
