@@ -27,6 +27,8 @@ const TURN: f64 = 1e-3;
 /// An event known less well than this, relative to the parameter or its range, is not reported;
 /// rounding at the stiff end leaves 1e-9. With a coarse tolerance: than this many tolerances.
 const UNCERTAIN: f64 = 1e-6;
+/// One known less well than this is looked for again, where others that vanish with it are.
+const BADLY: f64 = 1e-9;
 const MOST_UNCERTAIN: f64 = 1e4;
 
 /// A margin below this at a point is zero but for rounding.
@@ -505,7 +507,64 @@ fn changes<O: Orbit>(
     if located.is_empty() {
         return Err(OrbitRefusal::NotLocated(count));
     }
-    Ok(located)
+    // beside one that is known badly others that vanish with it are found from there
+    let best = located.iter().min_by(|(_, one), (_, other)| {
+        let [one, other] = [one, other].map(|located| located.uncertainty);
+        one.total_cmp(&other)
+    });
+    if let Some((place, known)) = best.cloned()
+        && known.uncertainty
+            > BADLY
+                * orbit
+                    .unit()
+                    .abs()
+                    .max(orbit.value_at(&place.node.point).abs())
+    {
+        let is_known = |margin: &O::Margin| {
+            located.iter().any(|(_, one)| match &one.event {
+                BranchEvent::Change(own) => O::is_same(own, margin),
+                _ => false,
+            })
+        };
+        let others: Vec<_> = negative()
+            .filter(|margin| !is_known(margin))
+            .filter_map(|margin| zero_near(orbit, step, margin, &place.node.point))
+            .collect();
+        located.extend(others);
+    }
+    let better = |one| better_known(orbit, one, &located);
+    let better: Vec<_> = located.iter().map(better).collect();
+    let pairs = better.into_iter().zip(located);
+    Ok(pairs.map(|(better, own)| better.unwrap_or(own)).collect())
+}
+
+/// The change of a margin at the place of another one that vanishes with it and is known much better: of two zones that close
+/// together, one of which begins beyond its guard, the equations tell the duration of that one badly.
+fn better_known<O: Orbit>(
+    orbit: &O,
+    (place, own): &(Place, LocatedEvent<O>),
+    all: &[(Place, LocatedEvent<O>)],
+) -> Option<(Place, LocatedEvent<O>)> {
+    /// Part of an error that is much better.
+    const MUCH: f64 = 1e-2;
+    let BranchEvent::Change(margin) = &own.event else {
+        return None;
+    };
+    let better = |(_, one): &&(Place, LocatedEvent<O>)| one.uncertainty < MUCH * own.uncertainty;
+    let mut at = AtZero {
+        margin: margin.clone(),
+    };
+    all.iter().filter(better).find_map(|(other, known)| {
+        let margin = at.margin_at(orbit, &other.node.point).ok()?;
+        let together = O::value(&margin).abs() <= rounding(orbit, place, &margin);
+        together.then(|| {
+            let located = LocatedEvent {
+                event: BranchEvent::Change(margin.clone()),
+                uncertainty: known.uncertainty,
+            };
+            (other.clone(), located)
+        })
+    })
 }
 
 /// The zero of a margin that is negative at the end of a step.
