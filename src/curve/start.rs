@@ -247,6 +247,12 @@ pub(super) fn pose_orbit(
     (kind, kept): (EventType, Option<FixedMonitor>),
     curve: &SystemCurve,
 ) -> Result<CurveStart<OrbitsInPlane>, NoCurve<OrbitsInPlane>> {
+    // where a doubled orbit has become one of half its period the event is that of this one
+    let half = Some(kind).filter(|kind| *kind == EventType::PD);
+    let half = half.and_then(|_| orbit.part(point));
+    let (orbit, point) = half
+        .as_ref()
+        .map_or((orbit, point), |(orbit, point)| (orbit, point));
     let limits = CurveLimits::of(curve);
     let parameters = &orbit.setting.system.source.parameters;
     let index = |name: &String| parameters.index(name).unwrap_or(0);

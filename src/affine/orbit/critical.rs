@@ -9,6 +9,11 @@ use serde::{Deserialize, Serialize};
 pub enum Critical {
     /// A multiplier passes −1.
     PeriodDoubling,
+    /// The orbit has become one of a part of its period, traversed so many times: a multiplier of that passes −1.
+    Repeats {
+        /// Two or more.
+        times: usize,
+    },
     /// A multiplier passes 1 other than by a fold.
     Branching,
     /// The orbit has no size: an equilibrium with a pair of imaginary eigenvalues.
@@ -65,6 +70,11 @@ impl fmt::Display for Critical {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Critical::PeriodDoubling => write!(formatter, "a multiplier passes -1"),
+            Critical::Repeats { times } => write!(
+                formatter,
+                "the orbit has become one of 1/{times} of its period, traversed {times} times, of which a multiplier passes -1: the \
+                 branch ends"
+            ),
             Critical::Branching => write!(formatter, "a multiplier passes 1"),
             Critical::Doublings { count } => {
                 write!(formatter, "{} multipliers pass -1", in_words(*count))

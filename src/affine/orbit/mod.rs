@@ -338,8 +338,9 @@ impl Orbit for AffineOrbit {
     }
 
     fn whole(&self, part: &AffineOrbit, point: &Vector) -> Option<Vector> {
-        let zones = part.at(point).ok()?.zones;
-        Some(self.pack(&[zones.clone(), zones].concat(), &part.values_at(point)))
+        let mut zones = part.at(point).ok()?.zones;
+        row::twice(&self.sequence, &mut zones);
+        Some(self.pack(&zones, &part.values_at(point)))
     }
 
     fn exhausted(&self, node: &Node, _: (f64, f64)) -> Option<OrbitStop> {
@@ -374,7 +375,7 @@ impl Orbit for AffineOrbit {
     fn repeats(&self, node: &Node) -> Option<(Critical, OrbitStop)> {
         let times = self.traversals(&node.point);
         if times > 1 {
-            return Some((Critical::PeriodDoubling, OrbitStop::Repeats { times }));
+            return Some((Critical::Repeats { times }, OrbitStop::Repeats { times }));
         }
         if self.is_point(&node.point) {
             return Some((Critical::Shrinking, OrbitStop::Shrinks));
@@ -513,7 +514,9 @@ impl Orbit for AffineOrbit {
 
     fn kind(special: &Critical) -> EventType {
         match special {
-            Critical::PeriodDoubling | Critical::Doublings { .. } => EventType::PD,
+            Critical::PeriodDoubling | Critical::Repeats { .. } | Critical::Doublings { .. } => {
+                EventType::PD
+            }
             Critical::Branching
             | Critical::Branchings { .. }
             | Critical::Shrinking

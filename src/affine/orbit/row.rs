@@ -90,13 +90,39 @@ impl SavedOrbit {
 
     /// The first of so many equal parts.
     pub(super) fn part(&self, times: usize) -> SavedOrbit {
-        let count = self.zones.len() / times;
+        let (sequence, zones) = first_of(times, &self.sequence, &self.zones);
         SavedOrbit {
-            sequence: Sequence(self.sequence.0[..count].to_vec()),
-            zones: self.zones[..count].to_vec(),
+            sequence,
+            zones,
             periods: (self.periods / times as u32).max(1),
             values: self.values.clone(),
         }
+    }
+}
+
+/// The first of so many equal parts of a cycle: of one that never switches, of its only zone.
+pub fn first_of(
+    times: usize,
+    sequence: &Sequence,
+    zones: &[ZonePoint],
+) -> (Sequence, Vec<ZonePoint>) {
+    let (mut sequence, mut zones) = (sequence.clone(), zones.to_vec());
+    if sequence.switches() == 0 {
+        let parts = zones.iter_mut();
+        parts.for_each(|zone| zone.duration /= times as f64);
+    } else {
+        let count = zones.len() / times;
+        sequence.0.truncate(count);
+        zones.truncate(count);
+    }
+    (sequence, zones)
+}
+
+/// The zones of a cycle traversed twice. One that never switches is one zone, however long.
+pub(super) fn twice(sequence: &Sequence, zones: &mut Vec<ZonePoint>) {
+    match &mut zones[..] {
+        [zone] if sequence.switches() == 0 => zone.duration *= 2.0,
+        _ => zones.extend_from_within(..),
     }
 }
 
@@ -246,10 +272,9 @@ impl AffineOrbit {
             stability: true,
             ..(*self.setting).clone()
         };
-        let count = self.zones() / 2;
-        let sequence = Sequence(self.sequence.0[..count].to_vec());
+        let (sequence, zones) = first_of(2, &self.sequence, &self.at(point).ok()?.zones);
         let half = AffineOrbit::new(Arc::new(setting), sequence)?;
-        let point = half.pack(&self.at(point).ok()?.zones[..count], &self.values_at(point));
+        let point = half.pack(&zones, &self.values_at(point));
         Some((half, point))
     }
 
@@ -323,6 +348,9 @@ impl AffineOrbit {
 
     /// The same, of parts that differ by no more than this in their own units.
     pub(super) fn traversals_within(&self, point: &Vector, most: f64) -> usize {
+        if self.sequence.switches() == 0 {
+            return self.turns_within(point, most);
+        }
         let (count, width) = (self.zones(), self.width());
         let periods = self.setting.periods as usize;
         let fits = |times: &usize| {
@@ -345,11 +373,10 @@ impl AffineOrbit {
     }
 
     /// How many times a shorter orbit is traversed by one that never switches, of parts that differ by no more than this.
-    pub(super) fn turns_within(&self, point: &Vector, most: f64) -> usize {
+    fn turns_within(&self, point: &Vector, most: f64) -> usize {
         /// A guess without forcing may go round so often.
         const ROUND: usize = 8;
-        let never = self.sequence.switches() == 0;
-        let Some(at) = self.at(point).ok().filter(|_| never) else {
+        let Ok(at) = self.at(point) else {
             return 1;
         };
         let (zone, units) = (&at.zones[0], &self.setting.scales.states);

@@ -5,10 +5,9 @@
 
 use std::sync::Arc;
 
-use super::layout::{AffineOrbit, ZonePoint};
-use super::row::SavedOrbit;
+use super::layout::AffineOrbit;
+use super::row::{SavedOrbit, twice};
 use super::setting::Setting;
-use super::signature::Zone;
 use super::start::{NoStart, Wanted, restart, scaled};
 use crate::linalg::Vector;
 use crate::orbit::switch::other;
@@ -25,16 +24,18 @@ pub fn switch(
     doubled: bool,
     directions: &[bool],
 ) -> Result<(AffineOrbit, Vector, Vec<bool>), NoStart> {
-    let mut parts = saved.parts().ok_or(NoStart::NoZones)?;
-    let (own, at) = scaled(wanted, parts.clone(), saved.periods)?;
+    let parts = saved.parts().ok_or(NoStart::NoZones)?;
+    let (own, at) = scaled(wanted, parts, saved.periods)?;
     let times = own.traversals(&at);
     if doubled && times > 1 {
         let (orbit, point) = restart(wanted, &saved.part(times))?;
         return Ok((orbit, point, directions.to_vec()));
     }
     let (orbit, at) = if doubled {
-        twice(&mut parts);
-        scaled(wanted, parts, 2 * saved.periods)?
+        let mut zones = saved.zones.clone();
+        twice(&saved.sequence, &mut zones);
+        let sequence = saved.sequence.0.iter().cycle().cloned();
+        scaled(wanted, sequence.zip(zones).collect(), 2 * saved.periods)?
     } else {
         (own, at)
     };
@@ -45,12 +46,4 @@ pub fn switch(
     };
     let begun = AffineOrbit::new(Arc::new(setting), orbit.sequence.clone());
     Ok((begun.ok_or(NoStart::NoZones)?, point, ways))
-}
-
-/// The zones of an orbit traversed twice. One that never switches is one zone, however long.
-fn twice(parts: &mut Vec<(Zone, ZonePoint)>) {
-    match &mut parts[..] {
-        [(Zone { way: None, .. }, place)] => place.duration *= 2.0,
-        _ => parts.extend_from_within(..),
-    }
 }

@@ -49,6 +49,7 @@ pub use system::{NearOrbit, OrbitCondition, PosedOrbit};
 use super::arc::{Broken, Moving};
 use super::certificate::{CertifiedPoint, GrowthTally, Provable, begin_alike};
 use super::{krawczyk, wider};
+use crate::affine::orbit::row::first_of;
 use crate::affine::orbit::setting::Setting;
 use crate::affine::orbit::{AffineOrbit, Critical, Scales, Sequence, Watch, ZonePoint};
 use crate::affine::system::System;
@@ -237,11 +238,10 @@ fn prepared(
             ))
         }
         Special::Fold(_) => OrbitCondition::Fold,
-        Special::Own(Critical::PeriodDoubling) => {
+        Special::Own(Critical::PeriodDoubling | Critical::Repeats { .. }) => {
             // an orbit that is traversed several times is one of a part of its period
             let times = orbit.traversals(point).max(1);
-            near.sequence.0.truncate(near.zones.len() / times);
-            near.zones.truncate(near.zones.len() / times);
+            (near.sequence, near.zones) = first_of(times, &near.sequence, &near.zones);
             posed.periods /= u32::try_from(times).unwrap_or(1);
             OrbitCondition::Doubling
         }

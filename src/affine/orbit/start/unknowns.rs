@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::Wanted;
 use super::failure::NoStart;
 use crate::affine::orbit::layout::{AffineOrbit, ZonePoint};
+use crate::affine::orbit::row::first_of;
 use crate::affine::orbit::section::of_orbit;
 use crate::affine::orbit::setting::{OrbitFailure, Scales, Setting};
 use crate::affine::orbit::signature::{Sequence, Zone};
@@ -41,17 +42,15 @@ pub(super) fn pose(
     if rests && orbit.varies_within(&point, SAME) {
         return Err(NoStart::Equilibrium);
     }
-    let turns = orbit.turns_within(&point, SAME);
-    let times = turns * orbit.traversals_within(&point, SAME);
+    let times = orbit.traversals_within(&point, SAME);
     // a prescribed period is meant, however often the orbit is traversed in it
     if times > 1 && wanted.prescribed.is_none() {
         // the least period is meant: this one several times over would retrace its branch
-        let mut zones = orbit.at(&point).map_err(failed)?.zones;
-        zones[0].duration /= turns as f64;
-        let parts = orbit.sequence.0.iter().cloned().zip(zones);
-        let parts = parts.take((orbit.zones() / times).max(1));
+        let zones = orbit.at(&point).map_err(failed)?.zones;
+        let (sequence, zones) = first_of(times, &orbit.sequence, &zones);
+        let parts = sequence.0.into_iter().zip(zones).collect();
         let periods = periods / if orbit.is_forced() { times as u32 } else { 1 };
-        return pose(wanted, parts.collect(), periods, settings);
+        return pose(wanted, parts, periods, settings);
     }
     admitted(&orbit, &point)?;
     Ok((orbit, point))
