@@ -341,6 +341,20 @@ pub trait Orbit: System<Failure: Data> + Clone + Debug + PartialEq {
         None
     }
 
+    /// What an orbit may be, and why the branch ends there, where it comes to a symmetry that one before it lacks.
+    fn becomes_image(
+        &self,
+        _before: &Vector,
+        _point: &Vector,
+    ) -> Option<(Self::Special, Self::Stop)> {
+        None
+    }
+
+    /// Whether a step leads from one orbit to another beyond the place where the branch would turn back.
+    fn falls_on_another(&self, _before: &Vector, _point: &Vector) -> bool {
+        false
+    }
+
     /// The same orbits with [`Examined::tests`].
     fn tested(&self) -> Option<Self> {
         None

@@ -23,6 +23,23 @@ fn level<O: Orbit>(orbit: &O, guess: &Vector, value: f64, tolerance: f64) -> Opt
     Some(locate::solve(orbit, &from, &guess, &mut fixed, tolerance)?.node)
 }
 
+/// The same where the guess is next to a place at which the equations are singular: Newton's corrections may grow before they
+/// shrink.
+fn level_beside<O: Orbit>(orbit: &O, guess: &Vector, value: f64, tolerance: f64) -> Option<Node> {
+    let settings = newton::Settings {
+        tolerance,
+        most_iterations: 30,
+        halvings: 8,
+        polish: 1,
+    };
+    let last = guess.len() - 1;
+    let mut fixed = newton::Fixed { index: last, value };
+    let mut guess = guess.clone();
+    guess[last] = value;
+    let solution = newton::solve(orbit, &mut fixed, &guess, &settings).ok()?;
+    level(orbit, &solution.point, value, tolerance)
+}
+
 /// What a fold within a step of length `ds` is where the branch beyond it is the image of that before, and why the
 /// branch ends there.
 pub(super) fn at_fold<O: Orbit>(
@@ -86,7 +103,8 @@ pub(super) fn symmetric<O: Orbit>(
     let last = fold.point.len() - 1;
     BEYOND.into_iter().find_map(|beyond| {
         let value = fold.point[last] - side.signum() * beyond;
-        let begin = level(&tested, &fold.point, value, tolerance)?;
+        let begin = level(&tested, &fold.point, value, tolerance);
+        let begin = begin.or_else(|| level_beside(&tested, &fold.point, value, tolerance))?;
         let tests = |node: &Node| Some(tested.examination(&node.point).ok()?.tests().to_vec());
         let far = side.signum() * 2.0 * beyond / begin.tangent[last];
         let values = [

@@ -12,6 +12,9 @@ use crate::continuation::locate::{Place, node_at};
 use crate::continuation::walk::{self, Curve, Outcome, Segment, Within};
 use crate::linalg::Vector;
 
+/// A step along one branch turns by less but where it is long: one that comes to another branch turns from across it to along it.
+const TURNS: f64 = 0.02;
+
 impl<O: Orbit> Curve for Track<O> {
     type System = O;
     type Name = O::Signature;
@@ -65,6 +68,15 @@ impl<O: Orbit> Curve for Track<O> {
         &self,
         step: &Segment<O::Examination>,
     ) -> Result<Vec<(Place, LocatedEvent<O>)>, OrbitRefusal<O>> {
+        // where the branch would turn back a long step may lead on, along the one that it ends on
+        let turn = (&step.to.tangent - &step.from.tangent).norm();
+        if turn > TURNS
+            && self
+                .orbit
+                .falls_on_another(&step.from.point, &step.to.point)
+        {
+            return Err(OrbitRefusal::NotFound);
+        }
         events::located(
             self.orbit.as_ref(),
             self.limits.range,
@@ -101,6 +113,14 @@ impl<O: Orbit> Curve for Track<O> {
             && let Some(ended) = self.repeated(&found)
         {
             return Ok(ended);
+        }
+        if event.may_retrace()
+            && let Some((special, stop)) = orbit.becomes_image(&step.from.point, &found.node.point)
+            && let Some(symmetric) = self.symmetric(&found, step, &special)
+        {
+            found.special = Some(Special::Own(special));
+            let better = Some(symmetric).filter(|(_, error)| *error < found.uncertainty);
+            return Ok(ended(self.moved(found, better), stop));
         }
         match event {
             BranchEvent::Shrinks(..) => {}
@@ -275,6 +295,18 @@ impl<O: Orbit> Track<O> {
         Ok((found, place))
     }
 
+    /// The symmetric orbit to which a branch comes at a point.
+    fn symmetric(
+        &self,
+        found: &LocatedPoint<O>,
+        step: &Segment<O::Examination>,
+        special: &O::Special,
+    ) -> Option<(Vector, f64)> {
+        let side = step.from.tangent[step.from.tangent.len() - 1];
+        let tolerance = step.steps.tolerance;
+        retrace::symmetric(self.orbit.as_ref(), &found.node, -side, special, tolerance)
+    }
+
     /// The point at which an orbit is its own image: known better by the equations of those on both sides.
     fn mirrored(
         &self,
@@ -283,9 +315,7 @@ impl<O: Orbit> Track<O> {
         special: &O::Special,
     ) -> LocatedPoint<O> {
         let orbit = self.orbit.as_ref();
-        let side = step.from.tangent[step.from.tangent.len() - 1];
-        let tolerance = step.steps.tolerance;
-        let sharper = retrace::symmetric(orbit, &found.node, -side, special, tolerance);
+        let sharper = self.symmetric(&found, step, special);
         if !found.uncertainty.is_finite() {
             found.uncertainty = REPEATS * found.parameter.abs().max(orbit.unit());
         }

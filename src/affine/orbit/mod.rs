@@ -397,6 +397,15 @@ impl Orbit for AffineOrbit {
         true
     }
 
+    fn becomes_image(&self, before: &Vector, point: &Vector) -> Option<(Critical, OrbitStop)> {
+        self.becomes_symmetric(before, point)
+            .then_some((Critical::Branching, OrbitStop::Retraces))
+    }
+
+    fn falls_on_another(&self, before: &Vector, point: &Vector) -> bool {
+        self.falls(before, point)
+    }
+
     /// A symmetry may exchange zones and modes and begin elsewhere in time: durations and multipliers are the same.
     fn image(
         &self,

@@ -16,6 +16,13 @@ use crate::orbit::Orbit;
 /// cube root of rounding.
 const IMAGE: f64 = 1e-4;
 
+/// One that comes to a symmetric orbit is its image to this: there the equations are singular, and places known to the root of
+/// rounding.
+const ALMOST: f64 = 1e-2;
+
+/// One that differs from its image by more is not symmetric: symmetric orbits are found to rounding.
+const LACKS: f64 = 1e-6;
+
 /// An orbit of half the equations solves all of them to this, and they are singular to this part of the largest
 /// singular value.
 const SOLVED: f64 = 1e-9;
@@ -59,23 +66,45 @@ impl AffineOrbit {
     /// The image under which an orbit is its own half a period later, as far as a located event may tell. A state that is
     /// zero at every entry is told by its rate.
     pub fn symmetry(&self, point: &Vector) -> Option<Kept> {
-        let half = self.zones_of_half()?;
+        self.zones_of_half()?;
+        self.image_in_half(point, IMAGE).flatten()
+    }
+
+    /// The same of any orbit, to this in units of the states; `Some(None)` where all states are the same half a period later. An orbit
+    /// that never switches is seen at its beginning and half a period later.
+    #[allow(clippy::option_option)] // an image or none, that of a symmetry or the orbit itself
+    fn image_in_half(&self, point: &Vector, most: f64) -> Option<Option<Kept>> {
         let at = self.at(point).ok()?;
         let scales = &self.setting.scales;
-        let rates = (0..self.zones()).map(|zone| at.mode(zone).matrix.at.clone() * at.entry(zone));
+        let half = match self.sequence.switches() {
+            0 => None,
+            _ => Some(Some(self.zones() / 2).filter(|_| self.zones().is_multiple_of(2))?),
+        };
+        let places: Vec<Vector> = match half {
+            Some(_) => (0..self.zones()).map(|zone| at.entry(zone)).collect(),
+            None => vec![
+                at.entry(0),
+                at.passage(0, 0.5 * at.zones[0].duration).ok()?.end,
+            ],
+        };
+        let half = half.unwrap_or(1);
+        let rates = places.iter().enumerate();
+        let rates = rates.map(|(zone, z)| &at.mode(zone % self.zones()).matrix.at * z);
         let rates: Vec<Vector> = rates.collect();
         let is = |state: usize, sign: f64| {
             let unit = scales.states[state];
             (0..half).all(|zone| {
-                let place = |zone: usize| at.zones[zone].state[state] / unit;
+                let place = |zone: usize| places[zone][state] / unit;
                 let rate = |zone: usize| rates[zone][state] * scales.time / unit;
                 let values = (place(zone + half) - sign * place(zone)).abs();
                 let slopes = (rate(zone + half) - sign * rate(zone)).abs();
-                values <= IMAGE && slopes <= IMAGE * rate(zone).abs().max(1.0)
+                values <= most && slopes <= most * rate(zone).abs().max(1.0)
             })
         };
         let mut kept = 0;
-        for state in 0..self.states() {
+        // a state that is zero all along is its own image with either sign
+        let repeats = (0..self.states()).all(|state| is(state, 1.0));
+        for state in (0..self.states()).filter(|_| !repeats) {
             if is(state, -1.0) {
                 continue;
             }
@@ -84,11 +113,26 @@ impl AffineOrbit {
                 return None;
             }
         }
-        let turns = (0..self.states()).any(|state| sign(kept, state) < 0.0);
-        let durations = (0..half)
-            .map(|zone| point[self.duration_index(zone + half)] - point[self.duration_index(zone)]);
-        let alike = durations.fold(0.0, |most: f64, off| most.max(off.abs())) <= IMAGE;
-        (turns && alike).then_some(kept)
+        let turns = !repeats && (0..self.states()).any(|state| sign(kept, state) < 0.0);
+        let duration = |zone: usize| point[self.duration_index(zone % self.zones())];
+        let durations = (0..half).map(|zone| duration(zone + half) - duration(zone));
+        let alike = durations.fold(0.0, |most: f64, off| most.max(off.abs())) <= most;
+        // half of the period is half of that of the forcing or a whole number of them
+        let fits = !self.is_forced() || self.setting.periods.is_multiple_of(2) != turns;
+        let is_image = fits && alike && (turns || repeats);
+        is_image.then_some(Some(kept).filter(|_| turns))
+    }
+
+    /// Whether an orbit has a symmetry that one before it on the branch lacks.
+    pub(super) fn becomes_symmetric(&self, before: &Vector, point: &Vector) -> bool {
+        let own = self.image_in_half(point, ALMOST).flatten();
+        own.is_some() && self.image_in_half(before, LACKS).is_none()
+    }
+
+    /// Whether a step leads from a branch to one that it ends on, beyond the place where it would turn back: from an orbit to one of
+    /// half its period or to a symmetric one.
+    pub(super) fn falls(&self, before: &Vector, point: &Vector) -> bool {
+        self.image_in_half(point, LACKS).is_some() && self.image_in_half(before, IMAGE).is_none()
     }
 
     /// Where a symmetric orbit loses its symmetry between two arclengths of a step, and the error of the parameter there.
