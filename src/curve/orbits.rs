@@ -33,6 +33,9 @@ pub struct OrbitsInPlane {
     /// The monitor that keeps its value, by its name, where one does.
     #[serde(default, skip_serializing_if = "Ordered::is_empty")]
     monitor: Ordered<MonitorSource>,
+    /// The image under which its orbits are their own along a curve of a margin, where they are.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    symmetry: Option<Kept>,
     #[serde(skip)]
     memo: Memo,
 }
@@ -108,7 +111,25 @@ impl OrbitsInPlane {
             prescribed,
             scales,
             monitor: Ordered::default(),
+            symmetry: None,
             memo: Memo::default(),
+        }
+    }
+
+    /// The same for orbits that are their own image.
+    pub fn symmetric(self, kept: Kept) -> OrbitsInPlane {
+        OrbitsInPlane {
+            symmetry: Some(kept),
+            ..self
+        }
+    }
+
+    /// The image under which the orbits of an event are their own, where its equations are those of half an orbit.
+    fn image(&self, condition: &EventCondition<OrbitsInPlane>) -> Option<Kept> {
+        match condition {
+            EventCondition::Spectral(MultiplierEvent::Branching { kept }) => Some(*kept),
+            EventCondition::Margin(_) => self.symmetry,
+            _ => None,
         }
     }
 
@@ -372,15 +393,15 @@ impl ParameterPlane for OrbitsInPlane {
         }
     }
 
+    /// Where a symmetric orbit meets an event its image meets it, too, and all equations of both halves are singular.
     fn restrict(
         &self,
-        spectral: &MultiplierEvent,
+        condition: &EventCondition<OrbitsInPlane>,
         orbit: &AffineOrbit,
         point: &Vector,
-        residual: &mut [f64],
-        matrix: &mut Matrix,
+        (residual, matrix): (&mut [f64], &mut Matrix),
     ) {
-        if let MultiplierEvent::Branching { kept } = *spectral {
+        if let Some(kept) = self.image(condition) {
             orbit.close_at_image(kept, point, residual, matrix);
         }
     }
@@ -468,7 +489,13 @@ impl ParameterPlane for OrbitsInPlane {
                 vec![passed(pair(1, 1.0).kind, torus.unwrap_or(f64::NAN))]
             }
             EventCondition::Margin(_) | EventCondition::Constant(_) => {
-                vec![doubling, pair(1, f64::NAN)]
+                let mut tests = vec![doubling, pair(1, f64::NAN)];
+                if let Some(kept) = self.image(condition) {
+                    let half = orbit.half_monodromy(kept, point).ok().flatten();
+                    let lost = half.map_or(f64::NAN, |half| half.tests(&half.multipliers())[0]);
+                    tests.push(passed(Some(PointType::One(EventType::BP)), lost));
+                }
+                tests
             }
         };
         TestValues {

@@ -269,11 +269,10 @@ pub trait ParameterPlane: Data {
     /// Puts in the place of equations of the orbit those that the event needs, where it makes them singular.
     fn restrict(
         &self,
-        _: &Self::Spectral,
+        _: &EventCondition<Self>,
         _: &Self::Orbit,
         _: &Vector,
-        _residual: &mut [f64],
-        _matrix: &mut Matrix,
+        _equations: (&mut [f64], &mut Matrix),
     ) {
     }
 

@@ -173,11 +173,9 @@ impl<P: ParameterPlane> EventSystem<P> {
             let (orbit, own) = self.orbit(point, index)?;
             let mut matrix = Matrix::zeros(count, count + 1);
             orbit.evaluate(&own, residual.as_mut_slice(), &mut matrix)?;
-            if let EventCondition::Spectral(spectral) = &self.condition {
-                let residual = residual.as_mut_slice();
-                self.plane
-                    .restrict(spectral, &orbit, &own, residual, &mut matrix);
-            }
+            let equations = (residual.as_mut_slice(), &mut matrix);
+            self.plane
+                .restrict(&self.condition, &orbit, &own, equations);
             if index == 0 {
                 all.columns_mut(0, count)
                     .copy_from(&matrix.columns(0, count));
