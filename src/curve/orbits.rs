@@ -187,6 +187,7 @@ impl ParameterPlane for OrbitsInPlane {
     const MEASURE: Option<&'static str> = Some("period");
     const ANGULAR: &'static str = "angle";
     const SYMBOL: &'static str = "angle";
+    const CLOSES: bool = true;
     const HAS_SECTORS: bool = false;
     const FOLLOWED: &'static [EventType] = &[
         EventType::LP,
@@ -502,6 +503,20 @@ impl ParameterPlane for OrbitsInPlane {
             tests,
             outside: outside(&multipliers, on_circle),
         }
+    }
+
+    fn onsets((orbit, point): &(AffineOrbit, Vector), own: &[(Watch, usize)]) -> Vec<Test> {
+        let lasts = |zone: usize| !own.contains(&(Watch::Duration, zone));
+        let onsets = own.iter().filter_map(|(watch, zone)| match watch {
+            Watch::Onset(guard) if lasts(*zone) => Some((*guard, *zone)),
+            _ => None,
+        });
+        let tests = onsets.map(|(guard, zone)| Test {
+            kind: Some(PointType::One(EventType::GR)),
+            value: orbit.onset_rate(point, guard, zone).unwrap_or(f64::NAN),
+            ends: true,
+        });
+        tests.collect()
     }
 
     fn say(what: &What<AffineOrbit>) -> String {
