@@ -521,6 +521,21 @@ fn a_contact_that_makes_no_sense_is_refused() {
             "whose friction is not modelled",
         ),
         ("\"e\": 0.5", "\"e\": -0.5", "the restitution is -0.5"),
+        (
+            "Stop(gap: \"d - x\", restitution: \"e\")",
+            "Spring(gap: \"d - x\", stiffness: \"-F\")",
+            "the stiffness is -0.5: it must not be negative",
+        ),
+        (
+            "Stop(gap: \"d - x\", restitution: \"e\")",
+            "Spring(gap: \"d - x\", stiffness: \"1\", damping: \"-F\")",
+            "the damping is -0.5",
+        ),
+        (
+            "Friction(slip: \"v\", bound: \"F\")",
+            "Jenkins(slip: \"v\", stiffness: \"-1\", bound: \"F\")",
+            "the stiffness is -1",
+        ),
         ("slip: \"v\"", "slip: \"v + q\"", "`q` is no state"),
         (
             "\"q\": Friction",
