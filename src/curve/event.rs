@@ -158,7 +158,7 @@ impl<P: ParameterPlane> EventCurve<P> {
             slopes: slopes.map_err(CurveRefusal::Flow)?,
             fold: None,
             cusp: None,
-            watched: self.system.watched(&node.point, &at),
+            watched: self.watched(&node.point, &at),
             examination,
         };
         if self.with_fold {
@@ -167,6 +167,13 @@ impl<P: ParameterPlane> EventCurve<P> {
             tests.cusp = self.cusp(node, left).map_err(CurveRefusal::Flow)?;
         }
         Ok(tests)
+    }
+
+    /// What the plane watches, and the rates of guards that stay at zero where a zone begins.
+    pub(super) fn watched(&self, point: &Vector, at: &(P::Orbit, Vector)) -> TestValues {
+        let mut watched = self.system.watched(point, at);
+        watched.tests.extend(P::onsets(at, &self.own));
+        watched
     }
 
     /// The slopes of margins along the curve: posed in p₁ the orbit gives all but the part of p₂.

@@ -10,7 +10,7 @@ use crate::continuation::Node;
 use crate::continuation::locate::{self, LeastWithin, Place};
 use crate::continuation::newton;
 use crate::continuation::walk::{Curve, End, Outcome, Within};
-use crate::orbit::special::Close;
+use crate::orbit::special::{Change, Close};
 use crate::orbit::{EventType, Examined, Orbit};
 
 /// A least margin within this of zero is zero but for rounding: points of a curve are known to 1e-12.
@@ -52,8 +52,16 @@ impl<P: ParameterPlane> Curve for EventCurve<P> {
         let ends = |event: &StepEvent<P>| match event {
             StepEvent::Fold | StepEvent::Cusp | StepEvent::Passing(_) => false,
             StepEvent::Other(test) => test.ends,
-            StepEvent::Edge(..) | StepEvent::Margin(_) | StepEvent::Limit(..) => true,
+            StepEvent::Edge(..)
+            | StepEvent::Margin(_)
+            | StepEvent::Limit(..)
+            | StepEvent::Closing(_) => true,
         };
+        let with_zone = located.iter().flat_map(|(_, event)| match event {
+            StepEvent::Closing(closing) => &closing.vanishing[..],
+            _ => &[],
+        });
+        let with_zone: Vec<_> = with_zone.collect();
         let end = located.iter().find(|(_, event)| ends(event));
         let end = end.map_or(f64::INFINITY, |(place, _)| place.s - step.at_once());
         let mut close = None;
@@ -62,7 +70,8 @@ impl<P: ParameterPlane> Curve for EventCurve<P> {
         let value = P::Orbit::value;
         for (index, margin) in step.before.examination.margins().iter().enumerate() {
             let same = |other: &MarginOf<P>| P::key(other) == P::key(margin);
-            let own = self.own.contains(&P::key(margin));
+            let key = P::key(margin);
+            let own = self.own.contains(&key) || with_zone.contains(&&key);
             let Some(other) = after.iter().position(same).filter(|_| !own) else {
                 continue;
             };
@@ -116,8 +125,19 @@ impl<P: ParameterPlane> Curve for EventCurve<P> {
 
     fn locate(&self, step: &Stage<P>) -> Result<Vec<(Place, StepEvent<P>)>, CurveRefusal<P>> {
         let mut located = self.edges(step).ok_or(CurveRefusal::NotLocated)?;
-        located.extend(self.margins(step)?);
-        located.extend(self.signs(step)?);
+        let closing = self.closing(step);
+        let (with_zone, signs) = match &closing {
+            Some((_, StepEvent::Closing(closing))) => (
+                &closing.vanishing[..],
+                self.signs_before(step, &closing.nearest)?,
+            ),
+            _ => (&[][..], self.signs(step)?),
+        };
+        let ends = |event: &StepEvent<P>| matches!(event, StepEvent::Other(test) if test.ends);
+        let is_ended = signs.iter().any(|(_, event)| ends(event));
+        located.extend(self.margins(step, with_zone, is_ended)?);
+        located.extend(signs);
+        located.extend(closing);
         located.extend(self.limit(step)?);
         // what is located accounts for the number, or ends the step before its end
         if located.is_empty() {
@@ -177,6 +197,23 @@ impl<P: ParameterPlane> Curve for EventCurve<P> {
                 if let Ok((orbit, unknowns)) = self.system.orbit(point, 0) {
                     (solved.point.measure, _) = P::measure(&orbit, &unknowns);
                 }
+                Outcome::Ended(vec![solved], there)
+            }
+            StepEvent::Closing(closing) => {
+                let (orbit, unknowns) = self
+                    .system
+                    .orbit(&closing.point, 0)
+                    .map_err(CurveRefusal::Flow)?;
+                let second = Change::new(&orbit, None, closing.margin.clone());
+                let kind = P::with_event(self.event, second.kind);
+                let what = What::Meeting {
+                    second: Box::new(second),
+                    may_go_on: true,
+                    next: None,
+                };
+                solved.say(kind, &what);
+                solved.point.parameters = self.system.values(&closing.point);
+                (solved.point.measure, _) = P::measure(&orbit, &unknowns);
                 Outcome::Ended(vec![solved], there)
             }
             StepEvent::Other(test) => {

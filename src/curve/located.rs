@@ -1,10 +1,12 @@
 //! What is located within a step of a curve of an event.
 
+use super::closing::Closing;
 use super::event::{CurveRefusal, EventCurve, Stage};
 use super::plane::{MarginOf, ParameterPlane, Test};
 use crate::continuation::Node;
 use crate::continuation::limit;
 use crate::continuation::locate::{self, Place, Target};
+use crate::continuation::walk::Curve as _;
 use crate::linalg::Vector;
 use crate::orbit::{AtZero, Examined, Orbit, find};
 
@@ -26,6 +28,8 @@ pub enum StepEvent<P: ParameterPlane> {
     /// A limit of the curve, at which its equations are singular: the unknowns there, and the part of their ranges to which the
     /// parameters are known.
     Limit(Vector, f64),
+    /// A zone shrinks to nothing where the equations are singular.
+    Closing(Closing<P>),
 }
 
 impl<P: ParameterPlane> EventCurve<P> {
@@ -70,30 +74,49 @@ impl<P: ParameterPlane> EventCurve<P> {
         Ok((place, event))
     }
 
-    /// Margins that vanish within a step.
+    /// Margins that vanish within a step, but for those that vanish with a zone; where the curve ends within it some may be
+    /// posed beyond its end first.
     pub(super) fn margins(
         &self,
         step: &Stage<P>,
+        with_zone: &[(P::Watch, usize)],
+        is_ended: bool,
     ) -> Result<Vec<(Place, StepEvent<P>)>, CurveRefusal<P>> {
         let mut located = Vec::new();
         for margin in step.after.examination.margins() {
             let value = P::Orbit::value(margin);
-            if self.own.contains(&P::key(margin)) || value > 0.0 {
+            let key = P::key(margin);
+            if self.own.contains(&key) || value > 0.0 || with_zone.contains(&key) {
                 continue;
             }
             let before = find::<P::Orbit>(&step.before.examination, margin);
             let before = before.map(P::Orbit::value).filter(|before| *before > 0.0);
-            let before = before.ok_or(CurveRefusal::Posed)?;
-            let mut at = AtZero {
-                margin: margin.clone(),
+            let Some(before) = before else {
+                if is_ended {
+                    continue;
+                }
+                return Err(CurveRefusal::Posed);
             };
-            let event = StepEvent::Margin(margin.clone());
-            located.push(self.zero(step, before, value, event, |node| {
-                let (orbit, unknowns) = self.system.orbit(&node.point, 0).ok()?;
-                Some(P::Orbit::value(at.margin_at(&orbit, &unknowns).ok()?))
-            })?);
+            located.push(self.margin_zero(step, margin, before)?);
         }
         Ok(located)
+    }
+
+    /// The zero of a margin that is positive before a step, and not at its end.
+    pub(super) fn margin_zero(
+        &self,
+        step: &Stage<P>,
+        margin: &MarginOf<P>,
+        before: f64,
+    ) -> Result<(Place, StepEvent<P>), CurveRefusal<P>> {
+        let mut at = AtZero {
+            margin: margin.clone(),
+        };
+        let event = StepEvent::Margin(margin.clone());
+        self.zero(step, before, P::Orbit::value(margin), event, |node| {
+            let (orbit, unknowns) = self.system.orbit(&node.point, 0).ok()?;
+            Some(P::Orbit::value(at.margin_at(&orbit, &unknowns).ok()?))
+        })
     }
 
     /// Smooth test functions that change their sign within a step.
@@ -122,7 +145,7 @@ impl<P: ParameterPlane> EventCurve<P> {
             if before.value * after.value < 0.0 {
                 let tests = |node: &Node| {
                     let at = self.system.orbit(&node.point, 0)?;
-                    Ok(self.system.watched(&node.point, &at).tests)
+                    Ok(self.watched(&node.point, &at).tests)
                 };
                 let event = StepEvent::Other(*after);
                 let (place, _) = self.zero(step, before.value, after.value, event, |node| {
@@ -137,6 +160,24 @@ impl<P: ParameterPlane> EventCurve<P> {
             }
         }
         Ok(located)
+    }
+
+    /// The same up to a point of the step, before which nothing is located where it lies behind.
+    pub(super) fn signs_before(
+        &self,
+        step: &Stage<P>,
+        place: &Place,
+    ) -> Result<Vec<(Place, StepEvent<P>)>, CurveRefusal<P>> {
+        if place.s <= 0.0 {
+            return Ok(Vec::new());
+        }
+        let after = self.watch(&place.node, Some(step.before))?;
+        self.signs(&Stage {
+            to: &place.node,
+            ds: place.s,
+            after: &after,
+            ..*step
+        })
     }
 
     /// Where the number of multipliers outside the unit circle changes within a step in which nothing else happens that

@@ -25,6 +25,7 @@
 //! inequalities hold: the same margin vanishes there. Folds and Hopf points end: the parameter is
 //! stationary at the opening of a zone, and its spectrum is not the continuation of the one before.
 
+mod closing;
 mod entry;
 mod equilibria;
 mod equilibrium_start;

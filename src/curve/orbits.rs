@@ -33,6 +33,9 @@ pub struct OrbitsInPlane {
     /// The monitor that keeps its value, by its name, where one does.
     #[serde(default, skip_serializing_if = "Ordered::is_empty")]
     monitor: Ordered<MonitorSource>,
+    /// The image under which its orbits are their own along a curve of a margin, where they are.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    symmetry: Option<Kept>,
     #[serde(skip)]
     memo: Memo,
 }
@@ -108,7 +111,25 @@ impl OrbitsInPlane {
             prescribed,
             scales,
             monitor: Ordered::default(),
+            symmetry: None,
             memo: Memo::default(),
+        }
+    }
+
+    /// The same for orbits that are their own image.
+    pub fn symmetric(self, kept: Kept) -> OrbitsInPlane {
+        OrbitsInPlane {
+            symmetry: Some(kept),
+            ..self
+        }
+    }
+
+    /// The image under which the orbits of an event are their own, where its equations are those of half an orbit.
+    fn image(&self, condition: &EventCondition<OrbitsInPlane>) -> Option<Kept> {
+        match condition {
+            EventCondition::Spectral(MultiplierEvent::Branching { kept }) => Some(*kept),
+            EventCondition::Margin(_) => self.symmetry,
+            _ => None,
         }
     }
 
@@ -166,6 +187,7 @@ impl ParameterPlane for OrbitsInPlane {
     const MEASURE: Option<&'static str> = Some("period");
     const ANGULAR: &'static str = "angle";
     const SYMBOL: &'static str = "angle";
+    const CLOSES: bool = true;
     const HAS_SECTORS: bool = false;
     const FOLLOWED: &'static [EventType] = &[
         EventType::LP,
@@ -372,15 +394,15 @@ impl ParameterPlane for OrbitsInPlane {
         }
     }
 
+    /// Where a symmetric orbit meets an event its image meets it, too, and all equations of both halves are singular.
     fn restrict(
         &self,
-        spectral: &MultiplierEvent,
+        condition: &EventCondition<OrbitsInPlane>,
         orbit: &AffineOrbit,
         point: &Vector,
-        residual: &mut [f64],
-        matrix: &mut Matrix,
+        (residual, matrix): (&mut [f64], &mut Matrix),
     ) {
-        if let MultiplierEvent::Branching { kept } = *spectral {
+        if let Some(kept) = self.image(condition) {
             orbit.close_at_image(kept, point, residual, matrix);
         }
     }
@@ -468,13 +490,33 @@ impl ParameterPlane for OrbitsInPlane {
                 vec![passed(pair(1, 1.0).kind, torus.unwrap_or(f64::NAN))]
             }
             EventCondition::Margin(_) | EventCondition::Constant(_) => {
-                vec![doubling, pair(1, f64::NAN)]
+                let mut tests = vec![doubling, pair(1, f64::NAN)];
+                if let Some(kept) = self.image(condition) {
+                    let half = orbit.half_monodromy(kept, point).ok().flatten();
+                    let lost = half.map_or(f64::NAN, |half| half.tests(&half.multipliers())[0]);
+                    tests.push(passed(Some(PointType::One(EventType::BP)), lost));
+                }
+                tests
             }
         };
         TestValues {
             tests,
             outside: outside(&multipliers, on_circle),
         }
+    }
+
+    fn onsets((orbit, point): &(AffineOrbit, Vector), own: &[(Watch, usize)]) -> Vec<Test> {
+        let lasts = |zone: usize| !own.contains(&(Watch::Duration, zone));
+        let onsets = own.iter().filter_map(|(watch, zone)| match watch {
+            Watch::Onset(guard) if lasts(*zone) => Some((*guard, *zone)),
+            _ => None,
+        });
+        let tests = onsets.map(|(guard, zone)| Test {
+            kind: Some(PointType::One(EventType::GR)),
+            value: orbit.onset_rate(point, guard, zone).unwrap_or(f64::NAN),
+            ends: true,
+        });
+        tests.collect()
     }
 
     fn say(what: &What<AffineOrbit>) -> String {

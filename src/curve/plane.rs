@@ -102,6 +102,8 @@ pub trait ParameterPlane: Data {
 
     /// Its symbol.
     const SYMBOL: &'static str;
+    /// Whether curves are smooth in the duration of a zone that shrinks where their equations are singular.
+    const CLOSES: bool = false;
     /// Whether events of the spectrum have a Bloch sector.
     const HAS_SECTORS: bool;
 
@@ -269,11 +271,10 @@ pub trait ParameterPlane: Data {
     /// Puts in the place of equations of the orbit those that the event needs, where it makes them singular.
     fn restrict(
         &self,
-        _: &Self::Spectral,
+        _: &EventCondition<Self>,
         _: &Self::Orbit,
         _: &Vector,
-        _residual: &mut [f64],
-        _matrix: &mut Matrix,
+        _equations: (&mut [f64], &mut Matrix),
     ) {
     }
 
@@ -353,6 +354,12 @@ pub trait ParameterPlane: Data {
         point: &Vector,
         further: &[f64],
     ) -> TestValues;
+
+    /// The rates of guards that are zero where a zone begins along the whole curve, as margins that vanish tell: where
+    /// one passes zero the guard falls below it in the zone.
+    fn onsets(_: &(Self::Orbit, Vector), _own: &[(Self::Watch, usize)]) -> Vec<Test> {
+        Vec::new()
+    }
 
     /// A sentence of what happens.
     fn say(what: &What<Self::Orbit>) -> String;

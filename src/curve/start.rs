@@ -138,6 +138,47 @@ pub(super) struct FixedMonitor {
     pub(super) value: f64,
 }
 
+/// A start where the margin of an event vanishes at orbits that are their own image: the equations of half of them, whose
+/// solutions beside the event solve all of them.
+fn symmetric(
+    start: CurveStart<OrbitsInPlane>,
+    orbit: &AffineOrbit,
+    point: &Vector,
+) -> CurveStart<OrbitsInPlane> {
+    /// So far from the event, in the ranges of the parameters: what the image does not solve is of that size.
+    const BESIDE: f64 = 1e-3;
+    /// An orbit of half the equations solves all of them to this.
+    const SOLVED: f64 = 1e-9;
+    let EventCondition::Margin(_) = &start.system.condition else {
+        return start;
+    };
+    let Some(kept) = orbit.symmetry(point) else {
+        return start;
+    };
+    let plane = start.system.plane.clone().symmetric(kept);
+    let signature = start.system.signature().clone();
+    let half = EventSystem::new(plane, signature, start.system.condition.clone());
+    let solves_all = |(index, by): (usize, f64)| {
+        let index = start.point.len() - 1 - index;
+        let mut beside = newton::Fixed {
+            index,
+            value: start.point[index] + by,
+        };
+        let solved = newton::solve(&half, &mut beside, &start.point, &BEGINS).ok()?;
+        let (all, _) = start.system.orbit_equations(&solved.point).ok()?;
+        Some(all.amax() <= SOLVED)
+    };
+    // a parameter may have its least or largest value at the event
+    let mut places = [(0, BESIDE), (0, -BESIDE), (1, BESIDE), (1, -BESIDE)].into_iter();
+    match places.find_map(solves_all) {
+        Some(true) => CurveStart {
+            system: half,
+            ..start
+        },
+        _ => start,
+    }
+}
+
 /// The event of a system that an earlier run labelled, with its saved orbit.
 ///
 /// # Errors
@@ -296,7 +337,8 @@ pub(super) fn pose_orbit(
         }
         _ => None,
     };
-    pose(plane, orbit, point, (kind, spectral), limits)
+    let start = pose(plane, orbit, point, (kind, spectral), limits)?;
+    Ok(symmetric(start, orbit, point))
 }
 
 /// An event as a result folder tells it.

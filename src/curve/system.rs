@@ -13,7 +13,8 @@
 //! | BP of a symmetric orbit | | det(H + 1) = 0; F of half the orbit, which closes at its image |
 //! | HC of a saddle | a | what arrives of its growing directions, [`crate::affine::connection`] |
 //!
-//! (Moore and Spence for the fold; C is the part of F_x that belongs to the beginning of the next period, where a
+//! Where an orbit that is its own image half a period later meets a GR, CO or SL its image meets it, too, and F is that of half the
+//! orbit, as for a BP. (Moore and Spence for the fold; C is the part of F_x that belongs to the beginning of the next period, where a
 //! perturbation that doubles has the other sign: F_x − 2C is singular where F_x of the orbit traversed twice has a null
 //! vector (v, −v); F_j is the characteristic function of Bloch sector j, M the linearised motion
 //! over a period with the multipliers μ, H that over half of it with the image at its end.) An orbit is posed in one parameter: posed in p₁ it gives all columns but
@@ -173,11 +174,9 @@ impl<P: ParameterPlane> EventSystem<P> {
             let (orbit, own) = self.orbit(point, index)?;
             let mut matrix = Matrix::zeros(count, count + 1);
             orbit.evaluate(&own, residual.as_mut_slice(), &mut matrix)?;
-            if let EventCondition::Spectral(spectral) = &self.condition {
-                let residual = residual.as_mut_slice();
-                self.plane
-                    .restrict(spectral, &orbit, &own, residual, &mut matrix);
-            }
+            let equations = (residual.as_mut_slice(), &mut matrix);
+            self.plane
+                .restrict(&self.condition, &orbit, &own, equations);
             if index == 0 {
                 all.columns_mut(0, count)
                     .copy_from(&matrix.columns(0, count));

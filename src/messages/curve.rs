@@ -80,6 +80,12 @@ fn of_codimension_two(kind: PointType, f: &mut Formatter<'_>) -> fmt::Result {
         PointType::Two(_, EventType::NS) => {
             f.write_str("a pair of multipliers has the product 1 here too")
         }
+        PointType::Two(_, EventType::BP) => {
+            f.write_str("the symmetric orbit loses its symmetry here too")
+        }
+        PointType::Two(_, EventType::GR) => f.write_str(
+            "a guard that is zero where a zone begins has no rate there: beyond it the guard falls below zero within the zone",
+        ),
         kind => write!(f, "{kind}"),
     }
 }

@@ -190,6 +190,19 @@ impl Bernstein {
         first.or_else(second)
     }
 
+    /// A zero between 0 and a place at which the polynomial is negative, where it is positive at 0.
+    pub(crate) fn zero_before(&self, place: f64) -> Option<f64> {
+        let ends = [0.0, place].map(|place| (place, self.value(place)));
+        if !(ends[0].1 > 0.0 && ends[1].1 < 0.0) {
+            return None;
+        }
+        let bracket = Bracket::new(ends[0], ends[1]);
+        let Ok(zero) = zero(bracket, f64::EPSILON * place, |place| {
+            Ok::<_, Infallible>((self.value(place), ()))
+        });
+        Some(zero.bracket.high.0)
+    }
+
     pub(crate) fn value(&self, t: f64) -> f64 {
         let mut row = self.coefficients;
         for level in 0..DEGREE {

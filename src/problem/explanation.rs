@@ -330,8 +330,11 @@ fn help_for_unknown(subject: Subject, section: &str, found: &str, expected: &[&s
     }
 }
 
-/// The end of a message about an unknown name: the nearest ones, and all there are.
+/// The end of a message about an unknown name: the nearest ones, and all there are; nothing where there are none.
 pub(super) fn known(found: &str, expected: &[&str]) -> String {
+    if expected.is_empty() {
+        return String::new();
+    }
     let quoted = |names: &[&str], comma| {
         let names: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
         names.join(comma)

@@ -521,6 +521,21 @@ fn a_contact_that_makes_no_sense_is_refused() {
             "whose friction is not modelled",
         ),
         ("\"e\": 0.5", "\"e\": -0.5", "the restitution is -0.5"),
+        (
+            "Stop(gap: \"d - x\", restitution: \"e\")",
+            "Spring(gap: \"d - x\", stiffness: \"-F\")",
+            "the stiffness is -0.5: it must not be negative",
+        ),
+        (
+            "Stop(gap: \"d - x\", restitution: \"e\")",
+            "Spring(gap: \"d - x\", stiffness: \"1\", damping: \"-F\")",
+            "the damping is -0.5",
+        ),
+        (
+            "Friction(slip: \"v\", bound: \"F\")",
+            "Jenkins(slip: \"v\", stiffness: \"-1\", bound: \"F\")",
+            "the stiffness is -1",
+        ),
         ("slip: \"v\"", "slip: \"v + q\"", "`q` is no state"),
         (
             "\"q\": Friction",
@@ -697,4 +712,41 @@ fn a_closed_branch_ends_where_it_began() {
         values.push(*value);
     }
     assert!(events.len() > 8, "{} events", events.len());
+}
+
+/// A mass with friction grazes a stop at which it turns: its slip is the rate of the gap, and which of the two is located first
+/// is rounding. The event is the graze, in steps of any length, in either order of the states and in any units.
+#[test]
+fn a_graze_is_no_end_of_a_slip() {
+    const STOPPED: &str = r#"(
+        states: ["x", "v"], parameters: {"A": 2.0, "w": 0.6, "F": 0.5, "c": 0.03, "d": 3.0, "e": 0.6}, forcing: "w",
+        contacts: {
+            "q": Friction(slip: "v", bound: "F", static: "1.3*F"),
+            "p": Stop(gap: "d - x", restitution: "e"),
+        },
+        rates: {"x": "v", "v": "A*cos(phase) - x - c*v + q - p"},
+    )"#;
+    let turned = STOPPED.replace(r#"["x", "v"]"#, r#"["v", "x"]"#).replace(
+        r#""x": "v", "v": "A*cos(phase) - x - c*v + q - p""#,
+        r#""v": "A*cos(phase) - x - c*v + q - p", "x": "v""#,
+    );
+    let scaled = STOPPED.replace("d - x", "1000*d - x").replace(
+        "A*cos(phase) - x - c*v + q - p",
+        "1000*(A*cos(phase) + q - p) - x - c*v",
+    );
+    let variants: [(&str, &[f64]); 3] = [
+        (STOPPED, &[0.0, 0.1]),
+        (&turned, &[0.1, 0.0]),
+        (&scaled, &[0.0, 100.0]),
+    ];
+    for (text, state) in variants {
+        for range in [(0.6, 3.5), (1.85, 2.1)] {
+            let seen = met(text, ("forward.open", state, 100.0), ("A", range));
+            let graze = seen
+                .iter()
+                .find(|one| (one.value - 1.964517885341).abs() < 1e-11);
+            let graze = graze.unwrap_or_else(|| panic!("{range:?} of {text}"));
+            assert_eq!(graze.kind, GR, "{range:?} of {text}: {}", graze.what);
+        }
+    }
 }

@@ -213,6 +213,32 @@ fn chattering_ends_at_its_limit() {
     }
 }
 
+/// A ball falls from y = 1 with the acceleration g = 2 and bounces with e = 0.6 until t = 1 + 2·0.6·2/(2·0.4) = 4, where it rests, also
+/// where the last of its flights are looked at on the way: they are at heights below the rounding of the heights before.
+#[test]
+fn the_last_flights_before_a_rest_are_as_short_as_they_are() {
+    let text = r#"(
+        states: ["y", "v"], parameters: {"g": 2.0, "e": 0.6}, contacts: {"p": Stop(gap: "y", restitution: "e")},
+        rates: {"y": "v", "v": "-g + p"},
+    )"#;
+    let system = system(text);
+    let affine = at(&system, &[]);
+    for apart in [10.0, 0.5, 0.01] {
+        let start = place(&system, "open", &[1.0, 0.0], 0.0);
+        let mut motion = Motion::new(&affine, start, 10.0);
+        let (mut last, mut samples) = (0.0, 1);
+        while motion.place().time < 5.0 {
+            match motion.step(apart * f64::from(samples)) {
+                Ok(Step::Switched(switching)) => last = switching.time,
+                Ok(Step::Reached | Step::Section) => samples += 1,
+                Err(halt) => panic!("{halt}"),
+            }
+        }
+        // flights shorter than 1e-12 of a piece are left out
+        assert!((last - 4.0_f64).abs() < 1e-11, "{last} with {apart}");
+    }
+}
+
 /// Oscillations of 10⁻¹² would take 10¹² pieces: the motion says so and ends, whether its flow is exact or integrated.
 #[test]
 fn motions_that_are_too_fast_end() {

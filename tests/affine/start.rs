@@ -296,6 +296,17 @@ fn what_does_not_return_is_refused() {
     let rests = wanted(THERMOSTAT, &[("Q", 1.0)], "Q", 1);
     let refused = from(&rests, "on", &[0.9, 0.3], 0.0, Search::Settles(100.0)).unwrap_err();
     assert!(matches!(refused, NoStart::Rests { .. }), "{refused}");
+    // a spiral into a focus at the rate 0.0089, which is not at rest yet where no switch is waited for any more
+    let spiral = r#"(
+        states: ["x", "y"], parameters: {"mu": -0.12, "nu": 0.3, "s": -0.45},
+        modes: {"flow": (rates: {
+            "x": "2*y + 2*s*x*(1 + x)",
+            "y": "(3*x + 2)*(x + s*y) + (mu - 0.2*nu - nu^2)*y",
+        })},
+    )"#;
+    let spiral = wanted(spiral, &[], "mu", 1);
+    let refused = from(&spiral, "flow", &[-0.5, 0.0], 0.0, Search::Settles(200.0)).unwrap_err();
+    assert!(matches!(refused, NoStart::Rests { .. }), "{refused}");
     // a ball on a table at rest
     let chatters = wanted(BALL, &[("G", 0.0)], "G", 1);
     let refused = from(&chatters, "flight", &[0.0, 1.0], 0.0, Search::Settles(10.0)).unwrap_err();

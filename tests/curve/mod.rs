@@ -4,6 +4,7 @@
 mod closed_form;
 mod command;
 mod connections;
+mod contacts;
 mod cusp;
 mod equations;
 mod equilibria;

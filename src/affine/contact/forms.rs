@@ -2,7 +2,7 @@
 
 use super::forces::Own;
 use super::law::{Law, Products};
-use super::mistake::{ContactMistake, MAX_PRODUCTS};
+use super::mistake::{Coefficient, ContactMistake, MAX_PRODUCTS};
 use crate::affine::dual::{Dual, Measured};
 use crate::affine::evaluation::{FormMode, FormSwitch};
 use crate::affine::expression::Obstacle;
@@ -153,8 +153,8 @@ impl<C: Measured> ContactForms<C> {
         self.names.first().map_or("", String::as_str)
     }
 
-    /// Numbers that make no sense where they are negative: bounds, what a static one has more, restitutions, and what forces do
-    /// to what they act on.
+    /// Numbers that make no sense where they are negative: bounds, what a static one has more, restitutions, stiffnesses,
+    /// dampings, and what forces do to what they act on.
     pub fn signs(&self) -> Vec<C> {
         let influence = self.own.iter().flat_map(|own| {
             let moving = own.kinematics.iter().enumerate();
@@ -166,9 +166,16 @@ impl<C: Measured> ContactForms<C> {
                 let more = more.and_then(Result::ok);
                 [Some(bound.clone()), more].into_iter().flatten().collect()
             }
-            Law::Jenkins { bound, .. } => vec![bound.clone()],
+            Law::Jenkins {
+                bound, stiffness, ..
+            } => vec![bound.clone(), stiffness.clone()],
             Law::Stop { restitution, .. } => vec![restitution.clone()],
-            Law::Spring { .. } => Vec::new(),
+            Law::Spring {
+                stiffness, damping, ..
+            } => [Some(stiffness.clone()), damping.clone()]
+                .into_iter()
+                .flatten()
+                .collect(),
         });
         let numbers = influence.chain(of_laws).filter(Form::is_constant);
         numbers.map(|form| form.constant).collect()
@@ -266,6 +273,21 @@ fn check<C: Measured>(
             }
         }
     };
+    let coefficients = match law {
+        Law::Spring {
+            stiffness, damping, ..
+        } => vec![
+            (Coefficient::Stiffness, Some(stiffness)),
+            (Coefficient::Damping, damping.as_ref()),
+        ],
+        Law::Jenkins { stiffness, .. } => vec![(Coefficient::Stiffness, Some(stiffness))],
+        Law::Friction { .. } | Law::Stop { .. } => Vec::new(),
+    };
+    for (coefficient, form) in coefficients {
+        if let Some(value) = form.and_then(number).filter(|value| *value < 0.0) {
+            return Err(ContactMistake::Coefficient(coefficient, value));
+        }
+    }
     for bound in &bounds {
         if let Some(value) = number(bound).filter(|value| *value < 0.0) {
             return Err(ContactMistake::Bound(value));

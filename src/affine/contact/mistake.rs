@@ -37,6 +37,9 @@ pub enum ContactMistake {
     /// A restitution that has no meaning.
     #[error("the restitution is {0}: it must not be negative")]
     Restitution(f64),
+    /// A stiffness or a damping that has no meaning.
+    #[error("the {0} is {1}: it must not be negative")]
+    Coefficient(Coefficient, f64),
     /// A static bound below the other.
     #[error("the static bound {0} is less than the bound {1}")]
     Static(f64, f64),
@@ -71,4 +74,15 @@ pub enum Kinematic {
     /// The gap.
     #[error("its gap")]
     Gap,
+}
+
+/// What a law multiplies a displacement or its velocity with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, thiserror::Error)]
+pub enum Coefficient {
+    /// Of the displacement.
+    #[error("stiffness")]
+    Stiffness,
+    /// Of the velocity.
+    #[error("damping")]
+    Damping,
 }

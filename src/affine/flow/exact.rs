@@ -194,7 +194,15 @@ impl Exact {
         (left_out * amplitude, 2.0 * f64::EPSILON * amplitude)
     }
 
-    pub fn taylor(&self, guard: usize, z: &Vector, part: f64) -> ([f64; COEFFICIENTS], f64) {
+    /// The coefficients of a guard over the beginning of a piece, and the error of the polynomial without its first
+    /// coefficients, so many, which are known to be zero: the others are rounded in proportion to the part.
+    pub fn taylor(
+        &self,
+        guard: usize,
+        z: &Vector,
+        part: f64,
+        zeros: usize,
+    ) -> ([f64; COEFFICIENTS], f64) {
         let mut taylor = [0.0; COEFFICIENTS];
         for (orders, z) in self.coefficients(guard).iter().zip(z.as_slice()) {
             let pairs = taylor.iter_mut().zip(orders);
@@ -206,6 +214,7 @@ impl Exact {
             power *= part;
         }
         let (left_out, rounding) = self.errors(z, part);
+        let rounding = rounding * part.powi(zeros as i32);
         (taylor, (left_out + rounding) * self.guards[guard].size)
     }
 }

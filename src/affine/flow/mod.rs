@@ -346,14 +346,25 @@ impl ModeFlow {
         piece: &FlowPiece,
         part: f64,
     ) -> ([f64; COEFFICIENTS], f64) {
+        self.taylor_beyond(guard, piece, part, 0)
+    }
+
+    /// The same, and what the polynomial without its first coefficients, so many, leaves out where these are zero.
+    fn taylor_beyond(
+        &self,
+        guard: usize,
+        piece: &FlowPiece,
+        part: f64,
+        zeros: usize,
+    ) -> ([f64; COEFFICIENTS], f64) {
         match (&self.exact, &piece.course) {
             (Some(exact), PieceMotion::Slow(index, at)) => {
                 let (way, slow) = &exact.stiff[*index];
-                let (taylor, remainder) = slow.taylor(guard, &at.slow, part);
+                let (taylor, remainder) = slow.taylor(guard, &at.slow, part, zeros);
                 let left_out = way.of_fast(&self.guards[guard]) * at.left_out;
                 (taylor, remainder + left_out)
             }
-            (Some(exact), _) => exact.taylor(guard, &piece.z, part),
+            (Some(exact), _) => exact.taylor(guard, &piece.z, part, zeros),
             (None, PieceMotion::Series(series)) => {
                 polynomial(series, &self.guards[guard], part * piece.length)
             }
@@ -438,7 +449,7 @@ impl ModeFlow {
         order: usize,
         part: f64,
     ) -> Option<f64> {
-        let (mut taylor, remainder) = self.taylor(guard, piece, part);
+        let (mut taylor, remainder) = self.taylor_beyond(guard, piece, part, order);
         taylor[..order].fill(0.0);
         taylor.rotate_left(order);
         // most guards are far from zero most of the time
@@ -446,7 +457,8 @@ impl ModeFlow {
         if taylor[0] > others + remainder {
             return None;
         }
-        let place = Bernstein::from_taylor(&taylor, remainder).first_crossing()?;
+        let polynomial = Bernstein::from_taylor(&taylor, remainder);
+        let place = polynomial.first_crossing()?;
         let time = place * part * piece.length;
         if order > 0 {
             return Some(time);
@@ -468,6 +480,11 @@ impl ModeFlow {
         };
         let better = time - value / slope;
         let close = (better - time).abs() <= POLISHED * piece.length;
-        Some(if close { better.max(0.0) } else { time })
+        if close {
+            return Some(better.max(0.0));
+        }
+        // a guard that is hardly above zero at the beginning of the piece falls below its noise long after its zero
+        let zero = polynomial.zero_before(place);
+        Some(zero.map_or(time, |zero| zero * part * piece.length))
     }
 }

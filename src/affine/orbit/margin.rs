@@ -2,12 +2,13 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::layout::OrbitAt;
+use super::layout::{AffineOrbit, OrbitAt};
 use super::passage::{Jet, Passage};
 use super::setting::OrbitFailure;
 
 use super::signature::exit_of;
 use crate::affine::mode::{AffineMode, Row};
+use crate::linalg::Vector;
 
 /// What a margin measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -171,6 +172,16 @@ impl OrbitAt<'_> {
         Some(self.margin(watch, zone, 0.0, &jet, factor))
     }
 
+    /// The derivative of a guard just after the entry that follows the one of its margin, scaled as that.
+    fn onset_rate(&self, guard: usize, zone: usize) -> Result<Option<f64>, OrbitFailure> {
+        let passage = self.passage(zone, self.zones[zone].duration)?;
+        let row = &self.mode(zone).guards[guard].row;
+        let order = self.posed.facts[zone].at_entry[guard].unwrap_or(0) + 1;
+        let factor = self.orbit.setting.scales.time.powi(order as i32) / self.orbit.size(row);
+        let jet = passage.derivatives_at_entry(row, order, 1).pop();
+        Ok(jet.map(|jet| factor * jet.value))
+    }
+
     /// Of the conditions of an exit that must not be taken the one that fails most.
     fn earlier(&self, zone: usize, conditions: &[Row], passage: &Passage) -> Earlier {
         let open = conditions
@@ -207,5 +218,12 @@ impl OrbitAt<'_> {
         let passage = self.passage(seen.zone, self.zones[seen.zone].duration)?;
         let margin = self.edge(seen.watch, seen.zone, &passage);
         Ok(margin.unwrap_or_else(|| seen.clone()))
+    }
+}
+
+impl AffineOrbit {
+    /// The derivative of a guard just after the entry of a zone that follows the one of its margin, scaled as that.
+    pub fn onset_rate(&self, point: &Vector, guard: usize, zone: usize) -> Option<f64> {
+        self.at(point).ok()?.onset_rate(guard, zone).ok()?
     }
 }

@@ -151,12 +151,14 @@ impl Orbit for AffineOrbit {
     }
 
     /// A zone without length says most, then a switch without speed: where an orbit that is traversed several
-    /// times grazes, every traversal touches, and the one that has touched before goes first.
+    /// times grazes, every traversal touches, and the one that has touched before goes first. With the speed of a switch that
+    /// of the next entry may vanish, the slip after a reset that turns it.
     fn precedence(margin: &Margin) -> usize {
         match margin.watch {
             Watch::Duration => 0,
-            Watch::Speed | Watch::Onset(_) => 1,
-            _ => 2,
+            Watch::Speed => 1,
+            Watch::Onset(_) => 2,
+            _ => 3,
         }
     }
 

@@ -83,6 +83,8 @@ struct Link {
     closes: f64,
     /// How fast the guard falls, scaled to order one.
     fall: f64,
+    /// Whether the jump grows without bound as that comes to zero.
+    has_pole: bool,
     /// How much larger an error of the state is in the jump, which is divided by that.
     magnified: f64,
 }
@@ -94,6 +96,8 @@ pub struct Monodromy {
     own: Vec<Multiplier>,
     /// How fast every guard falls at the end of its zone, scaled to order one.
     falls: Vec<f64>,
+    /// Whether one of these is zero and a jump infinite with it.
+    grazes: bool,
     /// Dimensions that are taken away.
     zeros: usize,
     /// Dimensions in which everything stays: the shift in time without forcing, and what is kept of the start.
@@ -159,6 +163,9 @@ impl OrbitAt<'_> {
             ..
         } = saltation;
         let jumps = slow.as_ref().map_or(&shift, |(ratios, _)| ratios);
+        // what is a ratio by the structure does not grow as the speed falls, nor does it change its sign with that
+        let has_pole = slow.as_ref().is_none_or(|(_, by)| *by > 0.0);
+        let speed = if has_pole { speed } else { speed.abs() };
         let (jump, lost, fall) = match self.onto_surface(zone + 1) {
             // however slowly the motion comes to where sliding begins
             Some(surface) if self.comes_straight(zone) => (surface, 1, 1.0),
@@ -190,6 +197,7 @@ impl OrbitAt<'_> {
                 after,
             }),
             fall,
+            has_pole,
             magnified,
         }
     }
@@ -233,6 +241,7 @@ impl OrbitAt<'_> {
                 after: passage.rate.rows(0, self.orbit.states()).into_owned(),
             }),
             fall: 1.0,
+            has_pole: false,
             magnified: 1.0,
         }
     }
@@ -284,6 +293,8 @@ impl OrbitAt<'_> {
     /// The linearised motion over links in a row.
     fn over(&self, links: Vec<Link>) -> Option<Monodromy> {
         let falls = links.iter().map(|link| link.fall).collect();
+        let is_at_pole = |link: &Link| link.has_pole && link.fall <= AT_ZERO;
+        let grazes = links.iter().any(is_at_pole);
         let mut factors = Vec::with_capacity(2 * links.len());
         // ẋ at the beginning, and after every factor
         let mut rates: Vec<Vector> = Vec::with_capacity(2 * links.len() + 1);
@@ -345,6 +356,7 @@ impl OrbitAt<'_> {
         Some(Monodromy {
             own: own.collect(),
             falls,
+            grazes,
             zeros: zeros + conserved.held(),
             ones: conserved.count() + usize::from(shifts),
         })
@@ -461,11 +473,10 @@ impl Monodromy {
             let factors = pairs(values.len()).map(|(i, j)| 1.0 - values[i] * values[j]);
             factors.product::<Complex<f64>>().re
         };
-        let grazes = self.falls.iter().any(|fall| *fall <= AT_ZERO);
         let tests = [
             shifted(1.0),
             shifted(-1.0),
-            if grazes { 0.0 } else { torus() },
+            if self.grazes { 0.0 } else { torus() },
         ];
         let finite = |test: f64| if test.is_finite() { test } else { 0.0 };
         tests.map(finite)

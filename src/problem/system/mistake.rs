@@ -98,9 +98,10 @@ fn about_contact(mistake: &ContactMistake) -> String {
             format!("write `- {name}` where the gap is `d - x` and `+ {name}` where it is `x - d`")
         }
         ContactMistake::Massless => "let the force stand in the rate of a velocity".to_owned(),
-        ContactMistake::Bound(_) | ContactMistake::Restitution(_) | ContactMistake::Static(..) => {
-            "change the parameters that it depends on".to_owned()
-        }
+        ContactMistake::Bound(_)
+        | ContactMistake::Restitution(_)
+        | ContactMistake::Coefficient(..)
+        | ContactMistake::Static(..) => "change the parameters that it depends on".to_owned(),
         ContactMistake::BoundChanges => "write a number, or a parameter".to_owned(),
         ContactMistake::Impulse => {
             "let the restitution be 0, or let the bound depend on a `Spring`".to_owned()

@@ -286,6 +286,14 @@ fn monitors_are_marked_where_they_are_wrong() {
     assert_eq!(wrongly_refused(&monitored(), &cases).join("\n"), "");
 }
 
+/// Of what has no names none is listed.
+#[test]
+fn a_list_of_known_names_is_not_empty() {
+    let text = edited(FULL, "(A: 0.45)]", "(A: 0.45), (\"peak\", 0.9)]");
+    let error = parse_any(&text, "p.ron").unwrap_err();
+    assert!(error.message().ends_with("`peak` is no monitor"), "{error}");
+}
+
 #[test]
 fn names_are_marked_where_they_are_wrong() {
     #[rustfmt::skip]

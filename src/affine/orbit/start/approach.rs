@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use super::failure::NoStart;
 use super::guess::{FROM_A_GUESS, OrbitGuess};
-use super::rest::{ENDLESS, moves, rests};
+use super::rest::{ENDLESS, moves, rests, speed};
 use super::returns::{Recurrence, Returns, returning};
 use super::switches::{closed, from_switch, next_switch, run, sizes};
 use super::{Beginning, Search, Wanted};
@@ -157,13 +157,15 @@ impl<'a> Approach<'a> {
             Ok(guess) => return Ok(guess),
             Err(reason) => reason,
         };
+        if let NoStart::Leaves { time } = reason
+            && self.comes_to_rest()
+        {
+            let place = self.motion.place().clone();
+            return Err(NoStart::Rests { time, place });
+        }
         let here = self.motion.place();
         let rests = |place: &Place| rests(self.system, place, &self.beginning.state);
         match reason {
-            NoStart::Leaves { time } if rests(here) => {
-                let place = here.clone();
-                Err(NoStart::Rests { time, place })
-            }
             // of what decays for ever numbers are lost in the end
             NoStart::Halted(_) if rests(&settled) => {
                 let (time, place) = (settled.time, settled);
@@ -176,6 +178,31 @@ impl<'a> Approach<'a> {
             }
             reason => Err(reason),
         }
+    }
+
+    /// Whether the motion, which does not switch, rests where it is, or does so in the end: its rates fall in every further
+    /// interval of as long a time as was waited for a switch, as those of a slow spiral do.
+    fn comes_to_rest(&mut self) -> bool {
+        /// Intervals at most, and by how much rates fall in each: they turn with the motion.
+        const INTERVALS: usize = 8;
+        const FALLS: f64 = 0.1;
+        let mut before = f64::INFINITY;
+        for _ in 0..INTERVALS {
+            let here = self.motion.place();
+            if rests(self.system, here, &self.beginning.state) {
+                return true;
+            }
+            let now = speed(self.system, here);
+            if now > FALLS * before {
+                return false;
+            }
+            before = now;
+            let until = here.time + self.settle.max(ENDLESS);
+            if !matches!(self.motion.step(until), Ok(Step::Reached)) {
+                return false;
+            }
+        }
+        false
     }
 
     fn returning_to_switch(&mut self) -> Result<OrbitGuess, NoStart> {

@@ -15,9 +15,14 @@ pub(super) const ENDLESS: f64 = 1000.0;
 pub(super) fn rests(system: &AffineSystem, place: &Place, begun: &[f64]) -> bool {
     let states = begun.iter().chain(&place.state);
     let size = states.fold(0.0_f64, |size, x| size.max(x.abs()));
+    speed(system, place) * ENDLESS <= RETURNED * size
+}
+
+/// The largest rate of a state at a place.
+pub(super) fn speed(system: &AffineSystem, place: &Place) -> f64 {
     let z = system.lift(place.mode, &place.state, place.phase);
     let rates = &system.modes[place.mode].matrix.at * z;
-    rates.rows(0, system.states).amax() * ENDLESS <= RETURNED * size
+    rates.rows(0, system.states).amax()
 }
 
 /// The states that stand still for ever in the mode of a place, whatever the others and the phase do, if one of them could
