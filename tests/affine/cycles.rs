@@ -102,6 +102,52 @@ fn a_cycle_doubles() {
     meets(&seen, &expected, 1e-13);
 }
 
+/// The doubled cycles come back to the single one where they were born: a doubling, which says that the orbit has become one of half
+/// its period, and the end, not the single cycle traversed twice.
+#[test]
+fn doubled_cycles_end_where_they_are_born() {
+    let roessler = r#"(states: ["x", "y", "z"], parameters: {"a": 0.2, "b": 0.2, "c": 3.3}, modes: {"flow": (
+        rates: {"x": "-y - z", "y": "x + a*y", "z": "b + z*(x - c)"})})"#;
+    let lorenz = r#"(states: ["x", "y", "z"], parameters: {"r": 227.0, "s": 10.0, "b": 2.6666666666666665}, modes: {"flow": (
+        rates: {"x": "s*(y - x)", "y": "r*x - y - x*z", "z": "x*y - b*z"})})"#;
+    for (text, parameter, range, state, up, place, known) in [
+        (
+            roessler,
+            "c",
+            (2.5, 4.0),
+            [1.0, 1.0, 0.0],
+            false,
+            2.832_445_027_862_538_9,
+            1e-12,
+        ),
+        (
+            lorenz,
+            "r",
+            (200.0, 345.0),
+            [10.0, 10.0, 200.0],
+            true,
+            229.406_708_561_44,
+            1e-10,
+        ),
+    ] {
+        let start = started(text, (parameter, range), &state, Search::Settles(400.0));
+        let (orbit, point) = start.unwrap();
+        let (seen, all) = follow(&orbit, &point, up, range, 400);
+        let kinds: Vec<EventType> = seen.iter().map(|one| one.kind).collect();
+        assert_eq!(kinds, [PD]);
+        assert!(
+            (seen[0].value / place - 1.0).abs() <= known,
+            "{:e}",
+            seen[0].value - place
+        );
+        let what = all.last().unwrap().special.as_ref().unwrap().to_string();
+        assert!(
+            what.contains("1/2 of its period, traversed 2 times"),
+            "{what}"
+        );
+    }
+}
+
 /// Langford's field without its last term: a circle at z = b, on which z stands still, whatever the order of the states.
 #[test]
 fn a_state_may_stand_still_on_a_cycle() {

@@ -6,6 +6,7 @@
 mod bounds;
 mod branches;
 mod clocks;
+mod closings;
 mod contacts;
 mod counts;
 mod crossings;

@@ -1,11 +1,32 @@
 //! A branch may begin at a mismatch where its wave is not slip-stick any more.
 
 use brakewave::branch::first_wave::first_wave;
-use brakewave::tube::model::Parameter;
+use brakewave::tube::model::{FrictionLaw, Model, Parameter};
 use brakewave::tube::wave::start::Which;
 
 use crate::waves::branches::{STEPS, fast_in_mismatch, lengths, mode4, speed};
 use crate::waves::observed;
+
+/// The slow wave of a static coefficient above the kinetic one, whose slip grows a hundredfold: speeds of a closed form of the
+/// slip by an independent program.
+#[test]
+fn the_slow_wave_has_a_static_friction() {
+    for (ratio, expected) in [
+        (1.01, -1.048_049_634_6),
+        (1.1, -1.050_267_740_3),
+        (1.2, -1.054_865_999_4),
+        (1.3, -1.066_385_698_8),
+    ] {
+        let model = Model {
+            law: FrictionLaw::Static { ratio },
+            ..mode4(0.8)
+        };
+        let found = first_wave(&model, Parameter::Mismatch, 4, Which::Slow, 1.0, STEPS);
+        let (wave, point) = found.unwrap_or_else(|reason| panic!("{ratio}: {reason}"));
+        let off = wave.speed_at(&point) - expected;
+        assert!(off.abs() <= 1e-10, "{ratio}: {off:e}");
+    }
+}
 
 /// Both waves are polished solutions of one system: they differ by rounding times its condition.
 #[test]
