@@ -247,13 +247,21 @@ pub struct Target {
 
 /// Relative distance at which a point lies on a target.
 const ON_TARGET: f64 = 1e-13;
+/// Distance in the unit of the unknown at which it lies on an edge.
+const ON_EDGE: f64 = 8.0 * f64::EPSILON;
 
 impl Target {
     /// Whether the way from one point to another meets the target. A beginning on the target has met it
     /// already, unless it is an edge and the way leads out.
     fn is_met(&self, one: &Vector, other: &Vector) -> bool {
         let (before, after) = (one[self.index] - self.value, other[self.index] - self.value);
-        if before.abs() <= ON_TARGET * self.value.abs().max(f64::MIN_POSITIVE) {
+        // an edge at zero is met to rounding of the range, by what was solved for
+        let least = if self.outside == 0.0 {
+            f64::MIN_POSITIVE
+        } else {
+            ON_EDGE
+        };
+        if before.abs() <= (ON_TARGET * self.value.abs()).max(least) {
             return after * self.outside > 0.0;
         }
         before * after <= 0.0
@@ -283,5 +291,33 @@ impl Target {
             Some(place)
         };
         pairs.map(place).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A beginning that is solved for lies on an edge to rounding, on either side of it: the way out meets the edge, the way in does
+    /// not, whatever the value of the edge.
+    #[test]
+    fn an_edge_is_met_on_the_way_out_alone() {
+        for value in [0.0, 1.0, -0.3] {
+            for outside in [-1.0, 1.0] {
+                let edge = Target {
+                    index: 0,
+                    value,
+                    outside,
+                };
+                for rounding in [-1.2e-16, 0.0, 1.2e-16] {
+                    let at = |x: f64| Vector::from_element(1, x);
+                    let begin = at(value + rounding);
+                    assert!(edge.is_met(&begin, &at(value + 0.1 * outside)));
+                    assert!(!edge.is_met(&begin, &at(value - 0.1 * outside)));
+                }
+                let inside = Vector::from_element(1, value - 0.1 * outside);
+                assert!(edge.is_met(&inside, &Vector::from_element(1, value + 0.1 * outside)));
+            }
+        }
     }
 }

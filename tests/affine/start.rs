@@ -457,6 +457,20 @@ fn the_least_period_is_found() {
     assert_eq!(orbit.zones(), 4);
 }
 
+/// Impacts that count themselves, set back at every 250th: the orbit has as many zones, and no fewer.
+#[test]
+fn an_orbit_of_many_periods_starts() {
+    let counted = r#"(states: ["x", "v", "k"], parameters: {"A": 1.0}, forcing: "1", modes: {"free": (
+        rates: {"x": "v", "v": "A*cos(phase) - 0.1*v - x", "k": "0"}, until: [
+            (zero: "1 - x", to: "free", reset: {"v": "-0.8*v", "k": "0"}, if: ["k - 248.5"]),
+            (zero: "1 - x", to: "free", reset: {"v": "-0.8*v", "k": "k + 1"})])})"#;
+    let wanted = wanted(counted, &[], "A", 250);
+    let (orbit, point) = from(&wanted, "free", &[0.0; 3], 0.0, Search::Settles(1000.0)).unwrap();
+    assert_eq!((orbit.setting.periods, orbit.zones()), (250, 250));
+    let period = orbit.cycle(&point).unwrap().period;
+    assert!((period / (250.0 * TAU) - 1.0).abs() <= 1e-12);
+}
+
 /// A guard that is zero all along is named as the file has it.
 #[test]
 fn what_is_stuck_is_named() {

@@ -4,7 +4,7 @@ use super::failure::NoStart;
 use crate::affine::motion::{Motion, Place, Step, Switching};
 
 /// Most switches of one orbit.
-pub(super) const MOST_SWITCHES: usize = 200;
+pub(super) const MOST_SWITCHES: usize = 400;
 
 /// Switches of a motion, each with the place where the next zone begins.
 pub(super) type Switches = Vec<(Switching, Place)>;
@@ -18,12 +18,12 @@ pub(super) fn from_switch(
     const LATE: f64 = 1.25;
     let begin = motion.place().clone();
     let switches = run(motion, begin.time + LATE * time)?;
-    if switches.len() > MOST_SWITCHES {
-        return Err(NoStart::Switches(switches.len()));
-    }
     let off = |index: &usize| (switches[*index].0.time - begin.time - time).abs();
     let last = (0..switches.len()).min_by(|one, other| off(one).total_cmp(&off(other)));
     let last = last.ok_or(NoStart::Leaves { time: begin.time })?;
+    if last >= MOST_SWITCHES {
+        return Err(NoStart::Switches(last + 1));
+    }
     let mut place = begin;
     let zones = switches
         .into_iter()
