@@ -55,6 +55,35 @@ fn a_cycle_is_found_from_wherever() {
 }
 
 /// An equilibrium is no orbit, and a motion that comes to one has none.
+/// The unit of time makes no difference, nor does it to how long is waited for a switch that no mode has.
+#[test]
+fn a_cycle_is_found_in_any_unit_of_time() {
+    let slow = started(
+        VAN_DER_POL,
+        ("mu", (0.5, 2.0)),
+        &[1.0, 0.0],
+        Search::Settles(60.0),
+    );
+    let (orbit, point) = slow.unwrap();
+    let expected = period(&orbit, &point);
+    for unit in [1e2, 1e4] {
+        let text = VAN_DER_POL.replace(
+            "\"v\": \"mu*(1 - x^2)*v - x\"",
+            &format!("\"v\": \"{unit:?}*(mu*(1 - x^2)*v - x)\""),
+        );
+        let text = text.replace("\"x\": \"v\"", &format!("\"x\": \"{unit:?}*v\""));
+        let fast = started(
+            &text,
+            ("mu", (0.5, 2.0)),
+            &[1.0, 0.0],
+            Search::Settles(60.0 / unit),
+        );
+        let (orbit, point) = fast.unwrap_or_else(|reason| panic!("{unit:e}: {reason}"));
+        let off = period(&orbit, &point) * unit / expected - 1.0;
+        assert!(off.abs() <= 1e-12, "{unit:e}: {off:e}");
+    }
+}
+
 #[test]
 fn an_equilibrium_is_no_cycle() {
     let text = r#"(states: ["x", "v"], parameters: {"k": 1.0}, modes: {"flow": (

@@ -197,7 +197,7 @@ impl<'a> Approach<'a> {
                 return false;
             }
             before = now;
-            let until = here.time + self.settle.max(ENDLESS);
+            let until = here.time + self.longest();
             if !matches!(self.motion.step(until), Ok(Step::Reached)) {
                 return false;
             }
@@ -205,8 +205,20 @@ impl<'a> Approach<'a> {
         false
     }
 
+    /// How long the next switch is waited for. Where a mode has none the motion settles further in that time, which is then so many
+    /// times that for which it was asked to settle: in whatever unit of time.
+    fn longest(&self) -> f64 {
+        const FURTHER: f64 = 40.0;
+        let mode = &self.system.modes[self.motion.place().mode];
+        let further = match mode.guards.is_empty() && self.settle > 0.0 {
+            true => ENDLESS.min(FURTHER * self.settle),
+            false => ENDLESS,
+        };
+        self.settle.max(further)
+    }
+
     fn returning_to_switch(&mut self) -> Result<OrbitGuess, NoStart> {
-        let longest = self.settle.max(ENDLESS);
+        let longest = self.longest();
         let (first, _) = next_switch(&mut self.motion, longest)?;
         let most = self.periods() as usize;
         let recurrence = Recurrence::Switch(first, longest);
