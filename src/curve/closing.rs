@@ -6,7 +6,6 @@
 //! the duration of the zone: the polynomial through points with a longer zone meets the end.
 
 use super::event::{EventCurve, Stage};
-use super::located::StepEvent;
 use super::plane::{MarginOf, ParameterPlane};
 use crate::continuation::limit::limit;
 use crate::continuation::locate::{self, Place};
@@ -42,7 +41,7 @@ type Shrinking = Vec<(Place, f64)>;
 
 impl<P: ParameterPlane> EventCurve<P> {
     /// Where a zone shrinks to nothing within a step at a place that its own zero does not meet.
-    pub(super) fn closing(&self, step: &Stage<P>) -> Option<(Place, StepEvent<P>)> {
+    pub(super) fn closing(&self, step: &Stage<P>) -> Option<(Place, Closing<P>)> {
         let value = P::Orbit::value;
         let margins = step.after.examination.margins().iter();
         let mut closing = margins.filter(|margin| {
@@ -64,7 +63,7 @@ impl<P: ParameterPlane> EventCurve<P> {
         step: &Stage<P>,
         margin: &MarginOf<P>,
         before: f64,
-    ) -> Option<(Place, StepEvent<P>)> {
+    ) -> Option<(Place, Closing<P>)> {
         let limits = LONGEST.iter().filter_map(|longest| {
             let samples = self.shrinking(step, margin, before, *longest)?;
             let points = samples.iter();
@@ -97,7 +96,7 @@ impl<P: ParameterPlane> EventCurve<P> {
             nearest,
             vanishing: vanishing.map(P::key).collect(),
         };
-        Some((place, StepEvent::Closing(closing)))
+        Some((place, closing))
     }
 
     /// Points of the curve at which the zone takes up to so long, the nearest to its end last.

@@ -127,16 +127,17 @@ impl<P: ParameterPlane> Curve for EventCurve<P> {
         let mut located = self.edges(step).ok_or(CurveRefusal::NotLocated)?;
         let closing = self.closing(step);
         let (with_zone, signs) = match &closing {
-            Some((_, StepEvent::Closing(closing))) => (
+            Some((_, closing)) => (
                 &closing.vanishing[..],
                 self.signs_before(step, &closing.nearest)?,
             ),
-            _ => (&[][..], self.signs(step)?),
+            None => (&[][..], self.signs(step)?),
         };
         let ends = |event: &StepEvent<P>| matches!(event, StepEvent::Other(test) if test.ends);
         let is_ended = signs.iter().any(|(_, event)| ends(event));
         located.extend(self.margins(step, with_zone, is_ended)?);
         located.extend(signs);
+        let closing = closing.map(|(place, closing)| (place, StepEvent::Closing(closing)));
         located.extend(closing);
         located.extend(self.limit(step)?);
         // what is located accounts for the number, or ends the step before its end

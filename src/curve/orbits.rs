@@ -511,10 +511,12 @@ impl ParameterPlane for OrbitsInPlane {
             Watch::Onset(guard) if lasts(*zone) => Some((*guard, *zone)),
             _ => None,
         });
-        let tests = onsets.map(|(guard, zone)| Test {
-            kind: Some(PointType::One(EventType::GR)),
-            value: orbit.onset_rate(point, guard, zone).unwrap_or(f64::NAN),
-            ends: true,
+        let tests = onsets.filter_map(|(guard, zone)| {
+            Some(Test {
+                kind: Some(PointType::One(EventType::GR)),
+                value: orbit.onset_rate(point, guard, zone)?,
+                ends: true,
+            })
         });
         tests.collect()
     }

@@ -7,7 +7,7 @@ use super::passage::{Jet, Passage};
 use super::setting::OrbitFailure;
 
 use super::signature::exit_of;
-use crate::affine::mode::{AffineMode, Row};
+use crate::affine::mode::{AffineMode, Exit, Row};
 use crate::linalg::Vector;
 
 /// What a margin measures.
@@ -222,8 +222,14 @@ impl OrbitAt<'_> {
 }
 
 impl AffineOrbit {
-    /// The derivative of a guard just after the entry of a zone that follows the one of its margin, scaled as that.
+    /// The derivative of a guard just after the entry of a zone that follows the one of its margin, scaled as that; `None` where a
+    /// reset has led there, which gives the guard a speed of its own.
     pub fn onset_rate(&self, point: &Vector, guard: usize, zone: usize) -> Option<f64> {
-        self.at(point).ok()?.onset_rate(guard, zone).ok()?
+        let at = self.at(point).ok()?;
+        let exit = exit_of(&at.posed.system, &self.sequence, zone + self.zones() - 1);
+        if !exit.is_some_and(Exit::is_continuous) {
+            return None;
+        }
+        at.onset_rate(guard, zone).ok()?
     }
 }

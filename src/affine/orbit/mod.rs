@@ -375,15 +375,15 @@ impl Orbit for AffineOrbit {
     }
 
     fn repeats(&self, node: &Node) -> Option<(Critical, OrbitStop)> {
-        let times = self.traversals(&node.point);
-        if times > 1 {
-            return Some((Critical::Repeats { times }, OrbitStop::Repeats { times }));
-        }
+        // a point is the same after every part of its period
         if self.is_point(&node.point) {
             return Some((Critical::Shrinking, OrbitStop::Shrinks));
         }
-        let vanishing = self.comes_to_a_point(node, NEARLY_A_POINT)?;
-        Some((vanishing.special(), vanishing.stop()))
+        if let Some(vanishing) = self.comes_to_a_point(node, NEARLY_A_POINT) {
+            return Some((vanishing.special(), vanishing.stop()));
+        }
+        let times = self.traversals(&node.point);
+        (times > 1).then_some((Critical::Repeats { times }, OrbitStop::Repeats { times }))
     }
 
     fn vanishes(&self, node: &Node) -> Option<(f64, f64)> {

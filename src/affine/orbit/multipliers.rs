@@ -164,7 +164,7 @@ impl OrbitAt<'_> {
         } = saltation;
         let jumps = slow.as_ref().map_or(&shift, |(ratios, _)| ratios);
         // what is a ratio by the structure does not grow as the speed falls, nor does it change its sign with that
-        let has_pole = slow.as_ref().is_none_or(|(_, by)| *by > 0.0);
+        let has_pole = !exit.is_continuous() || slow.as_ref().is_none_or(|(_, by)| *by > 0.0);
         let speed = if has_pole { speed } else { speed.abs() };
         let (jump, lost, fall) = match self.onto_surface(zone + 1) {
             // however slowly the motion comes to where sliding begins

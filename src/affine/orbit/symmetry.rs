@@ -126,13 +126,20 @@ impl AffineOrbit {
     /// Whether an orbit has a symmetry that one before it on the branch lacks.
     pub(super) fn becomes_symmetric(&self, before: &Vector, point: &Vector) -> bool {
         let own = self.image_in_half(point, ALMOST).flatten();
-        own.is_some() && self.image_in_half(before, LACKS).is_none()
+        own.is_some() && self.image_in_half(before, LACKS).is_none() && !self.is_small(point)
     }
 
     /// Whether a step leads from a branch to one that it ends on, beyond the place where it would turn back: from an orbit to one of
     /// half its period or to a symmetric one.
     pub(super) fn falls(&self, before: &Vector, point: &Vector) -> bool {
-        self.image_in_half(point, LACKS).is_some() && self.image_in_half(before, IMAGE).is_none()
+        self.image_in_half(point, LACKS).is_some()
+            && self.image_in_half(before, IMAGE).is_none()
+            && !self.is_small(point)
+    }
+
+    /// Whether an orbit is so small that any image is near to it.
+    fn is_small(&self, point: &Vector) -> bool {
+        self.varies_within(point, 10.0 * ALMOST)
     }
 
     /// Where a symmetric orbit loses its symmetry between two arclengths of a step, and the error of the parameter there.
