@@ -556,7 +556,7 @@ fn better_known<O: Orbit>(
     };
     all.iter().filter(better).find_map(|(other, known)| {
         let margin = at.margin_at(orbit, &other.node.point).ok()?;
-        let together = O::value(&margin).abs() <= rounding(orbit, place, &margin);
+        let together = O::value(margin).abs() <= rounding(orbit, place, margin);
         together.then(|| {
             let located = LocatedEvent {
                 event: BranchEvent::Change(margin.clone()),
