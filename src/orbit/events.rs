@@ -27,9 +27,10 @@ const TURN: f64 = 1e-3;
 /// An event known less well than this, relative to the parameter or its range, is not reported;
 /// rounding at the stiff end leaves 1e-9. With a coarse tolerance: than this many tolerances.
 const UNCERTAIN: f64 = 1e-6;
-/// One known less well than this is looked for again, where others that vanish with it are.
-const BADLY: f64 = 1e-9;
 const MOST_UNCERTAIN: f64 = 1e4;
+
+/// Beside a change known less well than this, relative to the same, others that vanish with it are looked for.
+const BADLY: f64 = 1e-9;
 
 /// A margin below this at a point is zero but for rounding.
 pub(super) fn rounding<O: Orbit>(orbit: &O, place: &Place, margin: &O::Margin) -> f64 {
