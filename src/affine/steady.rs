@@ -119,8 +119,8 @@ struct NewtonStep {
     /// Derivatives of the rates, and those of the equations that are solved; these include those of surfaces.
     slopes: Matrix,
     square: Matrix,
-    /// The derivatives within the surfaces.
-    within: Matrix,
+    /// The surfaces of the mode there.
+    surfaces: Surfaces,
     /// What a rounding of every equation is relative to.
     sizes: Vector,
     /// Whether every rate is zero to rounding.
@@ -135,7 +135,7 @@ struct RestState {
     /// What each state is known to.
     error: Vector,
     slopes: Matrix,
-    within: Matrix,
+    surfaces: Surfaces,
     isolation: Isolation,
 }
 
@@ -228,7 +228,7 @@ impl AffineSystem {
             error: step.next.abs() * ROUNDING,
             state: step.next,
             slopes: step.slopes,
-            within: step.within,
+            surfaces: step.surfaces,
             isolation: Isolation::Simple,
         })
     }
@@ -326,7 +326,7 @@ impl AffineSystem {
             state: state.clone(),
             error: error.unwrap_or_else(|| state.abs() * f64::EPSILON),
             slopes: step.slopes,
-            within: step.within,
+            surfaces: step.surfaces,
             isolation,
         }
     }
@@ -372,8 +372,8 @@ impl AffineSystem {
             || Some(state - pseudo_inverse(&square, 1e-13)? * (&square * state - &values));
         Some(NewtonStep {
             next: solved.or_else(nearest)?,
-            within: surfaces.within(&slopes),
             slopes,
+            surfaces,
             square,
             sizes: of_square,
             rests,
@@ -382,7 +382,7 @@ impl AffineSystem {
     }
 
     fn equilibrium(&self, mode: usize, rest: &RestState) -> Equilibrium {
-        let known = known_eigenvalues(&rest.within).unwrap_or_default();
+        let known = known_eigenvalues(&rest.surfaces.within(&rest.slopes)).unwrap_or_default();
         // one eigenvalue of a degenerate equilibrium is zero, and only another that grows decides
         let is_simple = rest.isolation == Isolation::Simple;
         let least = known

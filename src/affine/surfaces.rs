@@ -11,7 +11,7 @@ const NOTHING: f64 = 1e-12;
 
 /// One of the surfaces.
 #[derive(Clone, Debug)]
-struct Surface {
+struct KeptSurface {
     /// Its number.
     form: usize,
     /// The state that it gives by the others.
@@ -23,14 +23,14 @@ struct Surface {
 /// Surfaces through a place, each with a state that it gives.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Surfaces {
-    all: Vec<Surface>,
+    all: Vec<KeptSurface>,
 }
 
 impl Surfaces {
     /// Those of forms with these gradients, each with the state by which it changes most in the units of the states. One that
     /// is zero where those before it are is none.
     pub fn new(gradients: &[Vector], units: &Vector) -> Surfaces {
-        let mut all: Vec<Surface> = Vec::with_capacity(gradients.len());
+        let mut all: Vec<KeptSurface> = Vec::with_capacity(gradients.len());
         for (form, gradient) in gradients.iter().enumerate() {
             let size = gradient.component_mul(units).amax();
             let mut gradient = gradient.clone();
@@ -40,7 +40,7 @@ impl Surfaces {
                 continue;
             }
             let state = scaled.iamax();
-            let own = Surface {
+            let own = KeptSurface {
                 form,
                 state,
                 gradient,
@@ -92,7 +92,7 @@ impl Surfaces {
     }
 }
 
-impl Surface {
+impl KeptSurface {
     /// Takes as much of it from a gradient as leaves nothing of the state that it gives.
     fn clear(&self, gradient: &mut Vector) {
         let factor = gradient[self.state] / self.gradient[self.state];

@@ -508,35 +508,42 @@ fn changes<O: Orbit>(
     if located.is_empty() {
         return Err(OrbitRefusal::NotLocated(count));
     }
-    // beside one that is known badly others that vanish with it are found from there
-    let best = located.iter().min_by(|(_, one), (_, other)| {
-        let [one, other] = [one, other].map(|located| located.uncertainty);
-        one.total_cmp(&other)
-    });
-    if let Some((place, known)) = best.cloned()
-        && known.uncertainty
-            > BADLY
-                * orbit
-                    .unit()
-                    .abs()
-                    .max(orbit.value_at(&place.node.point).abs())
-    {
-        let is_known = |margin: &O::Margin| {
-            located.iter().any(|(_, one)| match &one.event {
-                BranchEvent::Change(own) => O::is_same(own, margin),
-                _ => false,
-            })
-        };
-        let others: Vec<_> = negative()
-            .filter(|margin| !is_known(margin))
-            .filter_map(|margin| zero_near(orbit, step, margin, &place.node.point))
-            .collect();
-        located.extend(others);
-    }
+    let others = beside_one_known_badly(orbit, step, negative(), &located);
+    located.extend(others);
     let better = |one| better_known(orbit, one, &located);
     let better: Vec<_> = located.iter().map(better).collect();
     let pairs = better.into_iter().zip(located);
     Ok(pairs.map(|(better, own)| better.unwrap_or(own)).collect())
+}
+
+/// The changes of margins that vanish with others, of which the best known is known badly, from the place of that one.
+fn beside_one_known_badly<'a, O: Orbit + 'a>(
+    orbit: &O,
+    step: &Step<O>,
+    negative: impl Iterator<Item = &'a O::Margin>,
+    located: &[(Place, LocatedEvent<O>)],
+) -> Vec<(Place, LocatedEvent<O>)> {
+    let error = |one: &(Place, LocatedEvent<O>)| one.1.uncertainty;
+    let best = located
+        .iter()
+        .min_by(|one, other| error(one).total_cmp(&error(other)));
+    let badly = |(place, known): &&(Place, LocatedEvent<O>)| {
+        let value = orbit.value_at(&place.node.point);
+        known.uncertainty > BADLY * orbit.unit().abs().max(value.abs())
+    };
+    let Some((place, _)) = best.filter(badly) else {
+        return Vec::new();
+    };
+    let is_known = |margin: &O::Margin| {
+        located.iter().any(|(_, one)| match &one.event {
+            BranchEvent::Change(own) => O::is_same(own, margin),
+            _ => false,
+        })
+    };
+    negative
+        .filter(|margin| !is_known(margin))
+        .filter_map(|margin| zero_near(orbit, step, margin, &place.node.point))
+        .collect()
 }
 
 /// The change of a margin at the place of another one that vanishes with it and is known much better: of two zones that close

@@ -2,7 +2,7 @@
 
 use super::forces::Own;
 use super::law::{Law, Products};
-use super::mistake::{Coefficient, ContactMistake, MAX_PRODUCTS};
+use super::mistake::{ContactMistake, MAX_PRODUCTS, SpringConstant};
 use crate::affine::dual::{Dual, Measured};
 use crate::affine::evaluation::{FormMode, FormSwitch};
 use crate::affine::expression::Obstacle;
@@ -277,10 +277,10 @@ fn check<C: Measured>(
         Law::Spring {
             stiffness, damping, ..
         } => vec![
-            (Coefficient::Stiffness, Some(stiffness)),
-            (Coefficient::Damping, damping.as_ref()),
+            (SpringConstant::Stiffness, Some(stiffness)),
+            (SpringConstant::Damping, damping.as_ref()),
         ],
-        Law::Jenkins { stiffness, .. } => vec![(Coefficient::Stiffness, Some(stiffness))],
+        Law::Jenkins { stiffness, .. } => vec![(SpringConstant::Stiffness, Some(stiffness))],
         Law::Friction { .. } | Law::Stop { .. } => Vec::new(),
     };
     for (coefficient, form) in coefficients {

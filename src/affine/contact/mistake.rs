@@ -39,7 +39,7 @@ pub enum ContactMistake {
     Restitution(f64),
     /// A stiffness or a damping that has no meaning.
     #[error("the {0} is {1}: it must not be negative")]
-    Coefficient(Coefficient, f64),
+    Coefficient(SpringConstant, f64),
     /// A static bound below the other.
     #[error("the static bound {0} is less than the bound {1}")]
     Static(f64, f64),
@@ -78,7 +78,7 @@ pub enum Kinematic {
 
 /// What a law multiplies a displacement or its velocity with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, thiserror::Error)]
-pub enum Coefficient {
+pub enum SpringConstant {
     /// Of the displacement.
     #[error("stiffness")]
     Stiffness,

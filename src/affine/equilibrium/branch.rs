@@ -128,10 +128,9 @@ impl Orbit for EquilibriumCurve {
             .get(margin.guard)
             .map_or(&[][..], |guard| &guard.exits);
         let mut found: Vec<Candidate<EquilibriumCurve>> = Vec::new();
-        let ways = exits
-            .iter()
-            .flat_map(|exit| [Some(exit.to), exit.rest].map(|to| (exit, to)));
-        for (exit, to) in ways.filter_map(|(exit, to)| Some((exit, to?))) {
+        let leads = |exit: &Exit| std::iter::once(exit.to).chain(exit.rest);
+        let ways = exits.iter();
+        for (exit, to) in ways.flat_map(|exit| leads(exit).map(move |to| (exit, to))) {
             let known = |one: &Candidate<EquilibriumCurve>| one.orbit.signature.mode == to;
             if to == mode || found.iter().any(known) || !self.stays(exit, point) {
                 continue;

@@ -31,6 +31,23 @@ const SINGULAR: f64 = 1e-7;
 /// The states that keep their sign in an image, bit by bit: there are fewer than 64. At least one does not.
 pub type Kept = u64;
 
+/// What an orbit is half a period later.
+enum HalfLater {
+    /// The same: it is traversed twice.
+    Same,
+    /// Its image, in which these states keep their sign.
+    Image(Kept),
+}
+
+impl HalfLater {
+    fn kept(self) -> Option<Kept> {
+        match self {
+            HalfLater::Same => None,
+            HalfLater::Image(kept) => Some(kept),
+        }
+    }
+}
+
 /// The equations of half a symmetric orbit.
 struct Half<'a> {
     orbit: &'a AffineOrbit,
@@ -67,27 +84,26 @@ impl AffineOrbit {
     /// zero at every entry is told by its rate.
     pub fn symmetry(&self, point: &Vector) -> Option<Kept> {
         self.zones_of_half()?;
-        self.image_in_half(point, IMAGE).flatten()
+        self.half_later(point, IMAGE)?.kept()
     }
 
-    /// The same of any orbit, to this in units of the states; `Some(None)` where all states are the same half a period later. An orbit
-    /// that never switches is seen at its beginning and half a period later.
-    #[allow(clippy::option_option)] // an image or none, that of a symmetry or the orbit itself
-    fn image_in_half(&self, point: &Vector, most: f64) -> Option<Option<Kept>> {
+    /// What any orbit is half a period later, to this in units of the states; `None` where that is something else. An orbit that
+    /// never switches is seen at its beginning and half a period later.
+    fn half_later(&self, point: &Vector, most: f64) -> Option<HalfLater> {
+        let switches = self.sequence.switches() > 0;
+        if switches && !self.zones().is_multiple_of(2) {
+            return None;
+        }
         let at = self.at(point).ok()?;
         let scales = &self.setting.scales;
-        let half = match self.sequence.switches() {
-            0 => None,
-            _ => Some(Some(self.zones() / 2).filter(|_| self.zones().is_multiple_of(2))?),
-        };
-        let places: Vec<Vector> = match half {
-            Some(_) => (0..self.zones()).map(|zone| at.entry(zone)).collect(),
-            None => vec![
+        let places: Vec<Vector> = match switches {
+            true => (0..self.zones()).map(|zone| at.entry(zone)).collect(),
+            false => vec![
                 at.entry(0),
                 at.passage(0, 0.5 * at.zones[0].duration).ok()?.end,
             ],
         };
-        let half = half.unwrap_or(1);
+        let half = places.len() / 2;
         let rates = places.iter().enumerate();
         let rates = rates.map(|(zone, z)| &at.mode(zone % self.zones()).matrix.at * z);
         let rates: Vec<Vector> = rates.collect();
@@ -120,20 +136,24 @@ impl AffineOrbit {
         // half of the period is half of that of the forcing or a whole number of them
         let fits = !self.is_forced() || self.setting.periods.is_multiple_of(2) != turns;
         let is_image = fits && alike && (turns || repeats);
-        is_image.then_some(Some(kept).filter(|_| turns))
+        is_image.then_some(match turns {
+            true => HalfLater::Image(kept),
+            false => HalfLater::Same,
+        })
     }
 
     /// Whether an orbit has a symmetry that one before it on the branch lacks.
     pub(super) fn becomes_symmetric(&self, before: &Vector, point: &Vector) -> bool {
-        let own = self.image_in_half(point, ALMOST).flatten();
-        own.is_some() && self.image_in_half(before, LACKS).is_none() && !self.is_small(point)
+        let own = self.half_later(point, ALMOST);
+        let own = own.and_then(HalfLater::kept);
+        own.is_some() && self.half_later(before, LACKS).is_none() && !self.is_small(point)
     }
 
     /// Whether a step leads from a branch to one that it ends on, beyond the place where it would turn back: from an orbit to one of
     /// half its period or to a symmetric one.
     pub(super) fn falls(&self, before: &Vector, point: &Vector) -> bool {
-        self.image_in_half(point, LACKS).is_some()
-            && self.image_in_half(before, IMAGE).is_none()
+        self.half_later(point, LACKS).is_some()
+            && self.half_later(before, IMAGE).is_none()
             && !self.is_small(point)
     }
 

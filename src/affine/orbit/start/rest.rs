@@ -68,15 +68,19 @@ pub(super) fn moves(
         return Err(NoStart::Rests { time, place });
     }
     let mode = &system.modes[place.mode];
-    // where they stand is kept along a branch of linear modes, and where a law holds them it is no choice
+    // where they stand is kept along a branch of linear modes
+    if states.is_empty() || mode.surface.is_none() && mode.field.is_exact {
+        return Ok(());
+    }
     // a state that is zero all along has no size
     let units = sizes
         .iter()
         .map(|size| if *size > 0.0 { *size } else { 1.0 });
     let units = Vector::from_iterator(sizes.len(), units);
     let surfaces = system.surfaces(place.mode, &place.state, place.phase, &units);
+    // where a law holds them it is no choice
     let free = |state: &usize| surfaces.form_of(*state).is_none();
-    if mode.surface.is_none() && mode.field.is_exact || !states.iter().any(free) {
+    if !states.iter().any(free) {
         return Ok(());
     }
     let names = &wanted.system.source.states;
