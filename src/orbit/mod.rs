@@ -267,6 +267,16 @@ pub trait Orbit: System<Failure: Data> + Clone + Debug + PartialEq {
         false
     }
 
+    /// The same orbit in unknowns that suit it better, where there are any; `creeps` where steps are short.
+    fn renewed(
+        &self,
+        _node: &Node,
+        _examination: &Self::Examination,
+        _creeps: bool,
+    ) -> Option<(Self, Node)> {
+        None
+    }
+
     /// Error of the parameter at a point where the last equation, a border of `matrix`, is known to `last`.
     fn rounding(&self, matrix: &Matrix, point: &Vector, last: f64) -> Option<f64>;
 

@@ -1,5 +1,7 @@
 //! Orbits of one signature as a curve for the walker: what a step watches, what an event within it means, how the curve ends.
 
+use std::sync::Arc;
+
 use super::crossings::OutsideCount;
 use super::events;
 use super::follow::{LocatedPoint, Track};
@@ -9,8 +11,11 @@ use super::special::{BranchFailure, BranchStop, Close, Ending, OrbitRefusal, Spe
 use super::{Examined, Orbit, retrace};
 use crate::continuation::Node;
 use crate::continuation::locate::{Place, node_at};
-use crate::continuation::walk::{self, Curve, Outcome, Segment, Within};
+use crate::continuation::walk::{self, Curve, CurveBeginning, Outcome, Segment, Within};
 use crate::linalg::Vector;
+
+/// Steps shorter than this, in units of the first, are looked at for why.
+const CREEPS: f64 = 1e-2;
 
 /// A step along one branch turns by less but where it is long: one that comes to another branch turns from across it to along it.
 const TURNS: f64 = 0.02;
@@ -168,6 +173,27 @@ impl<O: Orbit> Curve for Track<O> {
 
     fn stretch(&self, node: &Node) -> f64 {
         self.orbit.stretch(&node.point)
+    }
+
+    fn renewed(
+        &self,
+        node: &Node,
+        examination: &O::Examination,
+        ds: f64,
+    ) -> Option<CurveBeginning<Track<O>>> {
+        let creeps = ds < CREEPS * self.limits.steps.ds;
+        let (orbit, node) = self.orbit.renewed(node, examination, creeps)?;
+        let watched = orbit.examination(&node.point).ok()?;
+        let curve = Track {
+            orbit: Arc::new(orbit),
+            ..self.clone()
+        };
+        Some(CurveBeginning {
+            curve,
+            node,
+            watched,
+            ds,
+        })
     }
 
     fn aliases(&self, name: &O::Signature, first: &Node, near: &Node) -> Vec<Node> {

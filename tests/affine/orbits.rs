@@ -45,12 +45,10 @@ impl Reference<'_> {
             Zone::new(number, Some(Way { guard, exit }), (*mode).to_owned())
         };
         let sequence = Sequence(self.zones.iter().map(zone).collect());
-        let points = self.zones.iter().map(|(_, _, state, duration)| ZonePoint {
-            state: state.to_vec(),
-            duration: *duration,
-            phase: self.phase,
-        });
-        let points: Vec<ZonePoint> = points.collect();
+        let zones = self.zones.iter();
+        let point =
+            |(_, _, state, duration): &Part| ZonePoint::new(state.to_vec(), *duration, self.phase);
+        let points: Vec<ZonePoint> = zones.map(point).collect();
         let states = points[0].state.len();
         let largest = |state: usize| {
             let sizes = points.iter().map(|point| point.state[state].abs());

@@ -174,11 +174,7 @@ impl OrbitAt<'_> {
         let name = self.orbit.setting.system.mode_name(stage.mode).into_owned();
         Piece {
             zone: Zone::new(stage.mode, None, name),
-            at: ZonePoint {
-                state: stage.state.clone(),
-                duration: 0.0,
-                phase,
-            },
+            at: ZonePoint::new(stage.state.clone(), 0.0, phase),
             nascent: true,
         }
     }
@@ -239,12 +235,14 @@ impl OrbitAt<'_> {
         let mut second = self.piece(zone);
         second.at.state = z.rows(0, self.orbit.states()).iter().copied().collect();
         second.at.phase = phase;
+        second.at.inner.clear();
         let mut pieces = vec![second];
         if self.orbit.sequence.zone(zone).way.is_some() {
             pieces[0].at.duration -= time;
             pieces.extend((zone + 1..zone + count).map(|zone| self.piece(zone)));
             let mut first = self.piece(zone);
             first.at.duration = time;
+            first.at.inner.clear();
             pieces.push(first);
         }
         Ok(Opened {
@@ -332,6 +330,7 @@ impl OrbitAt<'_> {
         let first = &pieces[0];
         if let Some(last) = rest.last_mut() {
             last.at.duration += first.at.duration;
+            last.at.inner.clear();
             last.zone.way = first.zone.way;
             return rest;
         }
@@ -354,6 +353,7 @@ impl OrbitAt<'_> {
         let z = flow.after(&z, time);
         only.at.state = z.rows(0, self.orbit.states()).iter().copied().collect();
         only.at.phase = 0.0;
+        only.at.inner.clear();
         vec![only]
     }
 }

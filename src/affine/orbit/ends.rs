@@ -84,8 +84,9 @@ impl AffineOrbit {
                 is_unbounded.then_some(OrbitStop::Unbounded)
             });
         };
-        // of a unit of the branch, of which a step is a small part
-        let noise = 16.0 * f64::EPSILON * stay.growth.exp();
+        // of a unit of the branch, of which a step is a small part; growth counts over one shot
+        let growth = stay.growth / self.shots(stay.zone) as f64;
+        let noise = 16.0 * f64::EPSILON * growth.exp();
         let lost = || along < noise && self.left_beside_a_saddle(node) < noise;
         (along < stationary || lost()).then(|| self.comes_to(stay, node))
     }
@@ -140,8 +141,7 @@ impl AffineOrbit {
             return None;
         }
         let at = self.at(point).ok()?;
-        let passage = at.passage(before, at.zones[before].duration).ok()?;
-        let speed = at.edge(Watch::Speed, before, &passage)?;
+        let speed = at.edge(Watch::Speed, before, &at.shots_of(before).ok()?)?;
         (speed.value.abs() <= CLOSING).then(|| OrbitStop::Misses {
             held: self.held(&speed),
         })
@@ -264,7 +264,7 @@ impl AffineOrbit {
             let Ok(passage) = at.passage(zone, at.zones[zone].duration) else {
                 return false;
             };
-            let [entry, end] = [&passage.entry, &passage.end].map(|z| z.as_slice());
+            let (entry, end) = (&at.zones[zone].state, passage.end.as_slice());
             // units of the states alone: what follows them in z is not compared
             at.mode(zone).field.is_exact && apart(entry, end, units) <= CLOSES
         })
@@ -384,13 +384,15 @@ impl AffineOrbit {
         let at = self.at(point).ok()?;
         let units = &self.setting.scales.states;
         let of_zone = |zone: usize| {
-            let duration = at.zones[zone].duration;
+            // what is lost in a shot is not in the next one
+            let (duration, share) = (at.zones[zone].duration, at.share(zone));
             let time = |place: usize| duration * place as f64 / PLACES as f64;
+            let left = |place: usize| share - time(place) % share;
             let along = at.along(zone, (0..PLACES).map(time)).ok()?;
             let mode = at.mode(zone);
             let growth = along.into_iter().enumerate().map(|(place, z)| {
                 let norm = mode.matrix.at.norm();
-                let passage = Passage::new(mode, norm, None, z, duration - time(place));
+                let passage = Passage::new(mode, norm, None, z, left(place));
                 let forward = passage.forward();
                 let entries = (0..units.len())
                     .flat_map(|row| (0..units.len()).map(move |column| (row, column)));

@@ -5,6 +5,7 @@ use super::margin::{Margin, Watch};
 use super::multipliers::{Multiplier, is_told, own};
 use super::passage::{Passage, PassageStage, share};
 use super::setting::OrbitFailure;
+use super::shots::ZoneGrowth;
 use super::turning::Smooth;
 use crate::affine::flow::{Expansion, FlowPiece, MOST_PIECES, ModeFlow};
 use crate::affine::mode::{Guard, Row};
@@ -24,6 +25,8 @@ pub struct Examination {
     pub extremes: Vec<(f64, f64)>,
     /// ẋ at the first entry, in units of the states.
     pub rate: Vector,
+    /// How much a motion grows over every zone.
+    pub growths: Vec<ZoneGrowth>,
     /// Functions that change their sign where the stability changes: those of
     /// [`super::multipliers::Monodromy::tests`]. Empty where it is not looked for, and where the period is prescribed: beside a
     /// wave there are perturbations of other wavelengths.
@@ -227,23 +230,41 @@ impl OrbitAt<'_> {
         Ok(parts.iter().flat_map(of_part).chain([duration]).collect())
     }
 
+    /// The parts of a zone, those of one shot after those of another.
     pub(super) fn parts(&self, zone: usize) -> Result<Vec<Part>, OrbitFailure> {
-        let duration = self.zones[zone].duration;
+        let shots = self.orbit.shots(zone);
+        let mut all = self.parts_of(zone, 0)?;
+        for shot in 1..shots {
+            let begun = self.share(zone) * shot as f64;
+            if let Some(last) = all.last_mut() {
+                last.is_last = false;
+            }
+            all.extend(self.parts_of(zone, shot)?.into_iter().map(|part| Part {
+                begun: begun + part.begun,
+                is_first: false,
+                ..part
+            }));
+        }
+        Ok(all)
+    }
+
+    /// The parts of a shot.
+    fn parts_of(&self, zone: usize, shot: usize) -> Result<Vec<Part>, OrbitFailure> {
+        let duration = self.share(zone);
         if duration.is_nan() || duration <= 0.0 {
             return Ok(Vec::new());
         }
         let number = self.orbit.sequence.zone(zone).mode;
-        let flow = self.posed.flow(number);
+        let (flow, entry) = (self.posed.flow(number), self.shot_entry(zone, shot));
         if !self.mode(zone).field.is_exact {
             // what has been integrated is not integrated again
-            let stages = &self.known(number, &self.entry(zone), duration).0.stages;
+            let stages = &self.known(number, &entry, duration).0.stages;
             if !stages.is_empty() {
                 return Ok(of_stages(stages));
             }
         }
         let name = &self.orbit.sequence.zone(zone).name;
-        parts(flow, self.entry(zone), duration)
-            .map_err(|count| OrbitFailure::long(name, duration, count))
+        parts(flow, entry, duration).map_err(|count| OrbitFailure::long(name, duration, count))
     }
 
     /// The stationary place of a guard next to a time, by Newton's method.
@@ -273,11 +294,13 @@ impl OrbitAt<'_> {
             verdict: SignVerdict::Positive,
             extremes: self.extremes_of_ends(&passages, &parts),
             rate: self.first_rate(&passages[0]),
+            growths: self.growths(&passages, false),
             tests: Vec::new(),
             multipliers: Vec::new(),
         };
-        for (zone, (passage, parts)) in passages.iter().zip(&parts).enumerate() {
-            self.examine_zone(zone, passage, parts, &mut examination)?;
+        for (zone, parts) in parts.iter().enumerate() {
+            let shots = self.of_zone(&passages, zone);
+            self.examine_zone(zone, shots, parts, &mut examination)?;
         }
         if self.orbit.setting.stability {
             let monodromy = self.monodromy(&passages);
@@ -307,10 +330,14 @@ impl OrbitAt<'_> {
     /// Least and largest value of every state where parts of the zones meet: few go further between.
     fn extremes_of_ends(&self, passages: &[Passage], parts: &[Vec<Part>]) -> Vec<(f64, f64)> {
         let mut extremes = vec![(f64::INFINITY, f64::NEG_INFINITY); self.orbit.states()];
-        for (passage, parts) in passages.iter().zip(parts) {
-            let end = parts.last().map_or(&passage.entry, |_| &passage.end);
+        for (zone, parts) in parts.iter().enumerate() {
+            let shots = self.of_zone(passages, zone);
+            let ends = shots.iter().flat_map(|shot| {
+                let end = parts.last().map_or(&shot.entry, |_| &shot.end);
+                [&shot.entry, end]
+            });
             let within = parts.iter().skip(1).map(|part| &part.piece.z);
-            for z in [&passage.entry, end].into_iter().chain(within) {
+            for z in ends.chain(within) {
                 for ((low, high), value) in extremes.iter_mut().zip(z) {
                     (*low, *high) = (low.min(*value), high.max(*value));
                 }
@@ -322,13 +349,13 @@ impl OrbitAt<'_> {
     fn examine_zone(
         &self,
         zone: usize,
-        passage: &Passage,
+        shots: &[Passage],
         parts: &[Part],
         examination: &mut Examination,
     ) -> Result<(), OrbitFailure> {
         let first = examination.margins.len();
-        self.examine_edges(zone, passage, examination);
-        let mut watched = self.watched(zone, passage);
+        self.examine_edges(zone, shots, examination);
+        let mut watched = self.watched(zone, &shots[0].entry);
         self.examine_parts(zone, parts, &mut watched, examination);
         let edges = &examination.margins[first..];
         let inside = watched.into_iter();
@@ -342,9 +369,9 @@ impl OrbitAt<'_> {
     }
 
     /// The inequalities at the ends of a zone.
-    fn examine_edges(&self, zone: usize, passage: &Passage, examination: &mut Examination) {
+    fn examine_edges(&self, zone: usize, shots: &[Passage], examination: &mut Examination) {
         for watch in self.edges(zone) {
-            let margin = self.edge(watch, zone, passage);
+            let margin = self.edge(watch, zone, shots);
             let is_positive = margin.as_ref().is_some_and(|margin| margin.value > 0.0);
             examination.judge(match is_positive {
                 true => SignVerdict::Positive,
@@ -355,14 +382,14 @@ impl OrbitAt<'_> {
     }
 
     /// The guards that are looked at within a zone.
-    fn watched(&self, zone: usize, passage: &Passage) -> Vec<Watched<'_>> {
+    fn watched(&self, zone: usize, entry: &Vector) -> Vec<Watched<'_>> {
         let way = self.orbit.sequence.zone(zone).way;
         let facts = &self.posed.facts[zone];
         let flow = self.posed.flow(self.orbit.sequence.zone(zone).mode);
         let guards = self.mode(zone).guards.iter().enumerate();
         let watched = guards.filter_map(|(guard, Guard { row, .. })| {
             // without switches the beginning is a place like any other: a minimum may lie there
-            let rate = || flow.slopes(&row.at, &passage.entry)[1];
+            let rate = || flow.slopes(&row.at, entry)[1];
             let slow = AT_BEGINNING * self.orbit.size(row) / self.orbit.setting.scales.time;
             Some(Watched {
                 guard,

@@ -113,11 +113,7 @@ impl AffineOrbit {
             state, duration, ..
         } = at.zones.first()?;
         let hopf = self.hopf_point(self.parameter_at(point), state, TAU / duration)?;
-        let zone = ZonePoint {
-            state: hopf.state,
-            duration: TAU / hopf.frequency,
-            phase: 0.0,
-        };
+        let zone = ZonePoint::new(hopf.state, TAU / hopf.frequency, 0.0);
         Some((
             self.pack(&[zone], &self.setting.values_at(hopf.parameter)),
             hopf.error,
@@ -255,11 +251,8 @@ impl AffineOrbit {
         let zones = at.zones.iter().map(|zone| {
             let places = zone.state.iter().zip(rest).zip(&hopf.state);
             let places = places.map(|((x, rest), here)| here + (x - rest) * TINY / size);
-            ZonePoint {
-                state: places.collect(),
-                duration: zone.duration / period * (TAU / hopf.frequency),
-                phase: 0.0,
-            }
+            let duration = zone.duration / period * (TAU / hopf.frequency);
+            ZonePoint::new(places.collect(), duration, 0.0)
         });
         let zones: Vec<ZonePoint> = zones.collect();
         Some(self.pack(&zones, &self.setting.values_at(hopf.parameter)))

@@ -143,6 +143,7 @@ pub(super) fn of_square(
     by_z.rows_mut(0, base).copy_from(&(&along * 2.0));
     let square = |matrix: &Matrix| z.dot(&(matrix * z));
     Jet {
+        shot: 0,
         value: z.dot(&along),
         by_z,
         by_time: last.dot(&(&form.at * last)),

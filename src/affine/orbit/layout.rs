@@ -31,6 +31,8 @@ pub struct AffineOrbit {
     pub setting: Arc<Setting>,
     /// The zones; every mode, guard and exit is in the system.
     pub sequence: Sequence,
+    /// How many shots there are before every zone, and in all.
+    pub(super) firsts: Vec<usize>,
     /// Sizes of the components of z.
     sizes: Vector,
     last: Last,
@@ -119,6 +121,7 @@ impl AffineOrbit {
                 memory: Arc::default(),
                 conserved: Arc::default(),
                 origin: Arc::default(),
+                firsts: sequence.shots_before(),
                 sequence: sequence.labelled(&system),
                 setting,
             };
@@ -204,18 +207,18 @@ impl AffineOrbit {
 
     /// Number of unknowns.
     pub(super) fn count(&self) -> usize {
-        self.width() * self.zones() + usize::from(!self.has_own_period()) + 1
+        self.unknowns_of_zones() + usize::from(!self.has_own_period()) + 1
     }
 
     /// Index of the parameter that is free for a prescribed period.
     pub(super) fn free_index(&self) -> Option<usize> {
         let prescribed = self.setting.prescribed.is_some();
-        prescribed.then_some(self.width() * self.zones())
+        prescribed.then_some(self.unknowns_of_zones())
     }
 
     /// Index of the phase of the first entry.
     pub(super) fn phase_index(&self) -> Option<usize> {
-        self.is_forced().then_some(self.width() * self.zones())
+        self.is_forced().then_some(self.unknowns_of_zones())
     }
 
     /// Units in which forms are compared.
@@ -352,6 +355,15 @@ impl AffineOrbit {
             point.extend(zone.state.iter().zip(states).map(|(x, unit)| x / unit));
             point.push(zone.duration / time);
         }
+        for (index, zone) in zones
+            .iter()
+            .enumerate()
+            .filter(|(index, _)| self.shots(*index) > 1)
+        {
+            for state in self.inner_states(index, zone, values) {
+                point.extend(state.iter().zip(states).map(|(x, unit)| x / unit));
+            }
+        }
         if self.is_forced() {
             point.push(zones[0].phase.rem_euclid(TAU));
         }
@@ -378,6 +390,13 @@ impl AffineOrbit {
                 .copy_from(&of(&node.point));
             let tangent = of(&node.tangent);
             rotated.tangent.rows_mut(to, width).copy_from(&tangent);
+        }
+        // those of further shots follow in the order of the zones
+        let (entries, all) = (width * count, self.unknowns_of_zones());
+        let first = (0..count - shift).map(|zone| self.states() * (self.shots(zone) - 1));
+        let first: usize = first.sum();
+        for vector in [&mut rotated.point, &mut rotated.tangent] {
+            vector.as_mut_slice()[entries..all].rotate_right(first);
         }
         if let Some(index) = self.phase_index() {
             // φ + ω(p)·(durations before)
@@ -413,11 +432,17 @@ impl AffineOrbit {
         let mut phase = self.phase_index().map_or(0.0, |index| point[index]);
         let zones = (0..self.zones()).map(|zone| {
             let first = self.width() * zone;
-            let state = states.iter().enumerate();
             let duration = point[first + states.len()] * time;
+            let at = |first: usize| {
+                let state = states.iter().enumerate();
+                let state = state.map(|(index, unit)| point[first + index] * unit);
+                state.collect()
+            };
+            let further = 1..self.shots(zone);
             let zone = ZonePoint {
-                state: state
-                    .map(|(index, unit)| point[first + index] * unit)
+                state: at(first),
+                inner: further
+                    .map(|shot| at(self.shot_index(zone, shot)))
                     .collect(),
                 duration,
                 phase,
@@ -430,16 +455,36 @@ impl AffineOrbit {
 }
 
 impl OrbitAt<'_> {
-    /// The passage through a zone up to a time after its entry.
+    /// The passage through a zone up to a time after its entry: the part of it in the shot in which that time is.
     ///
     /// # Errors
     /// It leaves the range of numbers.
     pub(super) fn passage(&self, zone: usize, time: f64) -> Result<Passage<'_>, OrbitFailure> {
+        let share = self.share(zone);
+        let last = self.orbit.shots(zone) - 1;
+        if last == 0 || time == self.zones[zone % self.zones.len()].duration {
+            return self.shot(zone, last, if last == 0 { time } else { share });
+        }
+        let shot = ((time / share) as usize).min(last);
+        self.shot(zone, shot, time - share * shot as f64)
+    }
+
+    /// The passage through a shot of a zone up to a time after its beginning.
+    ///
+    /// # Errors
+    /// It leaves the range of numbers.
+    pub(super) fn shot(
+        &self,
+        zone: usize,
+        shot: usize,
+        time: f64,
+    ) -> Result<Passage<'_>, OrbitFailure> {
         let OrbitAt { orbit, posed, .. } = self;
         let name = &orbit.sequence.zone(zone).name;
         let mode = orbit.sequence.zone(zone).mode;
-        let entry = self.entry(zone);
-        let is_whole = time.to_bits() == self.zones[zone % self.zones.len()].duration.to_bits();
+        let entry = self.shot_entry(zone, shot);
+        let is_last = shot + 1 == orbit.shots(zone);
+        let is_whole = is_last && time.to_bits() == self.share(zone).to_bits();
         let is_switch = orbit.sequence.zone(zone).way.is_some() && is_whole;
         let passage = match posed.system.modes[mode].field.is_exact {
             true => {
@@ -451,14 +496,14 @@ impl OrbitAt<'_> {
         };
         let finite = passage.flow.as_slice().iter().all(|x| x.is_finite());
         finite
-            .then_some(passage)
+            .then(|| passage.of_shot(shot))
             .ok_or_else(|| OrbitFailure::Overflow {
                 mode: name.clone(),
                 duration: time,
             })
     }
 
-    /// The passage through a zone whose mode is integrated, which is known as far as that through all of it is.
+    /// The passage through a shot whose mode is integrated, which is known as far as that through all of it is.
     fn integrated(
         &self,
         zone: usize,
@@ -467,7 +512,7 @@ impl OrbitAt<'_> {
     ) -> Passage<'_> {
         let number = self.orbit.sequence.zone(zone).mode;
         let mode = &self.posed.system.modes[number];
-        let whole = self.zones[zone % self.zones.len()].duration;
+        let whole = self.share(zone);
         let part = || {
             let (known, place) = self.known(number, &entry, whole);
             Some((Arc::new(known.until(mode, time)?), place))
@@ -496,22 +541,20 @@ impl OrbitAt<'_> {
         memory.passage((number, mode), parameters, entry, time)
     }
 
-    /// The passages through all zones.
+    /// The passages through all shots of all zones.
     ///
     /// # Errors
     /// One of them leaves the range of numbers.
     pub(super) fn passages(&self) -> Result<Vec<Passage<'_>>, OrbitFailure> {
-        let zones = self.zones.iter().enumerate();
-        zones
-            .map(|(index, zone)| self.passage(index, zone.duration))
+        let shots = |zone: usize| (0..self.orbit.shots(zone)).map(move |shot| (zone, shot));
+        let all = (0..self.zones.len()).flat_map(shots);
+        all.map(|(zone, shot)| self.shot(zone, shot, self.share(zone)))
             .collect()
     }
 
     /// z at the entry of a zone.
     pub(super) fn entry(&self, zone: usize) -> Vector {
-        let at = &self.zones[zone % self.zones.len()];
-        let mode = self.orbit.sequence.zone(zone).mode;
-        self.posed.system.lift(mode, &at.state, at.phase)
+        self.shot_entry(zone, 0)
     }
 
     /// The derivative of this order in time of a form, at the entry of a zone.
@@ -521,8 +564,8 @@ impl OrbitAt<'_> {
         if mode.field.is_exact {
             return Jet::at_entry(&derivative(mode, row, order), &entry);
         }
-        // the series at the entry is that of the passage through all of the zone
-        let time = self.zones[zone % self.zones.len()].duration.max(0.0);
+        // the series at the entry is that of the passage through all of its first shot
+        let time = self.share(zone).max(0.0);
         let passage = self.integrated(zone, entry, (time, false));
         let jets = passage.derivatives_at_entry(row, order, 1);
         jets.into_iter()
@@ -549,27 +592,35 @@ impl OrbitAt<'_> {
         } = &orbit.setting.scales;
         let n = states.len();
         let width = orbit.width();
+        let first = orbit.shot_index(zone, jet.shot);
         for (state, unit) in states.iter().enumerate() {
-            add(width * zone + state, factor * unit * jet.by_z[state]);
+            add(first + state, factor * unit * jet.by_z[state]);
         }
-        add(width * zone + n, factor * time * jet.by_time);
+        // times within a shot are in proportion to the duration of the zone
+        let shots = orbit.shots(zone) as f64;
+        add(width * zone + n, factor * time * jet.by_time / shots);
+        let begun_in_zone = jet.shot as f64 / shots;
         let [mut by_parameter, by_free] = jet.by;
         if let Some(index) = orbit.phase_index() {
             // cos hφ and sin hφ turn into each other
+            let omega = posed.system.omega;
+            let turned = omega.value * begun_in_zone * self.zones[zone].duration;
             let mut by_phase = 0.0;
             for h in 1..=posed.system.harmonics {
                 let (cosine, sine) = (n + 2 * h - 1, n + 2 * h);
-                let angle = h as f64 * self.zones[zone].phase;
+                let angle = h as f64 * (self.zones[zone].phase + turned);
                 let turn = jet.by_z[sine] * angle.cos() - jet.by_z[cosine] * angle.sin();
                 by_phase += h as f64 * turn;
             }
             // φ = φ₀ + ω·(durations before)
-            let omega = posed.system.omega;
             for before in 0..zone {
                 add(width * before + n, factor * time * by_phase * omega.value);
             }
+            let of_zone = begun_in_zone * omega.value;
+            add(width * zone + n, factor * time * by_phase * of_zone);
             add(index, factor * by_phase);
             let begun: f64 = self.zones[..zone].iter().map(|zone| zone.duration).sum();
+            let begun = begun + begun_in_zone * self.zones[zone].duration;
             by_parameter += by_phase * omega.by[0] * begun;
         }
         if let Some(index) = orbit.free_index() {

@@ -119,8 +119,18 @@ impl OrbitAt<'_> {
         self.posed.facts[zone].is_zero_at_end(system, row, size, &units)
     }
 
-    /// A margin at the entry or the end of a zone; `None` where it can never be positive.
-    pub(super) fn edge(&self, watch: Watch, zone: usize, passage: &Passage) -> Option<Margin> {
+    /// Order of the zero at the entry that is divided out of the equation of the guard that ends a zone: one of several shots is
+    /// not short.
+    pub(super) fn divided(&self, zone: usize) -> usize {
+        match self.orbit.shots(zone) {
+            1 => self.posed.facts[zone].divided,
+            _ => 0,
+        }
+    }
+
+    /// A margin at the entry or the end of a zone of these shots; `None` where it can never be positive.
+    pub(super) fn edge(&self, watch: Watch, zone: usize, shots: &[Passage]) -> Option<Margin> {
+        let (first, passage) = shots.first().zip(shots.last())?;
         let orbit = self.orbit;
         let time = orbit.setting.scales.time;
         let facts = &self.posed.facts[zone];
@@ -141,7 +151,7 @@ impl OrbitAt<'_> {
                 let row = &guards[guard].row;
                 let order = facts.at_entry[guard].unwrap_or(0);
                 let factor = time.powi(order as i32) / orbit.size(row);
-                let mut jets = passage.derivatives_at_entry(row, order, 1);
+                let mut jets = first.derivatives_at_entry(row, order, 1);
                 (jets.pop()?, factor)
             }
             Watch::End(guard) => {
@@ -153,7 +163,7 @@ impl OrbitAt<'_> {
             Watch::Speed => {
                 let way = way?;
                 let row = &guards[way.guard].row;
-                let order = facts.divided;
+                let order = self.divided(zone);
                 let [_, rate] = passage.divided(row, order);
                 (rate, -time.powi(order as i32 + 1) / orbit.size(row))
             }
@@ -174,7 +184,7 @@ impl OrbitAt<'_> {
 
     /// The derivative of a guard just after the entry that follows the one of its margin, scaled as that.
     fn onset_rate(&self, guard: usize, zone: usize) -> Result<Option<f64>, OrbitFailure> {
-        let passage = self.passage(zone, self.zones[zone].duration)?;
+        let passage = self.shot(zone, 0, self.share(zone))?;
         let row = &self.mode(zone).guards[guard].row;
         let order = self.posed.facts[zone].at_entry[guard].unwrap_or(0) + 1;
         let factor = self.orbit.setting.scales.time.powi(order as i32) / self.orbit.size(row);
@@ -215,8 +225,7 @@ impl OrbitAt<'_> {
         if let Watch::Inside(guard) = seen.watch {
             return self.inside_again(guard, seen.zone, seen.time);
         }
-        let passage = self.passage(seen.zone, self.zones[seen.zone].duration)?;
-        let margin = self.edge(seen.watch, seen.zone, &passage);
+        let margin = self.edge(seen.watch, seen.zone, &self.shots_of(seen.zone)?);
         Ok(margin.unwrap_or_else(|| seen.clone()))
     }
 }

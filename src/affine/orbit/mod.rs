@@ -42,6 +42,7 @@ pub mod row;
 pub(super) mod saltation;
 mod section;
 pub mod setting;
+mod shots;
 pub mod signature;
 pub mod start;
 mod stay;
@@ -243,7 +244,20 @@ impl Orbit for AffineOrbit {
     /// with each part, one that changes have led back to with any.
     fn aliases(&self, signature: &Sequence, node: &Node, near: &Node) -> Vec<Node> {
         let rotations = signature.rotations_to(&self.sequence).into_iter();
-        let aliases = rotations.filter_map(|shift| self.rotated(node, shift));
+        let rotated = |shift: usize| {
+            let count = self.zones();
+            let shots = (0..count).map(|zone| self.shots((zone + count - shift) % count));
+            let shots: Vec<usize> = shots.collect();
+            let is_own = (0..count).all(|zone| signature.zone(zone).shots() == shots[zone]);
+            if is_own {
+                return self.rotated(node, shift);
+            }
+            let (_, node) = self
+                .with_sequence(signature.clone())?
+                .in_shots(node, &shots)?;
+            self.rotated(&node, shift)
+        };
+        let aliases = rotations.filter_map(rotated);
         aliases.map(|node| self.turned(node, near)).collect()
     }
 
@@ -329,6 +343,15 @@ impl Orbit for AffineOrbit {
             }
         };
         (begun + within) / period
+    }
+
+    fn renewed(
+        &self,
+        node: &Node,
+        examination: &Examination,
+        creeps: bool,
+    ) -> Option<(AffineOrbit, Node)> {
+        self.in_shots_for_growth(node, &examination.growths, creeps)
     }
 
     fn gives_out(&self, node: &Node) -> Option<OrbitStop> {

@@ -200,6 +200,7 @@ impl Observer<'_> {
         let (value, by_z, by) = series.jet(self.row(number, zone), 0);
         Jet {
             value,
+            shot: 0,
             by_z,
             by_time: 0.0,
             by,
@@ -218,6 +219,7 @@ impl Observer<'_> {
         let (value, gradient, by) = series.jet(self.row(number, zone), 0);
         Jet {
             value,
+            shot: passage.shot,
             by_time: gradient.dot(&passage.rate),
             by: passage.along(&gradient, by),
             by_z: passage.flow.tr_mul(&gradient),
@@ -231,29 +233,36 @@ impl Observer<'_> {
             gradient: vec![0.0; self.at.orbit.count()],
         };
         for zone in 0..self.at.zones.len() {
-            let time = self.at.zones[zone].duration;
-            let (mode, row) = (self.at.mode(zone), self.row(number, zone));
-            let passage = self.at.passage(zone, time)?;
-            let square = self.at.posed.system.program.quadratic(row);
-            let jet = match square.filter(|_| mode.field.is_exact) {
-                Some(form) => self.of_square(&form, zone, &passage)?,
-                None => {
-                    let at_end = self.of_passage(number, zone, &passage).value;
-                    let mode = AffineMode {
-                        field: self.field(number, zone),
-                        ..mode.clone()
-                    };
-                    let known = Integrated::new(&mode, &passage.entry, time);
-                    let size = passage.entry.len();
-                    Jet {
-                        by_time: at_end,
-                        ..integral::of_series(&known, row, size, time)
-                    }
-                }
-            };
-            self.add(zone, &jet, &mut sum);
+            for passage in self.at.shots_of(zone)? {
+                let jet = self.integral_over(number, zone, &passage)?;
+                self.add(zone, &jet.of_shot(passage.shot), &mut sum);
+            }
         }
         Ok(sum)
+    }
+
+    /// The same over a shot.
+    fn integral_over(
+        &self,
+        number: usize,
+        zone: usize,
+        passage: &Passage,
+    ) -> Result<Jet, OrbitFailure> {
+        let (mode, row) = (self.at.mode(zone), self.row(number, zone));
+        let square = self.at.posed.system.program.quadratic(row);
+        if let Some(form) = square.filter(|_| mode.field.is_exact) {
+            return self.of_square(&form, zone, passage);
+        }
+        let mode = AffineMode {
+            field: self.field(number, zone),
+            ..mode.clone()
+        };
+        let known = Integrated::new(&mode, &passage.entry, passage.time);
+        let size = passage.entry.len();
+        Ok(Jet {
+            by_time: self.of_passage(number, zone, passage).value,
+            ..integral::of_series(&known, row, size, passage.time)
+        })
     }
 
     /// The integral of zᵀQz over a zone of a linear mode.

@@ -35,13 +35,16 @@ pub struct Multiplier {
 /// about this.
 const ON_CIRCLE: f64 = 1e-9;
 
-/// A multiplier larger than this is infinite but for rounding: at a graze, where the speed of an impact is zero.
+/// A multiplier larger than this is infinite but for rounding, at a graze, where the speed of an impact is zero; unless it is known to
+/// the second part of itself, as beside a saddle.
 const INFINITE: f64 = 1e12;
+const KNOWN: f64 = 1e-3;
 
 impl Multiplier {
     /// Whether it is finite.
     pub fn is_finite(&self) -> bool {
-        self.value.norm() < INFINITE
+        let size = self.value.norm();
+        size < INFINITE || size.is_finite() && self.error <= KNOWN * size
     }
 
     /// Whether it is finite and not lost in its error: where a graze magnifies rounding without bound, and what follows makes
@@ -87,6 +90,8 @@ struct Link {
     has_pole: bool,
     /// How much larger an error of the state is in the jump, which is divided by that.
     magnified: f64,
+    /// What is left out of the flow, relative to its size.
+    error: f64,
 }
 
 /// The linearised motion over a period, by its multipliers.
@@ -129,6 +134,9 @@ fn rate_at_end(passage: &Passage, matrix: &Matrix) -> Vector {
 
 impl OrbitAt<'_> {
     fn link(&self, zone: usize, passage: &Passage) -> Link {
+        if passage.shot + 1 < self.orbit.shots(zone) {
+            return self.link_of_shots(zone, passage);
+        }
         let n = self.orbit.states();
         let exit = exit_of(&self.posed.system, &self.orbit.sequence, zone);
         let (Some(exit), Some(way)) = (exit, self.orbit.sequence.zone(zone).way) else {
@@ -199,6 +207,22 @@ impl OrbitAt<'_> {
             fall,
             has_pole,
             magnified,
+            error: self.error_of_flow(zone),
+        }
+    }
+
+    /// What leads from a shot of a zone to the next one.
+    fn link_of_shots(&self, zone: usize, passage: &Passage) -> Link {
+        let next = self.shot_entry(zone, passage.shot + 1);
+        Link {
+            flow: passage.forward(),
+            rates: self.rates_of(zone, passage, &passage.rate),
+            closes: self.apart(&next, &passage.end),
+            jump: None,
+            fall: 1.0,
+            has_pole: false,
+            magnified: 1.0,
+            error: self.error_of_flow(zone),
         }
     }
 
@@ -243,6 +267,7 @@ impl OrbitAt<'_> {
             fall: 1.0,
             has_pole: false,
             magnified: 1.0,
+            error: self.error_of_flow(zone),
         }
     }
 
@@ -255,16 +280,23 @@ impl OrbitAt<'_> {
 
     /// How far the entry of the next zone is from what a zone leads to, in units of the states.
     fn closes(&self, zone: usize, led: &Vector) -> f64 {
-        let entry = self.entry(zone + 1);
-        let pairs = entry.iter().zip(led).zip(&self.orbit.setting.scales.states);
+        self.apart(&self.entry(zone + 1), led)
+    }
+
+    /// How far the states of two places are apart, in their units.
+    fn apart(&self, one: &Vector, other: &Vector) -> f64 {
+        let pairs = one.iter().zip(other).zip(&self.orbit.setting.scales.states);
         let off = pairs.map(|((x, led), unit)| (x - led).abs() / unit);
         off.fold(0.0, f64::max)
     }
 
     fn links(&self, passages: &[Passage]) -> Vec<Link> {
-        let passages = passages.iter().enumerate();
-        let links = passages.map(|(zone, passage)| self.link(zone, passage));
-        links.collect()
+        let zones = (0..self.zones.len())
+            .flat_map(|zone| std::iter::repeat_n(zone, self.orbit.shots(zone)));
+        let links = passages.iter().zip(zones);
+        links
+            .map(|(passage, zone)| self.link(zone, passage))
+            .collect()
     }
 
     /// The linearised motion over half a period, with the image at its end: some states change their sign.
@@ -298,7 +330,7 @@ impl OrbitAt<'_> {
         let mut factors = Vec::with_capacity(2 * links.len());
         // ẋ at the beginning, and after every factor
         let mut rates: Vec<Vector> = Vec::with_capacity(2 * links.len() + 1);
-        for (zone, link) in links.into_iter().enumerate() {
+        for link in links {
             let [before, after] = link.rates;
             if rates.is_empty() {
                 rates.push(before);
@@ -307,7 +339,7 @@ impl OrbitAt<'_> {
             factors.push(Factor {
                 matrix: link.flow,
                 lost: 0,
-                error: self.error_of_flow(zone) + link.closes,
+                error: link.error + link.closes,
                 size: 0.0,
             });
             // of a switch that only leads from one law to another nothing is left

@@ -12,12 +12,15 @@ use crate::affine::series::ORDER;
 use crate::affine::stiff::Splitting;
 use crate::linalg::{Matrix, Vector, add_product, product};
 
-/// A number with its derivatives in z at the entry, in time, and in the parameters that vary, at a fixed z.
+/// A number with its derivatives in z at the beginning of a shot of a zone, in the time since, and in the parameters that vary, at
+/// a fixed z.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Jet {
     /// Its value.
     pub value: f64,
-    /// ∂/∂z at the entry of the zone.
+    /// The shot.
+    pub shot: usize,
+    /// ∂/∂z at the beginning of the shot.
     pub by_z: Vector,
     /// ∂/∂t.
     pub by_time: f64,
@@ -30,6 +33,7 @@ impl Jet {
     pub fn at_entry(row: &Row, entry: &Vector) -> Jet {
         Jet {
             value: row.at.dot(entry),
+            shot: 0,
             by_z: row.at.clone(),
             by_time: 0.0,
             by: row.by.each_ref().map(|by| by.dot(entry)),
@@ -42,10 +46,16 @@ impl Jet {
         by_z[component] = 1.0;
         Jet {
             value: entry[component],
+            shot: 0,
             by_z,
             by_time: 0.0,
             by: [0.0; VARYING],
         }
+    }
+
+    /// The same at the beginning of a shot.
+    pub fn of_shot(self, shot: usize) -> Jet {
+        Jet { shot, ..self }
     }
 
     /// Puts another form at the entry in its place.
@@ -59,6 +69,7 @@ impl Jet {
     pub fn nothing(size: usize) -> Jet {
         Jet {
             value: 0.0,
+            shot: 0,
             by_z: Vector::zeros(size),
             by_time: 0.0,
             by: [0.0; VARYING],
@@ -84,17 +95,19 @@ impl Jet {
     }
 }
 
-/// A zone from its entry to a time.
+/// A shot of a zone from its beginning to a time.
 #[derive(Clone, Debug)]
 pub struct Passage<'a> {
     mode: &'a AffineMode,
+    /// The shot.
+    pub shot: usize,
     /// Norm of its matrix.
     norm: f64,
-    /// z at the entry.
+    /// z at the beginning, for the first shot that at the entry of the zone.
     pub entry: Vector,
     /// Time since.
     pub time: f64,
-    /// ∂z/∂z₀, z₀ at the entry: exp(Mt) where the mode is linear.
+    /// ∂z/∂z₀, z₀ at the beginning: exp(Mt) where the mode is linear.
     pub flow: Matrix,
     /// ∂z/∂p of every parameter on which it depends.
     by: [Option<Vector>; VARYING],
@@ -261,7 +274,7 @@ pub(super) fn share(rest: f64, length: f64) -> f64 {
 }
 
 /// Derivatives at a time after the beginning of a series, where those at its beginning are known.
-fn moved(series: &Series, (flow, by): &Derivatives, time: f64) -> Derivatives {
+pub(super) fn moved(series: &Series, (flow, by): &Derivatives, time: f64) -> Derivatives {
     let (along, own) = series.derivatives_of(flow.nrows(), time);
     let mut moved = Matrix::zeros(flow.nrows(), flow.ncols());
     let (left, sum) = (along.as_slice(), moved.as_mut_slice());
@@ -303,11 +316,17 @@ impl<'a> Passage<'a> {
             by,
             flow: flow.clone(),
             norm,
+            shot: 0,
             mode,
             entry,
             time,
             numerical: None,
         }
+    }
+
+    /// The same as a shot of its zone.
+    pub fn of_shot(self, shot: usize) -> Passage<'a> {
+        Passage { shot, ..self }
     }
 
     /// The passage through a mode that is integrated; `parameter` is the place of the first of its parameters among those of
@@ -325,6 +344,7 @@ impl<'a> Passage<'a> {
             rate: known.rate.clone(),
             end: known.end.clone(),
             norm: 0.0,
+            shot: 0,
             mode,
             entry,
             time,
@@ -400,6 +420,7 @@ impl<'a> Passage<'a> {
         let (value, gradient, by) = last.jet(row, order);
         let jet = Jet {
             value,
+            shot: self.shot,
             by_time: (order + 1) as f64 * last.of(&row.at, order + 1),
             by: self.along(&gradient, by),
             by_z: self.flow.tr_mul(&gradient),
@@ -420,6 +441,7 @@ impl<'a> Passage<'a> {
         };
         Jet {
             value: row.at.dot(&self.end),
+            shot: self.shot,
             by_z,
             by_time: row.at.dot(&self.rate),
             by: self.along(&row.at, row.by.each_ref().map(|by| by.dot(&self.end))),
@@ -452,6 +474,7 @@ impl<'a> Passage<'a> {
                 let (value, by_z, by) = first.jet(row, order);
                 let jet = Jet {
                     value,
+                    shot: self.shot,
                     by_z,
                     by_time: 0.0,
                     by,
@@ -464,7 +487,7 @@ impl<'a> Passage<'a> {
             return;
         }
         let form = derivative(self.mode, row, orders.start);
-        let mut jet = Jet::at_entry(&form, &self.entry);
+        let mut jet = Jet::at_entry(&form, &self.entry).of_shot(self.shot);
         call(0, &jet);
         if orders.len() > 1 {
             let mut form = form.into_owned();
@@ -528,7 +551,7 @@ impl<'a> Passage<'a> {
 
     /// The same by the series, for short times.
     fn divided_series(&self, row: &Row, order: usize) -> [Jet; 2] {
-        let zero = || Jet::nothing(self.entry.len());
+        let zero = || Jet::nothing(self.entry.len()).of_shot(self.shot);
         let (mut q, mut rate, mut second) = (zero(), zero(), 0.0);
         // tʲ/k!, j = k − m, and the two powers below with the factors of their derivatives
         let mut weights = [factorial(order).recip(), 0.0, 0.0];

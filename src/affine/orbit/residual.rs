@@ -41,6 +41,20 @@ impl Equations<'_> {
         }
     }
 
+    /// The states at the beginning of the next shot of a zone against those to which a shot leads.
+    fn add_shot(&mut self, zone: usize, passage: &Passage) {
+        let orbit = self.at.orbit;
+        let next = passage.shot + 1;
+        let entry = self.at.shot_entry(zone, next);
+        for (state, unit) in orbit.setting.scales.states.iter().enumerate() {
+            let row = orbit.shot_index(zone, next) + state;
+            let arrives = passage.at_end(&Row::unit(entry.len(), state));
+            self.add(row, zone, &arrives, unit.recip());
+            let begins = Jet::of_component(state, &entry).of_shot(next);
+            self.add(row, zone, &begins, -unit.recip());
+        }
+    }
+
     /// The states at the entry of the next zone against those to which a zone leads: what is zero there by the structure takes the
     /// place of what the reset would give.
     fn add_entry(&mut self, zone: usize, passage: &Passage) {
@@ -91,7 +105,7 @@ impl Equations<'_> {
             time, parameter, ..
         } = &orbit.setting.scales;
         let (width, n) = (orbit.width(), orbit.states());
-        let row = width * orbit.zones();
+        let row = orbit.unknowns_of_zones();
         // the phase is the same after the period, and perturbed as everything is
         if let Some(closing) = &mut self.closing {
             closing[(row, index)] = -TAU.recip();
@@ -120,7 +134,7 @@ impl Equations<'_> {
             ..
         } = &orbit.setting.scales;
         let (width, n) = (orbit.width(), orbit.states());
-        let row = width * orbit.zones();
+        let row = orbit.unknowns_of_zones();
         let period = prescribed.period(&self.at.values, &orbit.setting.varying());
         let period = period.map_err(OrbitFailure::System)?;
         let total: f64 = self.at.zones.iter().map(|zone| zone.duration).sum();
@@ -185,7 +199,7 @@ impl AffineOrbit {
         Some(-bordered.determinant().signum() * left.dot(&(closing * right)))
     }
 
-    /// Per zone: the states at the next entry, where what is zero by the structure takes the place of what the
+    /// Per zone: the states at the beginning of every further shot; the states at the next entry, where what is zero by the structure takes the place of what the
     /// reset would give; and its guard at the end, divided by the power of the duration by which it vanishes
     /// with it. With forcing ΣT = periods·2π/ω; a prescribed period is ΣT.
     fn equations(
@@ -199,7 +213,7 @@ impl AffineOrbit {
         let Scales { states, time, .. } = &self.setting.scales;
         let (width, count) = (self.width(), self.zones());
         let n = states.len();
-        residual[..width * count].fill(0.0);
+        residual[..self.unknowns_of_zones()].fill(0.0);
         let mut equations = Equations {
             at: &at,
             residual,
@@ -207,13 +221,16 @@ impl AffineOrbit {
             closing,
         };
         for zone in 0..count {
+            for shot in 0..self.shots(zone) - 1 {
+                equations.add_shot(zone, &at.shot(zone, shot, at.share(zone))?);
+            }
             let passage = at.passage(zone, at.zones[zone].duration)?;
             equations.add_entry(zone, &passage);
             let row = width * zone + n;
             let mode = &at.posed.system.modes[self.sequence.zone(zone).mode];
             if let Some(way) = self.sequence.zone(zone).way {
                 let guard = &mode.guards[way.guard].row;
-                let order = at.posed.facts[zone].divided;
+                let order = at.divided(zone);
                 let [divided, _] = passage.divided(guard, order);
                 let factor = time.powi(order as i32) / self.size(guard);
                 equations.add(row, zone, &divided, factor);

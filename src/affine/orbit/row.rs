@@ -109,7 +109,10 @@ pub fn first_of(
     let (mut sequence, mut zones) = (sequence.clone(), zones.to_vec());
     if sequence.switches() == 0 {
         let parts = zones.iter_mut();
-        parts.for_each(|zone| zone.duration /= times as f64);
+        parts.for_each(|zone| {
+            zone.duration /= times as f64;
+            zone.inner.clear();
+        });
     } else {
         let count = zones.len() / times;
         sequence.0.truncate(count);
@@ -121,7 +124,10 @@ pub fn first_of(
 /// The zones of a cycle traversed twice. One that never switches is one zone, however long.
 pub(super) fn twice(sequence: &Sequence, zones: &mut Vec<ZonePoint>) {
     match &mut zones[..] {
-        [zone] if sequence.switches() == 0 => zone.duration *= 2.0,
+        [zone] if sequence.switches() == 0 => {
+            zone.duration *= 2.0;
+            zone.inner.clear();
+        }
         _ => zones.extend_from_within(..),
     }
 }

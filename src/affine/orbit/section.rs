@@ -62,6 +62,7 @@ impl AffineOrbit {
         let time = at.posed.to_section(mode, section, &z, zone.duration);
         let z = at.posed.flow(mode).after(&z, time);
         zone.state = z.rows(0, self.states()).iter().copied().collect();
+        zone.inner.clear();
         Ok(self.pack(&[zone], &at.values))
     }
 }

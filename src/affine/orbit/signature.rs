@@ -69,6 +69,9 @@ pub struct Zone {
     /// Of the first zone, where sums of states never change along a sequence: the states that they have at its beginning.
     #[serde(default, skip_serializing_if = "Carried::is_default")]
     pub kept: Carried<Vec<f64>>,
+    /// How many shots it is gone through in beyond the first: see [`super::shots`].
+    #[serde(default, skip_serializing_if = "Carried::is_default")]
+    pub further: Carried<usize>,
 }
 
 impl Zone {
@@ -80,7 +83,19 @@ impl Zone {
             name,
             label: Carried::default(),
             kept: Carried::default(),
+            further: Carried::default(),
         }
+    }
+
+    /// How many shots it is gone through in.
+    pub fn shots(&self) -> usize {
+        1 + self.further.0
+    }
+
+    /// The same zone gone through in so many shots, one at least.
+    pub fn in_shots(mut self, shots: usize) -> Zone {
+        self.further = Carried(shots.saturating_sub(1));
+        self
     }
 
     /// Whether its label is this one.
@@ -110,6 +125,27 @@ pub struct ZonePoint {
     pub duration: f64,
     /// Phase of the forcing at its entry; zero without.
     pub phase: f64,
+    /// States at the beginnings of its further shots.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub inner: Vec<Vec<f64>>,
+}
+
+impl ZonePoint {
+    /// A zone of one shot.
+    pub fn new(state: Vec<f64>, duration: f64, phase: f64) -> ZonePoint {
+        ZonePoint {
+            state,
+            duration,
+            phase,
+            inner: Vec::new(),
+        }
+    }
+
+    /// The states at the beginning of a shot.
+    pub fn at_shot(&self, shot: usize) -> &[f64] {
+        let further = shot.checked_sub(1).and_then(|index| self.inner.get(index));
+        further.unwrap_or(&self.state)
+    }
 }
 
 /// A cycle of zones; not empty.
@@ -125,6 +161,18 @@ impl Sequence {
     /// Whether there is no zone.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
+    }
+
+    /// How many shots there are before every zone, and in all.
+    pub(super) fn shots_before(&self) -> Vec<usize> {
+        let mut all = Vec::with_capacity(self.len() + 1);
+        all.push(0);
+        let mut sum = 0;
+        all.extend(self.0.iter().map(|zone| {
+            sum += zone.shots();
+            sum
+        }));
+        all
     }
 
     /// Number of switches in a cycle.

@@ -257,8 +257,10 @@ impl AffineOrbit {
     ) -> Result<Option<Monodromy>, OrbitFailure> {
         let at = self.at(point)?;
         let half = self.zones_of_half().unwrap_or(0);
-        let passages = (0..half).map(|zone| at.passage(zone, at.zones[zone].duration));
-        let passages: Vec<_> = passages.collect::<Result<_, _>>()?;
+        let mut passages = Vec::new();
+        for zone in 0..half {
+            passages.extend(at.shots_of(zone)?);
+        }
         let signs = Vector::from_fn(self.states(), |state, _| sign(kept, state));
         Ok(at.half_monodromy(&passages, &signs))
     }

@@ -146,6 +146,7 @@ impl OrbitSystem<'_> {
             let turn = if later { self.turns().middle() } else { 0.0 };
             let state = guess[first..first + states].iter();
             ZonePoint {
+                inner: Vec::new(),
                 state: state.map(|x| sign * x).collect(),
                 duration: parts.iter().map(|part| guess[self.duration(*part)]).sum(),
                 phase: if self.is_forced() {

@@ -85,6 +85,16 @@ pub trait Curve: Sized {
         1.0
     }
 
+    /// The same curve in other unknowns, where these suit a node better from which steps of length `ds` set out.
+    fn renewed(
+        &self,
+        _node: &Node,
+        _watched: &Self::Watched,
+        _ds: f64,
+    ) -> Option<CurveBeginning<Self>> {
+        None
+    }
+
     /// A point without an event.
     fn point(&self, s: f64, node: &Node, watched: &Self::Watched) -> Self::Found;
 

@@ -91,6 +91,9 @@ impl<C: Curve> Walker<C> {
     /// Takes one step, shorter if need be. Returns the points found, in order, and how the curve ended
     /// if it did.
     pub fn step(&mut self) -> (Vec<C::Found>, Option<EndOf<C>>) {
+        if let Some(renewed) = self.curve.renewed(&self.node, &self.watched, self.ds) {
+            self.go_on(renewed);
+        }
         let Steps { ds_min, ds_max, .. } = self.steps;
         let longest = ds_max * self.curve.stretch(&self.node);
         let mut ds = self.ds.clamp(ds_min, longest);
@@ -253,6 +256,11 @@ impl<C: Curve> Walker<C> {
     fn enter(&mut self, s: f64, entry: CurveBeginning<C>) {
         self.travelled += s.max(0.0);
         self.creeping = 0;
+        self.go_on(entry);
+    }
+
+    /// Goes on from the beginning of a curve.
+    fn go_on(&mut self, entry: CurveBeginning<C>) {
         self.curve = entry.curve;
         self.node = entry.node;
         self.before.clear();

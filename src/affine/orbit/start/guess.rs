@@ -90,10 +90,6 @@ impl OrbitGuess {
 fn zone(wanted: &Wanted, place: &Place, way: Option<Way>, duration: f64) -> (Zone, ZonePoint) {
     let name = wanted.system.mode_name(place.mode).into_owned();
     let zone = Zone::new(place.mode, way, name);
-    let point = ZonePoint {
-        state: place.state.clone(),
-        duration,
-        phase: place.phase,
-    };
+    let point = ZonePoint::new(place.state.clone(), duration, place.phase);
     (zone, point)
 }
