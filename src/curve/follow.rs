@@ -237,6 +237,23 @@ impl<P: ParameterPlane> Curve for EventCurve<P> {
         P::stretch(&node.point.as_slice()[..self.system.orbit_unknowns()])
     }
 
+    fn renewed(
+        &self,
+        node: &Node,
+        tests: &Tests<P>,
+        creeps: bool,
+    ) -> Option<(EventCurve<P>, Node, Tests<P>)> {
+        let (orbit, own) = self.system.orbit(&node.point, 0).ok()?;
+        let renewed = orbit.renewed(&own, &tests.examination, creeps)?;
+        let (system, node) = self.system.renewed(&orbit, &renewed, node)?;
+        let curve = EventCurve {
+            system,
+            ..self.clone()
+        };
+        let tests = curve.watch(&node, None).ok()?;
+        Some((curve, node, tests))
+    }
+
     fn arrive(&mut self, node: &mut Node, _: &Self::Watched, _: &[(Place, Self::Event)]) {
         self.system.settle(&node.point);
         let further = self.system.further(&node.point);
@@ -259,7 +276,8 @@ impl<P: ParameterPlane> Curve for EventCurve<P> {
     fn aliases(&self, name: &SignatureOf<P>, first: &Node, near: &Node) -> Vec<Node> {
         /// Points whose states or parameters are further apart, in their units, are not the same: far beyond a step.
         const FAR: f64 = 1.0;
-        if name != self.name() {
+        // one begun in fewer shots is not carried into those that the curve has come to
+        if name != self.name() || first.point.len() != near.point.len() {
             return Vec::new();
         }
         let (count, last) = (self.system.orbit_unknowns(), first.point.len() - 2);

@@ -220,7 +220,8 @@ impl ParameterPlane for OrbitsInPlane {
 
     fn unknowns(&self, sequence: &Sequence) -> usize {
         let closed = self.system.source.forcing.is_some() || self.prescribed.is_some();
-        (self.scales.states.len() + 1) * sequence.len() + usize::from(closed)
+        let (zones, states) = (sequence.len(), self.scales.states.len());
+        (states + 1) * zones + states * sequence.further_shots() + usize::from(closed)
     }
 
     fn zones(sequence: &Sequence) -> usize {
@@ -237,7 +238,7 @@ impl ParameterPlane for OrbitsInPlane {
         let mut known = self.memo.0.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(known) = &known[index]
             && known.bits == bits
-            && known.orbit.sequence == *sequence
+            && known.orbit.sequence.has_unknowns_of(sequence)
         {
             return Ok(known.orbit.clone());
         }

@@ -324,6 +324,46 @@ impl<P: ParameterPlane> EventSystem<P> {
         retangent(self, &point, &along, node.newton)
     }
 
+    /// The same event and a node of it in the unknowns of renewed orbits.
+    pub(super) fn renewed(
+        &self,
+        orbit: &P::Orbit,
+        renewed: &P::Orbit,
+        node: &Node,
+    ) -> Option<(EventSystem<P>, Node)> {
+        let count = self.orbit_unknowns();
+        let (_, own) = self.orbit(&node.point, 0).ok()?;
+        let carried = |direction: &[f64]| {
+            let mut along = Vector::zeros(own.len());
+            along.rows_mut(0, count).copy_from_slice(direction);
+            orbit.carried(renewed, &Node::at(own.clone(), along))
+        };
+        let last = node.point.len() - 2;
+        let tangent = carried(&node.tangent.as_slice()[..count])?;
+        // a null vector is carried as any perturbation is, and has the length 1 again
+        let further = &node.point.as_slice()[count..last];
+        let further = match self.has_null_vector() {
+            true => {
+                let null = carried(further)?.tangent;
+                let null = null.rows(0, null.len() - 1).normalize();
+                null.as_slice().to_vec()
+            }
+            false => further.to_vec(),
+        };
+        let system = self.of(renewed.signature().clone(), self.condition.clone());
+        let unknowns = system.orbit_unknowns();
+        let point = |orbit: &Vector, further: &[f64], from: &Vector| {
+            let parts = orbit.iter().take(unknowns).chain(further);
+            let all = parts.chain(from.rows(last, 2).iter()).copied().collect();
+            Vector::from_vec(all)
+        };
+        let nothing = vec![0.0; further.len()];
+        let along = point(&tangent.tangent, &nothing, &node.tangent);
+        let point = point(&tangent.point, &further, &node.point);
+        let node = retangent(&system, &point, &along, node.newton)?;
+        Some((system, node))
+    }
+
     /// Follows the place of an interior margin, or what normalises further unknowns, to a new point of the curve.
     pub fn settle(&mut self, point: &Vector) {
         let further = self.further(point);

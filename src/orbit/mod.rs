@@ -267,13 +267,18 @@ pub trait Orbit: System<Failure: Data> + Clone + Debug + PartialEq {
         false
     }
 
-    /// The same orbit in unknowns that suit it better, where there are any; `creeps` where steps are short.
+    /// The same orbits in unknowns that suit one of them better, where there are any; `creeps` where steps are short.
     fn renewed(
         &self,
-        _node: &Node,
+        _point: &Vector,
         _examination: &Self::Examination,
         _creeps: bool,
-    ) -> Option<(Self, Node)> {
+    ) -> Option<Self> {
+        None
+    }
+
+    /// A point and a direction there in the unknowns of [`Orbit::renewed`].
+    fn carried(&self, _renewed: &Self, _node: &Node) -> Option<Node> {
         None
     }
 

@@ -10,12 +10,9 @@ use super::monitor::MonitorStop;
 use super::special::{BranchFailure, BranchStop, Close, Ending, OrbitRefusal, Special};
 use super::{Examined, Orbit, retrace};
 use crate::continuation::Node;
-use crate::continuation::locate::{Place, node_at};
-use crate::continuation::walk::{self, Curve, CurveBeginning, Outcome, Segment, Within};
+use crate::continuation::locate::{Place, node_at, retangent};
+use crate::continuation::walk::{self, Curve, Outcome, Segment, Within};
 use crate::linalg::Vector;
-
-/// Steps shorter than this, in units of the first, are looked at for why.
-const CREEPS: f64 = 1e-2;
 
 /// A step along one branch turns by less but where it is long: one that comes to another branch turns from across it to along it.
 const TURNS: f64 = 0.02;
@@ -179,21 +176,17 @@ impl<O: Orbit> Curve for Track<O> {
         &self,
         node: &Node,
         examination: &O::Examination,
-        ds: f64,
-    ) -> Option<CurveBeginning<Track<O>>> {
-        let creeps = ds < CREEPS * self.limits.steps.ds;
-        let (orbit, node) = self.orbit.renewed(node, examination, creeps)?;
-        let watched = orbit.examination(&node.point).ok()?;
+        creeps: bool,
+    ) -> Option<(Track<O>, Node, O::Examination)> {
+        let orbit = self.orbit.renewed(&node.point, examination, creeps)?;
+        let carried = self.orbit.carried(&orbit, node)?;
+        let node = retangent(&orbit, &carried.point, &carried.tangent, node.newton)?;
+        let examination = orbit.examination(&node.point).ok()?;
         let curve = Track {
             orbit: Arc::new(orbit),
             ..self.clone()
         };
-        Some(CurveBeginning {
-            curve,
-            node,
-            watched,
-            ds,
-        })
+        Some((curve, node, examination))
     }
 
     fn aliases(&self, name: &O::Signature, first: &Node, near: &Node) -> Vec<Node> {

@@ -252,9 +252,9 @@ impl Orbit for AffineOrbit {
             if is_own {
                 return self.rotated(node, shift);
             }
-            let (_, node) = self
-                .with_sequence(signature.clone())?
-                .in_shots(node, &shots)?;
+            let own = self.with_sequence(signature.clone())?;
+            let mut node = own.carried_to(&own.in_shots(&shots)?, node)?;
+            node.tangent.normalize_mut();
             self.rotated(&node, shift)
         };
         let aliases = rotations.filter_map(rotated);
@@ -347,11 +347,15 @@ impl Orbit for AffineOrbit {
 
     fn renewed(
         &self,
-        node: &Node,
+        point: &Vector,
         examination: &Examination,
         creeps: bool,
-    ) -> Option<(AffineOrbit, Node)> {
-        self.in_shots_for_growth(node, &examination.growths, creeps)
+    ) -> Option<AffineOrbit> {
+        self.in_shots_for_growth(point, &examination.growths, creeps)
+    }
+
+    fn carried(&self, renewed: &AffineOrbit, node: &Node) -> Option<Node> {
+        self.carried_to(renewed, node)
     }
 
     fn gives_out(&self, node: &Node) -> Option<OrbitStop> {

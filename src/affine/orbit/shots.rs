@@ -20,7 +20,6 @@ use super::signature::{Sequence, ZonePoint};
 use crate::affine::flow::ModeFlow;
 use crate::affine::mode::Row;
 use crate::continuation::Node;
-use crate::continuation::locate::retangent;
 use crate::linalg::{Matrix, Vector};
 
 /// Growth over a shot, as a power of e, from which a zone is gone through in more: a third of all digits.
@@ -98,11 +97,15 @@ impl AffineOrbit {
         (1..shots).map(states).collect()
     }
 
-    /// The same orbit with its zones in so many shots.
-    pub(super) fn in_shots(&self, node: &Node, shots: &[usize]) -> Option<(AffineOrbit, Node)> {
+    /// The same orbits with their zones in so many shots.
+    pub(super) fn in_shots(&self, shots: &[usize]) -> Option<AffineOrbit> {
         let zones = self.sequence.0.iter().zip(shots);
         let zones = zones.map(|(zone, shots)| zone.clone().in_shots(*shots));
-        let other = self.with_sequence(Sequence(zones.collect()))?;
+        self.with_sequence(Sequence(zones.collect()))
+    }
+
+    /// A point and a direction there in the unknowns of the same orbits in other shots.
+    pub(super) fn carried_to(&self, other: &AffineOrbit, node: &Node) -> Option<Node> {
         let at = self.at(&node.point).ok()?;
         let count = other.count();
         let mut moved = Node::at(Vector::zeros(count), Vector::zeros(count));
@@ -118,8 +121,9 @@ impl AffineOrbit {
             to.rows_mut(others, last).copy_from(&from.rows(own, last));
         }
         for zone in 0..self.zones() {
-            for shot in 1..shots[zone] {
-                let part = shot as f64 / shots[zone] as f64;
+            let shots = other.shots(zone);
+            for shot in 1..shots {
+                let part = shot as f64 / shots as f64;
                 let first = other.shot_index(zone, shot);
                 for (state, (value, along)) in at
                     .at_part(zone, part, &node.tangent)?
@@ -131,23 +135,23 @@ impl AffineOrbit {
                 }
             }
         }
-        moved.tangent.normalize_mut();
-        Some((other, moved))
+        Some(moved)
     }
 
-    /// The same orbit in as many shots as its growth asks for, where these are others; `creeps` where steps are short.
+    /// The same orbits in as many shots as the growth along one of them asks for, where these are others; `creeps` where
+    /// steps are short.
     pub(super) fn in_shots_for_growth(
         &self,
-        node: &Node,
+        point: &Vector,
         known: &[ZoneGrowth],
         creeps: bool,
-    ) -> Option<(AffineOrbit, Node)> {
+    ) -> Option<AffineOrbit> {
         let within = || {
-            let at = self.at(&node.point).ok()?;
+            let at = self.at(point).ok()?;
             Some(at.growths(&at.passages().ok()?, true))
         };
-        let all = creeps.then(within).flatten();
-        let all = all.as_deref().unwrap_or(known);
+        let within = creeps.then(within).flatten();
+        let all = within.as_deref().unwrap_or(known);
         let wanted = |zone: usize| {
             let (shots, ZoneGrowth { of_shot, of_zone }) = (self.shots(zone), all[zone]);
             let most = if creeps { GROWS_AND_CREEPS } else { GROWS };
@@ -163,9 +167,7 @@ impl AffineOrbit {
         if (0..self.zones()).all(|zone| wanted[zone] == self.shots(zone)) {
             return None;
         }
-        let (other, node) = self.in_shots(node, &wanted)?;
-        let node = retangent(&other, &node.point, &node.tangent, node.newton)?;
-        Some((other, node))
+        self.in_shots(&wanted)
     }
 }
 

@@ -175,6 +175,17 @@ impl Sequence {
         all
     }
 
+    /// How many shots there are beyond the first ones.
+    pub fn further_shots(&self) -> usize {
+        self.0.iter().map(|zone| zone.further.0).sum()
+    }
+
+    /// Whether it is another sequence, in the same shots.
+    pub fn has_unknowns_of(&self, other: &Sequence) -> bool {
+        let mut pairs = self.0.iter().zip(&other.0);
+        self == other && pairs.all(|(one, other)| one.further.0 == other.further.0)
+    }
+
     /// Number of switches in a cycle.
     pub fn switches(&self) -> usize {
         self.0.iter().filter(|zone| zone.way.is_some()).count()

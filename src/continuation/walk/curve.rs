@@ -85,13 +85,14 @@ pub trait Curve: Sized {
         1.0
     }
 
-    /// The same curve in other unknowns, where these suit a node better from which steps of length `ds` set out.
+    /// The same curve in other unknowns, where these suit a node better, the node in these, and what is watched there; `creeps` where
+    /// steps from there are short.
     fn renewed(
         &self,
         _node: &Node,
         _watched: &Self::Watched,
-        _ds: f64,
-    ) -> Option<CurveBeginning<Self>> {
+        _creeps: bool,
+    ) -> Option<(Self, Node, Self::Watched)> {
         None
     }
 

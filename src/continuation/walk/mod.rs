@@ -51,6 +51,9 @@ enum StepOutcome<C: Curve> {
 /// looked for.
 const HALVINGS_FOR_PAIRS: u32 = 8;
 
+/// Steps shorter than this, in units of the first, are looked at for why.
+const SHORT: f64 = 1e-2;
+
 /// A curve has closed when it passes this close to its first point, in units of the last step.
 const CLOSED: f64 = 1.0;
 
@@ -91,8 +94,11 @@ impl<C: Curve> Walker<C> {
     /// Takes one step, shorter if need be. Returns the points found, in order, and how the curve ended
     /// if it did.
     pub fn step(&mut self) -> (Vec<C::Found>, Option<EndOf<C>>) {
-        if let Some(renewed) = self.curve.renewed(&self.node, &self.watched, self.ds) {
-            self.go_on(renewed);
+        let creeps = self.ds < SHORT * self.steps.ds;
+        if let Some((curve, node, watched)) = self.curve.renewed(&self.node, &self.watched, creeps)
+        {
+            (self.curve, self.node, self.watched) = (curve, node, watched);
+            self.before.clear();
         }
         let Steps { ds_min, ds_max, .. } = self.steps;
         let longest = ds_max * self.curve.stretch(&self.node);
@@ -256,11 +262,6 @@ impl<C: Curve> Walker<C> {
     fn enter(&mut self, s: f64, entry: CurveBeginning<C>) {
         self.travelled += s.max(0.0);
         self.creeping = 0;
-        self.go_on(entry);
-    }
-
-    /// Goes on from the beginning of a curve.
-    fn go_on(&mut self, entry: CurveBeginning<C>) {
         self.curve = entry.curve;
         self.node = entry.node;
         self.before.clear();
