@@ -26,6 +26,7 @@ mod prescribed;
 mod problems;
 mod refusals;
 mod rests;
+mod shooting;
 mod sliding;
 mod start;
 mod steady;

@@ -22,8 +22,8 @@ use crate::affine::mode::Row;
 use crate::continuation::Node;
 use crate::linalg::{Matrix, Vector};
 
-/// Growth over a shot, as a power of e, from which a zone is gone through in more: a third of all digits.
-const GROWS: f64 = 12.0;
+/// Growth over a shot, as a power of e, from which a zone is gone through in more: a quarter of all digits.
+const GROWS: f64 = 9.0;
 
 /// The same where steps are short: a step may be as long as one over the growth.
 const GROWS_AND_CREEPS: f64 = 6.0;
