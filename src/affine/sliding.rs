@@ -11,7 +11,7 @@ use super::mode::{AffineMode, AffineSystem, Exit, Guard};
 use super::rows::{MatrixBy, Row};
 use super::series::Field;
 use super::system::{Mistake, System, SystemError};
-use crate::linalg::Matrix;
+use crate::linalg::{Matrix, Vector, balance};
 
 /// A sliding mode whose field is not affine.
 #[derive(Clone, Debug)]
@@ -80,11 +80,25 @@ impl SlidingForms {
     }
 }
 
-/// Relative size of what two rows may differ by where they are the same for the mathematics: coefficients
-/// are made from the same numbers in different order.
+/// Relative size of what two rows may differ by where they are the same for the mathematics, in [`AffineSystem::units_of_z`]:
+/// coefficients are made from the same numbers in different order.
 const SAME: f64 = 1e-12;
 
+/// The largest entry of a row, in units of z.
+fn largest(row: &Vector, units: &Vector) -> f64 {
+    row.component_mul(units).amax()
+}
+
 impl AffineSystem {
+    /// Units of z in which what acts back on what acts on it is alike in size, over all modes: in these rounding is told, whatever
+    /// units the file has.
+    fn units_of_z(&self) -> Vector {
+        let nothing = Matrix::zeros(self.size(), self.size());
+        let written = self.modes.written().iter();
+        let all = written.fold(nothing, |sum, mode| sum + mode.matrix.at.abs());
+        balance(&all, 0.0).0
+    }
+
     /// The field of a sliding mode and the rates of its surface along both fields, where the difference of these keeps
     /// its direction and the surface is flat.
     fn sliding_field(&self, sides: [usize; 2], surface: &Row) -> Option<SlidingField> {
@@ -110,31 +124,34 @@ impl AffineSystem {
         }
         // the largest row of F₊ − F₋; the others are multiples of it
         let rows = 0..self.states;
-        let largest = rows.max_by(|one, other| {
-            let size = |row: usize| difference.at.row(row).amax();
+        let units = self.units_of_z();
+        let main = rows.max_by(|one, other| {
+            let size =
+                |row: usize| largest(&difference.at.row(row).transpose(), &units) / units[row];
             size(*one).total_cmp(&size(*other))
         });
-        let largest = largest.unwrap_or(0);
-        let (reference, pivot) = {
-            let row = difference.at.row(largest);
-            (row.transpose(), row.iamax_full().1)
-        };
+        let main = main.unwrap_or(0);
+        let reference = difference.at.row(main).transpose();
+        let pivot = reference.component_mul(&units).iamax();
         let scale = reference[pivot];
         let mut direction = Row::zero(self.states);
         for state in 0..self.states {
             let row = difference.row(state);
             let ratio = row.at[pivot] / scale;
-            let parallel = (&row.at - &reference * ratio).amax() <= SAME * scale.abs();
+            let left = &row.at - &reference * ratio;
+            let [below, above] = [below, above].map(|side| side.at.row(state).transpose());
+            let size = largest(&below, &units).max(largest(&above, &units));
+            let parallel = largest(&left, &units) <= SAME * size;
             if scale == 0.0 || !parallel {
                 return None;
             }
             let by = [0, 1]
-                .map(|p| (row.by[p][pivot] - ratio * difference.by[p][(largest, pivot)]) / scale);
+                .map(|p| (row.by[p][pivot] - ratio * difference.by[p][(main, pivot)]) / scale);
             direction.set(state, Dual::new(ratio, by));
         }
         let normal = surface.at.rows(0, self.states);
         let across = normal.dot(&direction.at);
-        if across.abs() <= SAME * surface.at.amax() * direction.at.amax() {
+        if across.abs() <= SAME * normal.abs().dot(&direction.at.abs()) {
             return None;
         }
         let across_by = [0, 1].map(|p| {
@@ -245,7 +262,8 @@ impl AffineSystem {
             .is_some_and(|[leave, _]| leave == guard);
         let plain = !(base..self.size()).any(|column| row.has(column));
         let [own, other] = [from, to].map(|mode| row.through(&self.modes[mode].matrix));
-        meets && from != to && plain && is_nothing(&difference(&own, &other), &own)
+        let units = self.units_of_z();
+        meets && from != to && plain && is_nothing(&difference(&own, &other), &own, &units)
     }
 
     /// The guards of two modes that lead from one to the other and are the same but for their sign: the one pair of them.
@@ -254,11 +272,12 @@ impl AffineSystem {
             let guards = self.modes[from].guards.iter().enumerate();
             guards.filter(move |(_, guard)| guard.exits.iter().any(|exit| exit.to == to))
         };
+        let units = &self.units_of_z();
         let mut pairs = leading(first, second).flat_map(|(leave, guard)| {
             let own = &guard.row.at;
             let opposite = leading(second, first).filter(move |(_, back)| {
-                let size = own.amax();
-                size > 0.0 && (own + &back.row.at).amax() <= SAME * size
+                let size = largest(own, units);
+                size > 0.0 && largest(&(own + &back.row.at), units) <= SAME * size
             });
             opposite.map(move |(back, _)| [leave, back])
         });
@@ -274,11 +293,12 @@ impl AffineSystem {
         let Some((surface, sides)) = surface.clone().zip(*sides) else {
             return;
         };
+        let units = self.units_of_z();
         // those of the file only: whether the motion slides beyond is decided beyond
         let is_written = |exit: &Exit| self.modes[exit.to].sides.is_none();
         let guards = |side: usize| -> Vec<Guard> {
             let guards = self.modes[side].guards.iter();
-            let elsewhere = guards.filter(|guard| ratio(&guard.row, &surface).is_none());
+            let elsewhere = guards.filter(|guard| ratio(&guard.row, &surface, &units).is_none());
             let bare = elsewhere.map(|guard| Guard {
                 exits: guard
                     .exits
@@ -293,9 +313,9 @@ impl AffineSystem {
         let [first, mut second] = sides.map(guards);
         let mut watched = Vec::new();
         for guard in first {
-            let own = reduced(&guard.row, &surface);
+            let own = reduced(&guard.row, &surface, &units);
             let same = |other: &Guard| {
-                let factor = ratio(&reduced(&other.row, &surface), &own);
+                let factor = ratio(&reduced(&other.row, &surface, &units), &own, &units);
                 factor.is_some_and(|factor| factor > 0.0)
             };
             let twin = second
@@ -321,9 +341,10 @@ impl AffineSystem {
                 .flat_map(|exit| self.arrivals(surface, exit, exit.to));
             return arrivals.collect();
         };
+        let units = self.units_of_z();
         let on_surface = |one: &Row, other: &Row| {
-            let [one, other] = [one, other].map(|row| reduced(row, surface));
-            is_nothing(&difference(&one, &other), &one)
+            let [one, other] = [one, other].map(|row| reduced(row, surface, &units));
+            is_nothing(&difference(&one, &other), &one, &units)
         };
         let alike = |(one, other): (&Exit, &Exit)| {
             let mut resets = (0..self.states).map(|row| (one.reset.row(row), other.reset.row(row)));
@@ -351,6 +372,7 @@ impl AffineSystem {
     /// where both point at it. No field decides where both point away.
     fn arrivals(&self, surface: &Row, exit: &Exit, other: usize) -> Vec<Exit> {
         let [one, other] = [exit.to, other];
+        let units = self.units_of_z();
         let after = |row: &Row| self.before_reset(row, &exit.reset);
         let sliding = || {
             let modes = self.modes.written().iter().enumerate();
@@ -366,7 +388,7 @@ impl AffineSystem {
         };
         let lands_on = |row: &Row| {
             let row = after(row)?;
-            Some(is_nothing(&reduced(&row, surface), &row))
+            Some(is_nothing(&reduced(&row, surface, &units), &row, &units))
         };
         let joins = |sides: [usize; 2]| match one == other {
             true => sides.contains(&one),
@@ -402,7 +424,7 @@ impl AffineSystem {
         let exits = || {
             let [first, second] = sides;
             let row = after(&row)?;
-            if !is_nothing(&reduced(&row, surface), &row) {
+            if !is_nothing(&reduced(&row, surface, &units), &row, &units) {
                 let below = row.negative();
                 return Some(vec![exit(first, vec![row]), exit(second, vec![below])]);
             }
@@ -440,9 +462,9 @@ impl AffineSystem {
 }
 
 /// A form with what a surface makes of it taken away: they are the same where the form of the surface is zero.
-fn reduced(row: &Row, surface: &Row) -> Row {
+fn reduced(row: &Row, surface: &Row, units: &Vector) -> Row {
     let mut row = row.clone();
-    let pivot = surface.at.iamax();
+    let pivot = surface.at.component_mul(units).iamax();
     let factor = row.dual(pivot).over(surface.dual(pivot));
     row.subtract(factor, surface);
     row
@@ -456,22 +478,23 @@ fn difference(one: &Row, other: &Row) -> Row {
 }
 
 /// Whether a form is zero but for the rounding of one that it is made of.
-fn is_nothing(row: &Row, of: &Row) -> bool {
-    let size = of
-        .by
-        .iter()
-        .fold(of.at.amax(), |size, by| size.max(by.amax()));
-    row.at.amax() <= SAME * of.at.amax() && row.by.iter().all(|by| by.amax() <= SAME * size)
+fn is_nothing(row: &Row, of: &Row, units: &Vector) -> bool {
+    let size = largest(&of.at, units);
+    let sizes = of.by.iter().map(|by| largest(by, units));
+    let of_slopes = sizes.fold(size, f64::max);
+    let mut slopes = row.by.iter();
+    largest(&row.at, units) <= SAME * size
+        && slopes.all(|by| largest(by, units) <= SAME * of_slopes)
 }
 
 /// The number that one form is times another, if it is.
-fn ratio(one: &Row, other: &Row) -> Option<f64> {
-    let pivot = other.at.iamax();
+fn ratio(one: &Row, other: &Row, units: &Vector) -> Option<f64> {
+    let pivot = other.at.component_mul(units).iamax();
     if other.at[pivot] == 0.0 {
         return None;
     }
     let factor = one.dual(pivot).over(other.dual(pivot));
     let mut left = one.clone();
     left.subtract(factor, other);
-    is_nothing(&left, one).then_some(factor.value)
+    is_nothing(&left, one, units).then_some(factor.value)
 }

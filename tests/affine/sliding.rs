@@ -344,3 +344,57 @@ fn a_motion_spirals_into_an_equilibrium_on_a_surface() {
     let start = settled(text, "c", ("right", &[1.0, 0.0]), 100.0);
     assert!(matches!(start, Err(NoStart::Rests { .. })), "{start:?}");
 }
+
+/// Sliding whose normal speeds depend on a state, entered by an orbit that comes to slide for ever: the event and the multiplier are the
+/// same in any units of the states, to the rounding of the integration.
+#[test]
+fn sliding_is_the_same_in_any_units_of_the_states() {
+    const SAME: f64 = 1e-11;
+    let in_units = |x: f64, y: f64| {
+        let text = format!(
+            r#"(
+            states: ["x", "y"],
+            parameters: {{"F": 8.0, "w": 2.0, "d": 0.2}},
+            forcing: "w",
+            define: {{"X": "{x:e}*x", "Y": "{y:e}*y"}},
+            modes: {{
+                "L": (rates: {{"x": "(2 + 0.5*Y)/{x:e}", "y": "(-Y + F*cos(phase))/{y:e}"}},
+                    until: [(zero: "d - X", to: "R")]),
+                "R": (rates: {{"x": "(-2 + Y)/{x:e}", "y": "(-2*Y + F*cos(phase) + 0.3)/{y:e}"}},
+                    until: [(zero: "X - d", to: "L")]),
+            }},
+            sliding: {{"S": ("L", "R")}},
+        )"#
+        );
+        let (orbit, point) = settled(&text, "F", ("L", &[0.0, 0.0]), 100.0).unwrap();
+        let (seen, all) = follow(&orbit, &point, false, (2.0, 8.0), 1000);
+        let events: Vec<(String, f64)> = seen
+            .iter()
+            .map(|one| (one.what.clone(), one.value))
+            .collect();
+        let last = &all[all.len() - 1];
+        let multipliers = last.orbit.multipliers(&last.node.point).unwrap();
+        (events, multipliers[0].value.re)
+    };
+    let (events, multiplier) = in_units(1.0, 1.0);
+    assert_eq!(events.len(), 2, "{events:?}");
+    for (x, y) in [
+        (1.0, 1e-9),
+        (1.0, 1e9),
+        (1e-9, 1.0),
+        (1e9, 1.0),
+        (1e-6, 1e6),
+    ] {
+        let (others, other) = in_units(x, y);
+        assert_eq!(events.len(), others.len(), "{x:e}, {y:e}: {others:?}");
+        for ((what, value), (other, at)) in events.iter().zip(&others) {
+            let off = (value / at - 1.0).abs();
+            assert!(
+                what == other && off <= SAME,
+                "{x:e}, {y:e}: {other} {off:e}"
+            );
+        }
+        let off = (multiplier / other - 1.0).abs();
+        assert!(off <= SAME, "{x:e}, {y:e}: {multiplier} {other}");
+    }
+}
