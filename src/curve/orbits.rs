@@ -141,6 +141,28 @@ impl OrbitsInPlane {
         }
     }
 
+    /// What is watched along a curve of grazes of an impact: there a multiplier is infinite, and what is left of the others in the
+    /// product of the factors is rounding.
+    fn watched_at_graze(
+        &self,
+        condition: &EventCondition<OrbitsInPlane>,
+        orbit: &AffineOrbit,
+        point: &Vector,
+    ) -> TestValues {
+        let test = |kind, value: Option<f64>| {
+            passed(Some(PointType::One(kind)), value.unwrap_or(f64::NAN))
+        };
+        let mut tests = vec![test(EventType::PD, orbit.doubling_determinant(point))];
+        if let Some(kept) = self.image(condition) {
+            let lost = orbit.asymmetry_determinant(kept, point);
+            tests.push(test(EventType::BP, lost));
+        }
+        TestValues {
+            tests,
+            outside: None,
+        }
+    }
+
     /// The system, with the monitor that keeps its value.
     fn system(&self) -> System {
         let monitors = monitored::read(&self.system.source, &self.monitor);
@@ -402,10 +424,11 @@ impl ParameterPlane for OrbitsInPlane {
         orbit: &AffineOrbit,
         point: &Vector,
         (residual, matrix): (&mut [f64], &mut Matrix),
-    ) {
-        if let Some(kept) = self.image(condition) {
-            orbit.close_at_image(kept, point, residual, matrix);
-        }
+    ) -> Result<(), OrbitFailure> {
+        let image = self.image(condition);
+        image.map_or(Ok(()), |kept| {
+            orbit.close_at_image(kept, point, residual, matrix)
+        })
     }
 
     fn lost(
@@ -441,6 +464,11 @@ impl ParameterPlane for OrbitsInPlane {
         point: &Vector,
         _: &[f64],
     ) -> TestValues {
+        if let EventCondition::Margin(margin) = condition
+            && orbit.grazes_impact(point, margin)
+        {
+            return self.watched_at_graze(condition, orbit, point);
+        }
         let Some(monodromy) = monodromy(orbit, point) else {
             return TestValues::default();
         };

@@ -269,13 +269,17 @@ pub trait ParameterPlane: Data {
     }
 
     /// Puts in the place of equations of the orbit those that the event needs, where it makes them singular.
+    ///
+    /// # Errors
+    /// They cannot be evaluated.
     fn restrict(
         &self,
         _: &EventCondition<Self>,
         _: &Self::Orbit,
         _: &Vector,
         _equations: (&mut [f64], &mut Matrix),
-    ) {
+    ) -> Result<(), FailureOf<Self>> {
+        Ok(())
     }
 
     /// All equations of an event of one signature, and their derivatives, in its unknowns, where the plane has them itself: with

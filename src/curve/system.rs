@@ -176,7 +176,7 @@ impl<P: ParameterPlane> EventSystem<P> {
             orbit.evaluate(&own, residual.as_mut_slice(), &mut matrix)?;
             let equations = (residual.as_mut_slice(), &mut matrix);
             self.plane
-                .restrict(&self.condition, &orbit, &own, equations);
+                .restrict(&self.condition, &orbit, &own, equations)?;
             if index == 0 {
                 all.columns_mut(0, count)
                     .copy_from(&matrix.columns(0, count));

@@ -365,6 +365,12 @@ pub trait Orbit: System<Failure: Data> + Clone + Debug + PartialEq {
         None
     }
 
+    /// The symmetric orbit next to a point at which a branch without its symmetry ends, and the error of the parameter there, by
+    /// equations that are not singular at it; `None` where there are none, or they have no such solution.
+    fn symmetric_near(&self, _point: &Vector, _tolerance: f64) -> Option<(Vector, f64)> {
+        None
+    }
+
     /// Whether a step leads from one orbit to another beyond the place where the branch would turn back.
     fn falls_on_another(&self, _before: &Vector, _point: &Vector) -> bool {
         false

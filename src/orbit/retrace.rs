@@ -99,6 +99,9 @@ pub(super) fn symmetric<O: Orbit>(
 ) -> Option<(Vector, f64)> {
     /// How far from the fold the parameter is where there is none but the symmetric orbit.
     const BEYOND: [f64; 5] = [1e-6, 1e-5, 1e-4, 1e-3, 1e-2];
+    if let Some(known) = orbit.symmetric_near(&fold.point, tolerance) {
+        return Some(known);
+    }
     let tested = orbit.tested()?;
     let last = fold.point.len() - 1;
     BEYOND.into_iter().find_map(|beyond| {

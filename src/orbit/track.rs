@@ -121,7 +121,11 @@ impl<O: Orbit> Curve for Track<O> {
             && let Some(symmetric) = self.symmetric(&found, step, &special)
         {
             found.special = Some(Special::Own(special));
-            let better = Some(symmetric).filter(|(_, error)| *error < found.uncertainty);
+            // what a test takes for its zero may be another place of the step, known to rounding
+            let better = Some(symmetric).filter(|(point, error)| {
+                let off = (orbit.value_at(point) - found.parameter).abs();
+                *error < found.uncertainty || off > found.uncertainty + error
+            });
             return Ok(ended(self.moved(found, better), stop));
         }
         match event {

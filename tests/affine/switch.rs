@@ -378,3 +378,66 @@ fn a_doubling_that_begins_flat() {
     near(met.point.period, double.point.period, 1e-13);
     near(met.point.parameters[5], graze.point.parameters[5], 1e-13);
 }
+
+/// Events of a branch without symmetry that comes to the symmetric one, in a direction.
+fn comes_to(text: &str, parameter: &str, range: (f64, f64)) -> Vec<(EventType, f64)> {
+    let (problem, along) = problem(text, parameter, range, Toward::Up);
+    let items = collect(OrbitRunner::begin(&problem, &along, None).unwrap(), 400);
+    let special = items
+        .iter()
+        .filter_map(|item| Some((item.point.kind?, item)));
+    let events = special.map(|(kind, item)| (kind, item.point.parameters[0]));
+    events.collect()
+}
+
+/// A branch without symmetry ends at one BP, where the symmetric one loses its symmetry, to its last digits: of Lorenz's system by a half
+/// map with an own integrator, with and without a switch that changes nothing, and of an oscillator between two stops.
+#[test]
+fn a_branch_ends_at_the_symmetric_one_in_one_place() {
+    let rates = r#"rates: {"x": "s*(y - x)", "y": "r*x - y - x*z", "z": "x*y - b*z"}"#;
+    let lorenz = |states: &str, modes: &str, first: &str| {
+        format!(
+            r#"(system: (states: [{states}], parameters: {{"r": 310.0, "s": 10.0, "b": 2.6666666666666665}}, modes: {{{modes}}}),
+            orbit: (start: Simulate(mode: "{first}", state: {{"x": 10.0, "y": 10.0, "z": 265.0}}, settle: 200)),
+            continuation: (parameter: "r", range: (200.0, 345.0)), stability: ())"#
+        )
+    };
+    let smooth = format!(r#""p": ({rates})"#);
+    let switched = format!(
+        r#""p": ({rates}, until: [(zero: "x", to: "n")]), "n": ({rates}, until: [(zero: "-x", to: "p")])"#
+    );
+    let turned = r#""z", "y", "x""#;
+    for (states, modes) in [
+        (r#""x", "y", "z""#, &smooth),
+        (r#""x", "y", "z""#, &switched),
+        (turned, &switched),
+    ] {
+        let events = comes_to(&lorenz(states, modes, "p"), "r", (200.0, 345.0));
+        let kinds: Vec<EventType> = events.iter().map(|one| one.0).collect();
+        assert_eq!(kinds, [EventType::EP, EventType::BP], "{states} {modes}");
+        near(events[1].1, 312.973_532_984_16, 3e-13);
+    }
+    for (states, unit) in [
+        (r#""x", "v""#, 1.0),
+        (r#""v", "x""#, 1.0),
+        (r#""x", "v""#, 1e-3),
+    ] {
+        let stops = format!(
+            r#"(system: (states: [{states}], parameters: {{"A": 0.69}}, forcing: "0.9", modes: {{"free": (
+            rates: {{"x": "v", "v": "{unit}*A*cos(phase) - 0.12*v - x"}}, until: [
+                (zero: "{unit} - x", to: "free", reset: {{"v": "-0.7*v"}}),
+                (zero: "{unit} + x", to: "free", reset: {{"v": "-0.7*v"}})])}}),
+            orbit: (start: Simulate(mode: "free", state: {{"x": {}, "v": 0.0}}, settle: 200)),
+            continuation: (parameter: "A", range: (0.1, 1.4)), stability: ())"#,
+            0.9 * unit
+        );
+        let events = comes_to(&stops, "A", (0.1, 1.4));
+        let last = events.last().unwrap();
+        assert_eq!(last.0, EventType::BP, "{states} {unit}");
+        assert_eq!(
+            events.iter().filter(|one| one.0 == EventType::BP).count(),
+            1
+        );
+        near(last.1, 0.705_852_858_131_17, 3e-14);
+    }
+}

@@ -8,6 +8,7 @@ mod contacts;
 mod cusp;
 mod equations;
 mod equilibria;
+mod grazes;
 mod hopf;
 mod meeting;
 mod monitors;

@@ -632,3 +632,33 @@ fn a_doubling_comes_to_its_resonance() {
         assert!(off < 2e-13, "{off:e}");
     }
 }
+
+/// u' = (m + ax² − u²)u beside x' = cos φ − x: the symmetric cycle u = 0, which never switches, loses its symmetry where the mean of
+/// m + ax² is zero, m = −a/(2(1 + w²)).
+#[test]
+fn a_cycle_without_switches_loses_its_symmetry_along_a_curve() {
+    for states in [r#""x", "u""#, r#""u", "x""#] {
+        let text = format!(
+            r#"(system: (states: [{states}], parameters: {{"m": 0.1, "w": 1.5}}, forcing: "w", modes: {{"all": (
+            rates: {{"x": "cos(phase) - x", "u": "(m + 0.4*x^2 - u^2)*u"}})}}),
+            orbit: (start: Given(mode: "all", state: {{"x": 0.3, "u": 0.0}})),
+            continuation: (parameter: "m", range: (-0.3, 0.2), toward: Down),
+            curve: (event: BP, parameters: ("m", "w"), range: ((-0.3, 0.2), (1.0, 2.0))))"#
+        );
+        let Ok(Any::System(problem)) = parse_any(&text, "test") else {
+            panic!("a system");
+        };
+        let curve = curve(&problem);
+        assert!(!curve.failed, "{} | {}", curve.end(0), curve.end(1));
+        let off = curve.points.iter().map(|point| {
+            let [m, w] = point.parameters;
+            (m + 0.2 / (1.0 + w * w)).abs()
+        });
+        let worst = off.fold(0.0, f64::max);
+        observed(
+            "losses of symmetry of a smooth cycle in two parameters",
+            worst,
+        );
+        assert!(curve.points.len() > 10 && worst < 1e-10, "{worst:e}");
+    }
+}

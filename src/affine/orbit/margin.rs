@@ -2,13 +2,14 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::layout::{AffineOrbit, OrbitAt};
+use super::layout::{AffineOrbit, OrbitAt, ZonePoint};
 use super::passage::{Jet, Passage};
 use super::setting::OrbitFailure;
 
 use super::signature::exit_of;
 use crate::affine::mode::{AffineMode, Exit, Row};
 use crate::linalg::Vector;
+use crate::orbit::located::AT_ZERO;
 
 /// What a margin measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -231,6 +232,21 @@ impl OrbitAt<'_> {
 }
 
 impl AffineOrbit {
+    /// Whether an impact, at the end of a zone or before it, has no speed where a margin vanishes, in an orbit all of whose zones last.
+    pub fn grazes_impact(&self, point: &Vector, margin: &Margin) -> bool {
+        let zone = match margin.watch {
+            Watch::Speed => margin.zone,
+            Watch::Onset(_) => margin.zone + self.zones() - 1,
+            _ => return false,
+        };
+        let Ok(at) = self.at(point) else {
+            return false;
+        };
+        let lasts = |zone: &ZonePoint| zone.duration > AT_ZERO * self.setting.scales.time;
+        let exit = exit_of(&at.posed.system, &self.sequence, zone);
+        exit.is_some_and(|exit| !exit.is_continuous()) && at.zones.iter().all(lasts)
+    }
+
     /// The derivative of a guard just after the entry of a zone that follows the one of its margin, scaled as that; `None` where a
     /// reset has led there, which gives the guard a speed of its own.
     pub fn onset_rate(&self, point: &Vector, guard: usize, zone: usize) -> Option<f64> {

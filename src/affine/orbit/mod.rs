@@ -432,6 +432,10 @@ impl Orbit for AffineOrbit {
             .then_some((Critical::Branching, OrbitStop::Retraces))
     }
 
+    fn symmetric_near(&self, point: &Vector, tolerance: f64) -> Option<(Vector, f64)> {
+        AffineOrbit::symmetric_near(self, point, tolerance)
+    }
+
     fn falls_on_another(&self, before: &Vector, point: &Vector) -> bool {
         self.falls(before, point)
     }

@@ -290,6 +290,15 @@ impl OrbitAt<'_> {
         off.fold(0.0, f64::max)
     }
 
+    /// The same of half an orbit that never switches and the image of its entry.
+    fn closes_at_image(&self, passage: &Passage, signs: &Vector) -> f64 {
+        let entry = self.entry(0);
+        let units = &self.orbit.setting.scales.states;
+        let off = (0..signs.len())
+            .map(|state| (passage.end[state] - signs[state] * entry[state]).abs() / units[state]);
+        off.fold(0.0, f64::max)
+    }
+
     fn links(&self, passages: &[Passage]) -> Vec<Link> {
         let zones = (0..self.zones.len())
             .flat_map(|zone| std::iter::repeat_n(zone, self.orbit.shots(zone)));
@@ -302,9 +311,19 @@ impl OrbitAt<'_> {
     /// The linearised motion over half a period, with the image at its end: some states change their sign.
     pub(super) fn half_monodromy(&self, passages: &[Passage], signs: &Vector) -> Option<Monodromy> {
         let mut links = self.links(passages);
-        let jump = links.last_mut()?.jump.as_mut()?;
-        jump.matrix = Matrix::from_diagonal(signs) * &jump.matrix;
-        jump.after.component_mul_assign(signs);
+        let last = links.last_mut()?;
+        let image = Matrix::from_diagonal(signs);
+        if let Some(jump) = &mut last.jump {
+            jump.matrix = image * &jump.matrix;
+            jump.after.component_mul_assign(signs);
+        } else {
+            last.closes = self.closes_at_image(passages.last()?, signs);
+            last.jump = Some(Jump {
+                matrix: image,
+                lost: 0,
+                after: last.rates[1].component_mul(signs),
+            });
+        }
         self.over(links)
     }
 

@@ -199,7 +199,23 @@ impl AffineOrbit {
         Some(-bordered.determinant().signum() * left.dot(&(closing * right)))
     }
 
-    /// Per zone: the states at the beginning of every further shot; the states at the next entry, where what is zero by the structure takes the place of what the
+    /// det(F_x − 2C), which changes its sign where a multiplier passes −1. Nothing in it is divided by the speed of a guard: at the
+    /// graze of an impact, where det(M + 1) has a pole, it is the residue of that but for a factor.
+    pub fn doubling_determinant(&self, point: &Vector) -> Option<f64> {
+        let (matrix, _) = newton::jacobian(self, point).ok()?;
+        let closing = self.closing(point).ok()?;
+        let count = matrix.nrows();
+        let mut square = (matrix - closing * 2.0).columns(0, count).into_owned();
+        // a parameter that gives the orbit its period is not perturbed
+        if let Some(free) = self.free_index() {
+            square.row_mut(count - 1).fill(0.0);
+            square[(count - 1, free)] = 1.0;
+        }
+        Some(square.determinant())
+    }
+
+    /// Per zone: the states at the beginning of every further shot; the states at the next entry, where what is zero by the
+    /// structure takes the place of what the
     /// reset would give; and its guard at the end, divided by the power of the duration by which it vanishes
     /// with it. With forcing ΣT = periods·2π/ω; a prescribed period is ΣT.
     fn equations(

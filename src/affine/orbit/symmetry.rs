@@ -3,9 +3,13 @@
 //! Where they lose this symmetry the multiplier of their half, with the image at its end, is −1: that of the orbit
 //! passes 1, the parameter does not turn back, and the equations are singular. Those of half the orbit are not.
 
+use std::f64::consts::TAU;
+
 use super::layout::AffineOrbit;
 use super::multipliers::Monodromy;
+use super::passage::Jet;
 use super::setting::OrbitFailure;
+use crate::affine::mode::Row;
 use crate::continuation::Node;
 use crate::continuation::locate::{self, Place};
 use crate::continuation::newton::{self, Plane, System};
@@ -69,8 +73,33 @@ impl System for Half<'_> {
     ) -> Result<(), OrbitFailure> {
         self.orbit.evaluate(point, residual, jacobian)?;
         self.orbit
-            .close_at_image(self.kept, point, residual, jacobian);
-        Ok(())
+            .close_at_image(self.kept, point, residual, jacobian)
+    }
+}
+
+impl Half<'_> {
+    /// Where the multiplier of the half passes −1 between two arclengths from a symmetric orbit, and the error of the parameter
+    /// there.
+    fn loss(&self, from: &Node, [low, high]: [f64; 2], tolerance: f64) -> Option<(Place, f64)> {
+        let test = |node: &Node| {
+            let monodromy = self.orbit.half_monodromy(self.kept, &node.point).ok()??;
+            Some(monodromy.tests(&monodromy.multipliers())[0])
+        };
+        let at = |s: f64| Some((s, test(&locate::node_at(self, from, s, tolerance)?)?));
+        let (low, high) = (at(low)?, at(high)?);
+        if low.1 * high.1 >= 0.0 {
+            return None;
+        }
+        let small = (0.0, 4.0 * f64::EPSILON * (high.0 - low.0));
+        let (place, _) = locate::zero_along(self, from, (low, high), small, tolerance, test)?;
+        let point = &place.node.point;
+        let mut plane = Plane {
+            normal: &from.tangent,
+            through: point,
+        };
+        let matrix = newton::bordered(self, &mut plane, point).ok()?.matrix;
+        let rounding = newton::rounding(&matrix, &point.abs(), None)?[point.len() - 1];
+        Some((place, rounding * self.orbit.unit().abs()))
     }
 }
 
@@ -83,8 +112,8 @@ impl AffineOrbit {
     /// The image under which an orbit is its own half a period later, as far as a located event may tell. A state that is
     /// zero at every entry is told by its rate.
     pub fn symmetry(&self, point: &Vector) -> Option<Kept> {
-        self.zones_of_half()?;
-        self.half_later(point, IMAGE)?.kept()
+        self.has_half()
+            .then(|| self.half_later(point, IMAGE)?.kept())?
     }
 
     /// What any orbit is half a period later, to this in units of the states; `None` where that is something else. An orbit that
@@ -170,45 +199,65 @@ impl AffineOrbit {
         tolerance: f64,
     ) -> Option<(Place, f64)> {
         let kept = self.symmetry(&from.point)?;
-        let half = Half { orbit: self, kept };
-        let test = |node: &Node| {
-            let monodromy = self.half_monodromy(kept, &node.point).ok()??;
-            Some(monodromy.tests(&monodromy.multipliers())[0])
-        };
-        let at = |s: f64| Some((s, test(&locate::node_at(&half, from, s, tolerance)?)?));
-        let (low, high) = (at(low)?, at(high)?);
-        if low.1 * high.1 >= 0.0 {
+        Half { orbit: self, kept }.loss(from, [low, high], tolerance)
+    }
+
+    /// The symmetric orbit at which a branch without symmetry ends, from a point next to it, and the error of the parameter
+    /// there: the branch of symmetric orbits, by the equations of half of them, passes it.
+    pub(super) fn symmetric_near(&self, point: &Vector, tolerance: f64) -> Option<(Vector, f64)> {
+        /// Arclengths to either side within which it is looked for.
+        const NEAR: [f64; 5] = [1e-6, 1e-5, 1e-4, 1e-3, 1e-2];
+        if !self.has_half() {
             return None;
         }
-        let small = (0.0, 4.0 * f64::EPSILON * (high.0 - low.0));
-        let (place, _) = locate::zero_along(&half, from, (low, high), small, tolerance, test)?;
-        let point = &place.node.point;
-        let mut plane = Plane {
-            normal: &from.tangent,
-            through: point,
+        let kept = self.half_later(point, ALMOST)?.kept()?;
+        let half = Half { orbit: self, kept };
+        let last = point.len() - 1;
+        let mut level = newton::Fixed {
+            index: last,
+            value: point[last],
         };
-        let matrix = newton::bordered(&half, &mut plane, point).ok()?.matrix;
-        let rounding = newton::rounding(&matrix, &point.abs(), None)?[point.len() - 1];
-        let error = rounding * self.unit().abs();
-        Some((place, error))
+        let mut along = Vector::zeros(last + 1);
+        along[last] = 1.0;
+        let from = Node::at(point.clone(), along);
+        let middle = locate::solve(&half, &from, point, &mut level, tolerance)?.node;
+        let lost = NEAR.into_iter();
+        let (place, error) = lost
+            .filter_map(|near| half.loss(&middle, [-near, near], tolerance))
+            .next()?;
+        let point = place.node.point;
+        self.loses_symmetry(&point).then_some((point, error))
     }
 
-    /// Number of zones in half a period, where the second half may be the image of the first.
-    fn zones_of_half(&self) -> Option<usize> {
-        let even = self.zones().is_multiple_of(2);
-        let odd = !self.is_forced() || self.setting.periods % 2 == 1;
-        (even && odd).then_some(self.zones() / 2)
+    /// Whether the second half of an orbit may be the image of the first.
+    fn has_half(&self) -> bool {
+        let is_smooth = self.sequence.switches() == 0;
+        // the half of an orbit without switches is one shot
+        let even = self.zones().is_multiple_of(2) || is_smooth && self.shots(0) == 1;
+        even && (!self.is_forced() || self.setting.periods % 2 == 1)
     }
 
-    /// Puts in the place of the equations of the second half that it is the image of the first.
+    /// Number of zones in half a period, where there is such a half: none in an orbit that never switches.
+    fn zones_of_half(&self) -> usize {
+        if self.has_half() { self.zones() / 2 } else { 0 }
+    }
+
+    /// Puts in the place of the equations of the second half that it is the image of the first; of an orbit that never switches, in the
+    /// place of those of the whole, that half a period after the entry the motion is at its image.
+    ///
+    /// # Errors
+    /// The flow cannot be evaluated there.
     pub fn close_at_image(
         &self,
         kept: Kept,
         point: &Vector,
         residual: &mut [f64],
         matrix: &mut Matrix,
-    ) {
-        let half = self.width() * self.zones_of_half().unwrap_or(0);
+    ) -> Result<(), OrbitFailure> {
+        if self.has_half() && self.sequence.switches() == 0 {
+            return self.close_smooth_at_image(kept, point, residual, matrix);
+        }
+        let half = self.width() * self.zones_of_half();
         matrix.rows_mut(half, half).fill(0.0);
         for index in 0..half {
             let place = index % self.width();
@@ -221,6 +270,60 @@ impl AffineOrbit {
             matrix[(half + index, index)] = -sign;
             matrix[(half + index, half + index)] = 1.0;
         }
+        Ok(())
+    }
+
+    /// z(T/2) − Sz(0) = 0 in units of the states.
+    fn close_smooth_at_image(
+        &self,
+        kept: Kept,
+        point: &Vector,
+        residual: &mut [f64],
+        matrix: &mut Matrix,
+    ) -> Result<(), OrbitFailure> {
+        let at = self.at(point)?;
+        let passage = at.passage(0, 0.5 * at.zones[0].duration)?;
+        let entry = at.entry(0);
+        for (state, unit) in self.setting.scales.states.iter().enumerate() {
+            let end = passage.at_end(&Row::unit(entry.len(), state));
+            let end = Jet {
+                by_time: 0.5 * end.by_time,
+                ..end
+            };
+            let begins = Jet::of_component(state, &entry);
+            residual[state] = 0.0;
+            matrix.row_mut(state).fill(0.0);
+            for (jet, by) in [(end, 1.0), (begins, -sign(kept, state))] {
+                residual[state] += by / unit * jet.value;
+                let mut add = |column: usize, by: f64| matrix[(state, column)] += by;
+                at.spread(0, &jet, by / unit, &mut add);
+            }
+        }
+        Ok(())
+    }
+
+    /// The same as [`AffineOrbit::doubling_determinant`] of half the orbit, with the image at its end: it changes its sign where the
+    /// symmetry is lost.
+    pub fn asymmetry_determinant(&self, kept: Kept, point: &Vector) -> Option<f64> {
+        let (matrix, _) = newton::jacobian(self, point).ok()?;
+        let count = matrix.nrows();
+        let mut square = matrix.columns(0, count).into_owned();
+        let mut residual = vec![0.0; count];
+        self.close_at_image(kept, point, &mut residual, &mut square)
+            .ok()?;
+        // a perturbation has the other sign in the second half
+        let half = self.width() * self.zones_of_half();
+        square.view_mut((half, 0), (half, half)).neg_mut();
+        let last = count - 1;
+        if let Some(phase) = self.phase_index() {
+            square.view_mut((last, half), (1, half)).fill(0.0);
+            square[(last, phase)] = 2.0 / TAU;
+        }
+        if let Some(free) = self.free_index() {
+            square.row_mut(last).fill(0.0);
+            square[(last, free)] = 1.0;
+        }
+        Some(square.determinant())
     }
 
     /// Whether symmetric orbits go on with the parameter from where one loses its symmetry: the derivative of the
@@ -256,11 +359,15 @@ impl AffineOrbit {
         point: &Vector,
     ) -> Result<Option<Monodromy>, OrbitFailure> {
         let at = self.at(point)?;
-        let half = self.zones_of_half().unwrap_or(0);
-        let mut passages = Vec::new();
-        for zone in 0..half {
-            passages.extend(at.shots_of(zone)?);
-        }
+        let passages = if self.has_half() && self.sequence.switches() == 0 {
+            vec![at.passage(0, 0.5 * at.zones[0].duration)?]
+        } else {
+            let mut passages = Vec::new();
+            for zone in 0..self.zones_of_half() {
+                passages.extend(at.shots_of(zone)?);
+            }
+            passages
+        };
         let signs = Vector::from_fn(self.states(), |state, _| sign(kept, state));
         Ok(at.half_monodromy(&passages, &signs))
     }
