@@ -310,6 +310,11 @@ impl ParameterPlane for OrbitsInPlane {
         at.map_or(f64::NAN, |at| at.zones[zone].duration)
     }
 
+    /// As along a branch: steps are relative to the size of orbits that have grown.
+    fn stretch(unknowns: &[f64]) -> f64 {
+        unknowns.iter().fold(1.0, |most: f64, x| most.max(x.abs()))
+    }
+
     fn name(orbit: &AffineOrbit, point: &Vector) -> String {
         let cycle = orbit.cycle(point);
         cycle.map_or_else(

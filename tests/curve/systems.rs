@@ -662,3 +662,31 @@ fn a_cycle_without_switches_loses_its_symmetry_along_a_curve() {
         assert!(curve.points.len() > 10 && worst < 1e-10, "{worst:e}");
     }
 }
+
+/// A fold of a bilinear oscillator towards resonance, where the orbit grows as 1/c, comes to the edge of its range at the place of a
+/// separate solution by the flow in closed form.
+#[test]
+fn a_curve_of_folds_goes_on_as_its_orbits_grow() {
+    for (states, unit) in [(r#""x", "v""#, 1.0), (r#""v", "x""#, 1e-3)] {
+        let text = format!(
+            r#"(system: (states: [{states}], parameters: {{"c": 0.08, "w": 0.55}}, forcing: "w", define: {{
+            "soft": "{unit}*0.6*cos(phase) - c*v - x"}}, modes: {{
+            "soft": (rates: {{"x": "v", "v": "soft"}}, until: [(zero: "{unit} - x", to: "hard")]),
+            "hard": (rates: {{"x": "v", "v": "soft - 6*(x - {unit})"}}, until: [(zero: "x - {unit}", to: "soft")])}}),
+            orbit: (start: Simulate(mode: "soft", state: {{"x": 0.0, "v": 0.0}}, settle: 200)),
+            continuation: (parameter: "w", range: (0.3, 2.2)),
+            curve: (event: LP, parameters: ("w", "c"), range: ((1.35, 2.2), (0.012, 0.1))))"#
+        );
+        let Ok(Any::System(problem)) = parse_any(&text, "test") else {
+            panic!("a system");
+        };
+        let curve = curve(&problem);
+        assert!(!curve.failed, "{} | {}", curve.end(0), curve.end(1));
+        let least = curve
+            .points
+            .iter()
+            .find(|point| point.parameters[1] == 0.012);
+        let off = least.map_or(f64::NAN, |point| point.parameters[0] - 1.441_205_265_80);
+        assert!(off.abs() < 1e-10, "{off:e}");
+    }
+}
