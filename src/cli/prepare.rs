@@ -133,7 +133,13 @@ impl ProblemSource {
     /// What ends a run of orbits before it begins, with the line it is about.
     pub(crate) fn place_orbit(&self, error: &NoFirstPoint) -> VerbFailure {
         let (path, help) = error.about();
-        self.placed(path, error.to_string(), help, VerbExit::Numerical)
+        let exit = match error {
+            NoFirstPoint::NotBranching { .. } | NoFirstPoint::LabelOutside { .. } => {
+                VerbExit::BadInput
+            }
+            _ => VerbExit::Numerical,
+        };
+        self.placed(path, error.to_string(), help, exit)
     }
 
     /// The run of a folder to restart from, which must hold waves of this mode.

@@ -448,6 +448,8 @@ fn the_other_branch_at_a_doubling() {
         bench.put("wrong.ron", start(text, &switch(dir, label)));
         let outcome = bench.run(&["run", "wrong.ron", "--out", "wrong"]);
         assert_ne!(outcome.code, Some(0), "{message}");
+        let is_of_the_file = message.starts_with("label");
+        assert!(!is_of_the_file || outcome.code == Some(2), "{message}");
         assert!(outcome.stderr.contains(message), "{}", outcome.stderr);
     }
 }
@@ -530,6 +532,8 @@ fn a_curve_of_an_event_of_a_system() {
         bench.put("wrong.ron", changed(&text, from, to));
         let outcome = bench.run(&["curve", "wrong.ron", "--out", "wrong"]);
         assert_ne!(outcome.code, Some(0), "{message}");
+        let is_of_the_file = message.starts_with("label");
+        assert!(!is_of_the_file || outcome.code == Some(2), "{message}");
         assert!(outcome.stderr.contains(message), "{}", outcome.stderr);
     }
 }

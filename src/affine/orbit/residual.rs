@@ -214,10 +214,9 @@ impl AffineOrbit {
         Some(square.determinant())
     }
 
-    /// Per zone: the states at the beginning of every further shot; the states at the next entry, where what is zero by the
-    /// structure takes the place of what the
-    /// reset would give; and its guard at the end, divided by the power of the duration by which it vanishes
-    /// with it. With forcing ΣT = periods·2π/ω; a prescribed period is ΣT.
+    /// Per zone: the states at the beginning of every further shot; those at the next entry, where what is zero by the structure
+    /// takes the place of what the reset would give; and its guard at the end, divided by the power of the duration by which it
+    /// vanishes with it. With forcing ΣT = periods·2π/ω; a prescribed period is ΣT.
     fn equations(
         &self,
         point: &Vector,
