@@ -180,6 +180,11 @@ impl Sequence {
         self.0.iter().map(|zone| zone.further.0).sum()
     }
 
+    /// The same sequence with every zone in one shot.
+    pub fn in_whole_zones(&self) -> Sequence {
+        Sequence(self.0.iter().map(|zone| zone.clone().in_shots(1)).collect())
+    }
+
     /// Whether it is another sequence, in the same shots.
     pub fn has_unknowns_of(&self, other: &Sequence) -> bool {
         let mut pairs = self.0.iter().zip(&other.0);

@@ -302,9 +302,12 @@ pub(super) fn decimals<'a>(
 
 fn near(orbit: &AffineOrbit, point: &Vector) -> Result<NearOrbit, OpenOrbit> {
     let at = orbit.at(point).map_err(|_| OpenOrbit::NotEnclosed)?;
+    let zones = at.zones.into_iter();
+    // a proof has steps of its own
+    let whole = |zone: ZonePoint| ZonePoint::new(zone.state, zone.duration, zone.phase);
     Ok(NearOrbit {
-        sequence: orbit.sequence.clone(),
-        zones: at.zones,
+        sequence: orbit.sequence.in_whole_zones(),
+        zones: zones.map(whole).collect(),
         parameter: orbit.parameter_at(point),
     })
 }
