@@ -244,6 +244,25 @@ fn slip_begins_where_a_falling_law_is_that_of_stick() {
     with("F*(1 + s/(1 + abs(v - vb)/vs))");
 }
 
+/// A force that is a polynomial of the third degree or more has a slope in the force of a contact that is exactly what it is of a linear
+/// one: the period is that of an integration with events, the law may be written in any way.
+#[test]
+fn friction_beside_a_cubic_spring() {
+    for cube in ["x^3", "x^2*x", "x*x*x"] {
+        let text = format!(
+            r#"(states: ["x", "v"], parameters: {{"vb": 0.3, "d": 3.0}},
+            contacts: {{"q": Friction(slip: "v - vb", bound: "1/(1 + d*abs(v - vb))")}},
+            rates: {{"x": "v", "v": "-x - 0.1*{cube} + q"}})"#
+        );
+        let from: From = ("backward", &[1.5, 0.1], 100.0);
+        let (orbit, point) = started(&system(&text), from, ("vb", (0.28, 0.32))).unwrap();
+        let cycle = orbit.cycle(&point).unwrap();
+        let off = cycle.period / 9.259601903958 - 1.0;
+        assert!(off.abs() < 1e-12, "{cube}: {off:e}");
+        assert_eq!(cycle.names.join("-"), "backward-stick");
+    }
+}
+
 /// A wall of springs as two modes of one's own with friction in both, and as a contact beside the friction.
 #[test]
 fn modes_of_ones_own_with_a_contact() {

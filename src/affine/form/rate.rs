@@ -57,12 +57,19 @@ impl<C: Coefficient> Form<C> {
     }
 }
 
+/// A product of a rate; of one that is zero nothing is left, whatever it is multiplied with.
 fn times<C: Coefficient>(one: Form<C>, other: Form<C>) -> Result<Form<C>, Obstacle> {
-    one.operate(Operation::Times, other)
+    match one.is_zero() || other.is_zero() {
+        true => Ok(Form::default()),
+        false => one.operate(Operation::Times, other),
+    }
 }
 
 fn over<C: Coefficient>(one: Form<C>, other: Form<C>) -> Result<Form<C>, Obstacle> {
-    one.operate(Operation::Over, other)
+    match one.is_zero() {
+        true => Ok(Form::default()),
+        false => one.operate(Operation::Over, other),
+    }
 }
 
 /// The rate of a term by its rule: that of a product, of a quotient, or of a function by its slope.
