@@ -531,8 +531,8 @@ fn a_wheel_that_hardly_comes_over_its_spoke_keeps_its_multiplier() {
             largest = largest.max(multiplier.error);
         }
     }
-    // it stays near its saddle for so long that nothing is known of it in the end
-    assert!(largest > 1e-3, "{largest:e}");
+    // it stays near its saddle for long, and is known nevertheless
+    assert!(largest < 1e-3, "{largest:e}");
 }
 
 /// Friction that is zero at one value slides along the direction that it has nearby: a branch ends there and begins there

@@ -295,10 +295,11 @@ fn a_touch_right_after_the_entry_comes_first() {
     }
 }
 
-/// Beside a homoclinic orbit of Chua's circuit folds and doublings accumulate, until a step moves the parameter by less
-/// than it is known to: what rounding makes of multipliers there is no event.
+/// Beside a homoclinic orbit of Chua's circuit, to a saddle that turns as it decays, folds and doublings accumulate (Shilnikov 1965): each
+/// turn brings one of both, on the other side and nearer to it by one factor, until a step moves the parameter by less than it is known
+/// to: what rounding makes of multipliers there is no event.
 #[test]
-fn rounding_beside_a_homoclinic_orbit_is_no_event() {
+fn folds_accumulate_beside_a_homoclinic_orbit() {
     let parameters = "\"alpha\": 9.575, \"beta\": 12.0282, \"m\": -0.160312, \"n\": 0.335313";
     let begin = CHUA.find("parameters: {").unwrap() + "parameters: {".len();
     let end = begin + CHUA[begin..].find('}').unwrap();
@@ -313,9 +314,30 @@ fn rounding_beside_a_homoclinic_orbit_is_no_event() {
     );
     let (problem, along) = problem(&text, "alpha", (6.0, 12.0), Toward::Up);
     let items = collect(OrbitRunner::begin(&problem, &along, None).unwrap(), 300);
-    let events = items.iter().filter_map(|item| item.point.kind);
-    let events: Vec<_> = events.collect();
-    assert_eq!(events, [EventType::EP, EventType::HC]);
+    let values = |kind: EventType| -> Vec<f64> {
+        let own = items.iter().filter(|item| item.point.kind == Some(kind));
+        own.map(|item| item.point.parameters[0]).collect()
+    };
+    let (folds, doublings, limit) = (
+        values(EventType::LP),
+        values(EventType::PD),
+        values(EventType::HC),
+    );
+    assert_eq!((folds.len(), doublings.len(), limit.len()), (5, 5, 1));
+    for all in [folds, doublings] {
+        let off: Vec<f64> = all.iter().map(|value| value - limit[0]).collect();
+        let ratios: Vec<f64> = off.windows(2).map(|pair| pair[1] / pair[0]).collect();
+        // what is small beside the first of them falls by their square
+        let last = ratios[3];
+        assert!(last < 0.0, "{ratios:?}");
+        for (index, ratio) in ratios.iter().enumerate() {
+            let allowed = 2.0 * off[index].abs();
+            assert!(
+                (ratio / last - 1.0).abs() <= allowed.max(2e-3),
+                "{ratios:?}"
+            );
+        }
+    }
     // the zero of what of the growing direction returns, from matrix exponentials by bisection
     near(
         items.last().unwrap().point.parameters[0],

@@ -69,7 +69,7 @@ impl AffineOrbit {
     /// Whether durations grow and the parameter changes by less than a part along the branch, or than rounding, which
     /// a stay beside a saddle magnifies as it does any perturbation: beyond that points are chance.
     fn lengthens(&self, node: &Node, stationary: f64) -> Option<OrbitStop> {
-        let tangent = &node.tangent;
+        let tangent = &self.tangent_of_zones(node);
         let along = tangent[tangent.len() - 1].abs();
         let growth: f64 = (0..self.zones())
             .map(|zone| tangent[self.duration_index(zone)])
@@ -149,7 +149,7 @@ impl AffineOrbit {
 
     /// Whether states grow and the parameter comes to a limit.
     fn grows(&self, node: &Node) -> Option<OrbitStop> {
-        let Node { point, tangent, .. } = node;
+        let (point, tangent) = (&node.point, &self.tangent_of_zones(node));
         let size = self.stretch(point);
         let settled = || size * tangent[tangent.len() - 1].abs() < SETTLED;
         let outwards = || point.dot(tangent) > GROWING * point.norm();
@@ -281,7 +281,11 @@ impl AffineOrbit {
         let unbounded = self.lengthens(node, STATIONARY);
         unbounded
             .or_else(|| self.has_lost_all_digits(node))
-            .or_else(|| self.stalls(&node.point, AT_EQUILIBRIUM))
+            .or_else(|| {
+                let stalls = self.stalls(&node.point, AT_EQUILIBRIUM)?;
+                // the saddle of a mode that slides is come to from without: there a connection ends
+                Some(self.comes_slowly(node, 0.0).unwrap_or(stalls))
+            })
             .or_else(|| self.grows(node))
             .or_else(|| self.rests(node, AT_REST))
             .or_else(|| {
@@ -349,16 +353,16 @@ impl AffineOrbit {
                 let is_near = || self.left_beside_a_saddle(node) < NEARLY_THERE;
                 (is_located || is_near()).then_some(stop)
             })
-            .or_else(|| self.comes_slowly(node))
+            .or_else(|| self.comes_slowly(node, DIGITS))
             .or_else(|| self.loses_digits(&node.point))
             .or_else(|| self.part_rests(node))
     }
 
-    /// The homoclinic orbit to which an orbit comes that has lost its digits to growth beside a saddle before it comes
-    /// near: where decay is much slower than growth. The orbit itself is computed and tells.
-    fn comes_slowly(&self, node: &Node) -> Option<OrbitStop> {
+    /// The homoclinic orbit to which an orbit comes that has lost its digits to this growth beside a saddle, as a power of e, before
+    /// it comes near: where decay is much slower than growth. The orbit itself is computed and tells.
+    fn comes_slowly(&self, node: &Node, growth: f64) -> Option<OrbitStop> {
         let stay = self.stay_within(&node.point, self.longest(&node.point)?, FAR)?;
-        let stop = (stay.growth > DIGITS).then(|| self.comes_to(stay, node))?;
+        let stop = (stay.growth > growth).then(|| self.comes_to(stay, node))?;
         matches!(&stop, OrbitStop::Homoclinic { limit: Some(_), .. }).then_some(stop)
     }
 
@@ -367,14 +371,14 @@ impl AffineOrbit {
     fn has_lost_all_digits(&self, node: &Node) -> Option<OrbitStop> {
         /// Growth, as a power of e, that has taken them.
         const ALL: f64 = 36.0;
-        let Node { point, tangent, .. } = node;
+        let (point, tangent) = (&node.point, self.tangent_of_zones(node));
         let along = tangent[tangent.len() - 1].abs();
         let zone = self.longest(point)?;
         let comes = self.has_own_period()
             && along < NEARLY_THERE
             && tangent[self.duration_index(zone)] > GROWING
             && self.stay_within(point, zone, FAR)?.growth > ALL;
-        comes.then(|| self.comes_slowly(node)).flatten()
+        comes.then(|| self.comes_slowly(node, DIGITS)).flatten()
     }
 
     /// Whether what a motion is off grows within a zone until half of all digits are lost.

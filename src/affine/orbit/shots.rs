@@ -104,6 +104,25 @@ impl AffineOrbit {
         self.with_sequence(Sequence(zones.collect()))
     }
 
+    /// A tangent in the unknowns of the zones and of the parameter alone, of length 1 there: what an orbit changes by does not depend on
+    /// its shots.
+    pub(super) fn tangent_of_zones(&self, node: &Node) -> Vector {
+        let (entries, all) = (self.width() * self.zones(), self.unknowns_of_zones());
+        let mut tangent = node.tangent.clone();
+        if all > entries {
+            tangent.rows_mut(entries, all - entries).fill(0.0);
+            tangent.normalize_mut();
+        }
+        tangent
+    }
+
+    /// How long a tangent is in these unknowns alone.
+    pub(super) fn outer_part(&self, node: &Node) -> f64 {
+        let (entries, all) = (self.width() * self.zones(), self.unknowns_of_zones());
+        let inner = node.tangent.rows(entries, all - entries).norm_squared();
+        (1.0 - inner).max(0.0).sqrt()
+    }
+
     /// A point and a direction there in the unknowns of the same orbits in other shots.
     pub(super) fn carried_to(&self, other: &AffineOrbit, node: &Node) -> Option<Node> {
         let at = self.at(&node.point).ok()?;

@@ -115,8 +115,9 @@ impl AffineOrbit {
 
     /// The same, where it comes so near, in units of its own.
     pub(super) fn stay_within(&self, point: &Vector, zone: usize, most: f64) -> Option<Stay> {
-        /// It leaves where it is so many times as far as next to the saddle.
+        /// It leaves where it is so many times as far as next to the saddle, or as this.
         const LEAVES: f64 = 3.0;
+        const LEAST: f64 = 1e-3;
         if !self.has_own_period() {
             return None;
         }
@@ -147,7 +148,7 @@ impl AffineOrbit {
             .map(|state| far(state, rest))
             .enumerate()
             .min_by(|(_, one), (_, other)| one.total_cmp(other))?;
-        let still_near = |state: &&[f64]| far(state, rest) <= LEAVES * nearest;
+        let still_near = |state: &&[f64]| far(state, rest) <= LEAVES * nearest.max(LEAST);
         let leaving = states().skip(index).take_while(still_near).last()?;
         (nearest < most).then(|| Stay {
             zone,
@@ -272,7 +273,9 @@ impl AffineOrbit {
             if period(node) - period(&here) >= turn {
                 break;
             }
-            here = node_at(self, &here, -STEP, COARSE)?;
+            // in the unknowns of the zones, whatever shots they have
+            let outer = self.outer_part(&here);
+            here = node_at(self, &here, -STEP / outer, COARSE)?;
             change = change.max((here.point[last] - node.point[last]).abs());
         }
         Some(change)
