@@ -285,7 +285,19 @@ impl Target {
                 index: self.index,
                 value: self.value,
             };
-            let mut place = solve(system, from, &guess, &mut fixed, tolerance)?;
+            let near = |place: &Place| (&place.node.point - &guess).norm() <= (other - one).norm();
+            let solved = solve(system, from, &guess, &mut fixed, tolerance).filter(near);
+            // where a family of solutions has the value that is asked for, others than the one of the step have it as well
+            let mut place = match solved {
+                Some(place) => place,
+                None => {
+                    let along = |point: &Vector| from.tangent.dot(&(point - &from.point));
+                    let ends = ((along(one), before), (along(other), after));
+                    let rounding = ON_TARGET * self.value.abs().max(1.0);
+                    let value = |node: &Node| Some(node.point[self.index] - self.value);
+                    zero_along(system, from, ends, (rounding, 0.0), tolerance, value)?.0
+                }
+            };
             // exactly the value that was asked for, not the next number
             place.node.point[self.index] = self.value;
             Some(place)

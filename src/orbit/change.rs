@@ -1,6 +1,8 @@
 //! The branch beyond a change of regime.
 
-use super::entry::{Beyond, Entry, NotEntered, RESIDUAL_AT_EVENT, TRIES, enter, solved};
+use super::entry::{
+    Beyond, Entry, NotEntered, RESIDUAL_AT_EVENT, TRIES, enter, enter_along, solved,
+};
 use super::special::{BranchStop, OrbitRefusal, Tried};
 use super::{AtZero, Candidate, Examined, Orbit};
 use crate::continuation::Node;
@@ -194,6 +196,28 @@ pub fn beyond_together<O: Orbit>(
                 .map(|(.., other)| other.orbit.signature().clone())
                 .collect(),
         },
+    })
+}
+
+/// Looks for the branch that motions beside an event find, where no sequence goes on that its switches allow: with the parameter
+/// further on, or back, where that is not the branch that led to the event.
+pub fn beyond_by_motion<O: Orbit>(
+    orbit: &O,
+    point: &Vector,
+    heading: f64,
+    ds: f64,
+    tolerance: f64,
+) -> Option<Beyond<O>> {
+    [heading, -heading].into_iter().find_map(|side| {
+        let beside = orbit.beside(point, side)?;
+        if orbit.is_rotation(beside.orbit.signature()) {
+            return None;
+        }
+        let mut node = Node::within(&beside.orbit, beside.point, RESIDUAL_AT_EVENT)?;
+        if node.tangent[node.tangent.len() - 1] * side < 0.0 {
+            node.tangent.neg_mut();
+        }
+        enter_along(&beside.orbit, (&node, &[1.0]), ds, TRIES, tolerance).ok()
     })
 }
 

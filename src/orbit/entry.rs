@@ -1,7 +1,7 @@
 //! The first step of a branch into a candidate for what lies beyond a change of regime.
 
 use super::special::{OrbitRefusal, StepRefused};
-use super::{Candidate, Examined, Orbit, SignVerdict};
+use super::{Candidate, Examined, Orbit, SignVerdict, events};
 use crate::continuation::branching::Branching;
 use crate::continuation::walk::{self, Refused};
 use crate::continuation::{Node, arclength, newton};
@@ -221,7 +221,7 @@ fn leads_nowhere<O: Orbit>(orbit: &O, margins: &[O::Margin], tangent: &Vector) -
 }
 
 /// The first admissible step from an event along its tangent, times one of these signs.
-fn enter_along<O: Orbit>(
+pub(super) fn enter_along<O: Orbit>(
     orbit: &O,
     (node, signs): (&Node, &[f64]),
     ds: f64,
@@ -231,16 +231,19 @@ fn enter_along<O: Orbit>(
     let mut refused = Err(NotEntered::NoSolution);
     let entered = walk::enter(orbit, (node, signs), ds, tries, tolerance, |from, step| {
         let forwards = from.tangent == node.tangent;
-        let refusal = match step.map(|to| orbit.examination(&to.point)) {
-            Ok(Ok(examination)) if examination.verdict() == SignVerdict::Positive => {
-                return Some(());
-            }
-            // what fails on the way back says nothing
-            Ok(Ok(_)) if !forwards => return None,
-            Ok(Ok(examination)) => {
+        let examined = step.map(|to| (orbit.examination(&to.point), to));
+        let refusal = match examined {
+            Ok((Ok(examination), to)) => {
+                if is_admissible(orbit, &from.tangent, &to, &examination) {
+                    return Some(());
+                }
+                // what fails on the way back says nothing
+                if !forwards {
+                    return None;
+                }
                 Refused::Curve(OrbitRefusal::Inadmissible(orbit.inadmissible(&examination)))
             }
-            Ok(Err(error)) => Refused::Curve(OrbitRefusal::Flow(error)),
+            Ok((Err(error), _)) => Refused::Curve(OrbitRefusal::Flow(error)),
             Err(refusal) => Refused::Step(refusal),
         };
         refused = Err(NotEntered::Refused(refusal));
@@ -254,6 +257,22 @@ fn enter_along<O: Orbit>(
         }),
         None => refused,
     }
+}
+
+/// Whether every margin at a point is positive by more than rounding leaves in it: where zones of both halves of an orbit have
+/// closed, beside the event the equations of a sequence without some of them hold to rounding, and no orbit solves them.
+fn is_admissible<O: Orbit>(
+    orbit: &O,
+    tangent: &Vector,
+    to: &Node,
+    examination: &O::Examination,
+) -> bool {
+    let holds = |unknowns: Vector| {
+        let mut margins = examination.margins().iter();
+        margins.all(|margin| O::value(margin) > orbit.reach(margin, &unknowns))
+    };
+    examination.verdict() == SignVerdict::Positive
+        && events::rounding_of_unknowns(orbit, tangent, &to.point).is_some_and(holds)
 }
 
 /// A direction that a matrix shrinks below this part of its norm is one of its null space, at an event that is known

@@ -144,18 +144,24 @@ pub(super) fn within<O: Orbit>(
 
 /// What rounding leaves in a margin at a point within a step.
 fn blur<O: Orbit>(orbit: &O, step: &Step<O>, margin: &O::Margin, place: &Place) -> f64 {
-    let point = &place.node.point;
-    let mut plane = Plane {
-        normal: &step.from.tangent,
-        through: point,
-    };
-    let matrix = newton::bordered(orbit, &mut plane, point).map(|bordered| bordered.matrix);
-    let unknowns = matrix
-        .ok()
-        .and_then(|matrix| newton::rounding(&matrix, &point.abs(), None));
+    let unknowns = rounding_of_unknowns(orbit, &step.from.tangent, &place.node.point);
     unknowns.map_or(f64::INFINITY, |unknowns| {
         orbit.reach(margin, &unknowns) + f64::EPSILON
     })
+}
+
+/// What rounding leaves in each unknown of a point that was found across a tangent.
+pub(super) fn rounding_of_unknowns<O: Orbit>(
+    orbit: &O,
+    tangent: &Vector,
+    point: &Vector,
+) -> Option<Vector> {
+    let mut plane = Plane {
+        normal: tangent,
+        through: point,
+    };
+    let bordered = newton::bordered(orbit, &mut plane, point).ok()?;
+    newton::rounding(&bordered.matrix, &point.abs(), None)
 }
 
 /// The least slope of the parameter, in its own direction, within a step at whose ends it has one sign.
@@ -230,6 +236,8 @@ pub(super) fn located<O: Orbit>(
     let turns = fold.as_ref().map(|(place, _)| place.s);
     let fold = fold.filter(&apart);
     let crossings = crossings(orbit, step, &changes, turns).ok_or(OrbitRefusal::NotFound)?;
+    let on_crossing = |one| at_crossing(orbit, one, &crossings);
+    let targets: Vec<_> = targets.into_iter().map(on_crossing).collect();
     // a loss of symmetry is seen as a fold and as a crossing
     let seen = |(place, located): &(Place, LocatedEvent<O>)| match (&fold, &located.event) {
         (
@@ -305,6 +313,26 @@ fn turns_at_closing<O: Orbit>(
         slopes[0] * slopes[1] < 0.0
             && (before + after).abs() <= BENDS * before.abs().max(after.abs())
     })
+}
+
+/// A target at the place of the crossing of branches at its value: there a family of orbits has that value, and the equations do not
+/// tell which of them lies on the branch.
+fn at_crossing<O: Orbit>(
+    orbit: &O,
+    (place, target): (Place, LocatedEvent<O>),
+    crossings: &[(Place, LocatedEvent<O>)],
+) -> (Place, LocatedEvent<O>) {
+    let value = orbit.value_at(&place.node.point);
+    let there = crossings.iter().find(|(place, crossing)| {
+        (orbit.value_at(&place.node.point) - value).abs() <= crossing.uncertainty
+    });
+    let Some((crossing, _)) = there else {
+        return (place, target);
+    };
+    let mut crossing = crossing.clone();
+    let last = crossing.node.point.len() - 1;
+    crossing.node.point[last] = place.node.point[last];
+    (crossing, target)
 }
 
 /// Whether a fold is a crossing of branches at which the parameter is stationary.

@@ -295,6 +295,11 @@ pub trait Orbit: System<Failure: Data> + Clone + Debug + PartialEq {
         None
     }
 
+    /// The orbit beside an event, where the parameter is less (`side` −1) or more (1), to which motions lead there.
+    fn beside(&self, _point: &Vector, _side: f64) -> Option<Candidate<Self>> {
+        None
+    }
+
     /// Why the branch ends where a margin vanishes and no candidate goes on, if the system says so.
     fn ends_at(&self, _point: &Vector, _margin: &Self::Margin) -> Option<Self::Stop> {
         None

@@ -208,6 +208,10 @@ impl<O: Orbit> Track<O> {
             passed.push(std::mem::replace(&mut found, second));
             search = both.search;
         }
+        if search.beyond.is_none() {
+            let point = &found.node.point;
+            search.beyond = change::beyond_by_motion(orbit, point, self.heading, ds, tolerance);
+        }
         Transition {
             found,
             passed,

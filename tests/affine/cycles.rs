@@ -33,6 +33,27 @@ fn period(orbit: &AffineOrbit, point: &Vector) -> f64 {
     orbit.cycle(point).unwrap().period
 }
 
+/// At mu = 0 every circle is an orbit of van der Pol's oscillator, and so is the equilibrium: the branch of its cycle comes to the one of
+/// radius 2, with the period 2 pi.
+#[test]
+fn the_edge_of_a_range_lies_on_the_branch() {
+    let range = (0.0, 20.0);
+    let (orbit, point) = started(
+        VAN_DER_POL,
+        ("mu", range),
+        &[1.0, 0.0],
+        Search::Settles(100.0),
+    )
+    .unwrap();
+    let (_, all) = follow(&orbit, &point, false, range, 1000);
+    let last = all.last().unwrap();
+    assert_eq!(last.parameter, 0.0);
+    let there = last.orbit.cycle(&last.node.point).unwrap();
+    assert!((there.period - TAU).abs() < 1e-12, "{}", there.period);
+    let (low, high) = last.orbit.extremes(&last.node.point).unwrap()[0];
+    assert!((high - 2.0).abs() < 1e-10 && (low + 2.0).abs() < 1e-10);
+}
+
 /// A motion that settles, a guess, a guess that goes round twice, and one so far off that Newton's method fails.
 #[test]
 fn a_cycle_is_found_from_wherever() {

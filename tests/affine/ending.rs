@@ -149,6 +149,119 @@ fn a_mass_that_is_held_for_good() {
     assert!((ends[0] / ends[1] - 1.0).abs() < 1e-11, "{ends:?}");
 }
 
+/// A mass with friction, tied to one that is forced, slips in both directions while the spring pulls by more than F. Both slips
+/// vanish at once where it only just does, with the mass held at zero: at A = F/k |1 + k - w² + icw|. Below, and for stronger friction,
+/// it is held for good, and no motion slips in one direction only.
+#[test]
+fn both_slips_of_a_mass_beside_another_vanish_at_once() {
+    let text = |parameters: &str| {
+        format!(
+            r#"(states: ["x", "v", "y", "u"], parameters: {{{parameters}}}, forcing: "w",
+            modes: {{
+                "f": (rates: {{"x": "v", "v": "-x - k*(x - y) - c*v - F", "y": "u", "u": "A*cos(phase) - y - k*(y - x) - c*u"}},
+                    until: [(zero: "v", to: "b")]),
+                "b": (rates: {{"x": "v", "v": "-x - k*(x - y) - c*v + F", "y": "u", "u": "A*cos(phase) - y - k*(y - x) - c*u"}},
+                    until: [(zero: "-v", to: "f")]),
+            }},
+            sliding: {{"stick": ("f", "b")}})"#
+        )
+    };
+    let gain = |w: f64, c: f64, k: f64| (1.0 + k - w * w).hypot(c * w) / k;
+    let weak = r#""A": 1.0605, "w": 0.4349, "F": 0.2947, "c": 0.0668, "k": 0.3949"#;
+    let stiff = r#""A": 1.076, "w": 0.4313, "F": 0.4977, "c": 0.0577, "k": 1.0731"#;
+    let cases = [
+        (
+            weak,
+            "A",
+            false,
+            (0.6363, 1.803),
+            0.2947 * gain(0.4349, 0.0668, 0.3949),
+        ),
+        (
+            stiff,
+            "F",
+            true,
+            (0.29, 0.84),
+            1.076 / gain(0.4313, 0.0577, 1.0731),
+        ),
+    ];
+    for (parameters, parameter, up, range, end) in cases {
+        let state = [0.0, 0.5, 0.0, 0.0];
+        let (orbit, point) = settled(&text(parameters), &[], parameter, "f", &state, 300.0);
+        let (seen, all) = follow(&orbit, &point, up, range, 1000);
+        assert_eq!(seen.len(), 1);
+        assert!(
+            (seen[0].value / end - 1.0).abs() < 1e-12,
+            "{} for {end}",
+            seen[0].value
+        );
+        let reason = why(&all);
+        assert!(reason.contains("stay in `stick` for good"), "{reason}");
+    }
+}
+
+/// A clock whose period is 1 + p, with a parabola beside it that rests where it comes to zero: y = r² + k(p - p₀) - 2rt + t², r = 1.35, p₀ = .47, falls to zero at t = r - √(k(p₀ - p)) and rests to the end of the period. Beyond its
+/// graze at p₀ the zone of rest has a length at once, which no chain of switches makes: the branch goes on in either direction. The zone
+/// vanishes where 1 + p = r - √(k(p₀ - p)).
+#[test]
+fn a_zone_of_some_length_comes_at_a_graze() {
+    let text = r#"(states: ["t", "y", "z"], parameters: {"p": 1.0, "k": 0.1},
+        modes: {
+            "run": (rates: {"t": "1", "y": "z", "z": "2"},
+                until: [(zero: "1 + p - t", to: "run", reset: {"t": "0", "y": "1.8225 + k*(p - 0.47)", "z": "-2.7"}),
+                    (zero: "y", to: "rest")]),
+            "rest": (rates: {"t": "1", "y": "0", "z": "0"},
+                until: [(zero: "1 + p - t", to: "run", reset: {"t": "0", "y": "1.8225 + k*(p - 0.47)", "z": "-2.7"})]),
+        })"#;
+    let (k, left) = (0.1_f64, 0.12);
+    let root = 0.5 * (k.sqrt() + (k + 4.0 * left).sqrt());
+    let vanishes = 0.47 - root * root;
+    for (p, up) in [(1.0, false), (0.4, true), (0.4, false)] {
+        let state = [0.0, 1.8225 + k * (p - 0.47), -2.7];
+        let (orbit, point) = settled(text, &[("p", p)], "p", "run", &state, 20.0);
+        let (seen, _) = follow(&orbit, &point, up, (0.0, 1.0), 1000);
+        let found = seen.iter().filter(|one| one.kind != EP);
+        let found: Vec<_> = found.map(|one| (one.kind, one.value)).collect();
+        let expected = [(GR, 0.47), (CO, vanishes)];
+        let expected = match (p > 0.47, up) {
+            (true, _) => &expected[..],
+            (_, true) => &expected[..1],
+            (_, false) => &expected[1..],
+        };
+        assert_eq!(found.len(), expected.len(), "{found:?}");
+        for (one, expected) in found.iter().zip(expected) {
+            assert_eq!(one.0, expected.0);
+            assert!((one.1 - expected.1).abs() < 1e-11, "{found:?}");
+        }
+    }
+}
+
+/// Two masses with friction, tied to one another: where both halves of their symmetric orbit change at once, four zones that
+/// open like roots take the place of two. The branch goes on there; an independent program has that place.
+#[test]
+fn a_symmetric_orbit_changes_in_both_halves_by_several_zones() {
+    let text = r#"(states: ["x1", "v1", "x2", "v2"], parameters: {"a": 1.0, "w": 0.5235, "k": 0.6, "F1": 0.2, "F2": 0.25, "c": 0.1, "m": 1.5},
+        forcing: "w", contacts: {"q1": Friction(slip: "v1", bound: "F1"), "q2": Friction(slip: "v2", bound: "F2")},
+        rates: {"x1": "v1", "v1": "a*cos(phase) - x1 - k*(x1 - x2) - c*v1 + q1",
+            "x2": "v2", "v2": "(-x2 - k*(x2 - x1) - c*v2 + q2)/m"})"#;
+    let (orbit, point) = settled(
+        text,
+        &[],
+        "w",
+        "forward.forward",
+        &[0.0, 0.1, 0.0, 0.1],
+        60.0,
+    );
+    let (seen, _) = follow(&orbit, &point, false, (0.49, 0.57), 1000);
+    let kinds: Vec<_> = seen.iter().map(|one| one.kind).collect();
+    assert_eq!(kinds, [SL, EP]);
+    assert!(
+        (seen[0].value - 0.504_592_645_688_733_2).abs() < 1e-13,
+        "{}",
+        seen[0].value
+    );
+}
+
 /// A clock: a pendulum with dry friction, kicked as it comes back through x = 0, in which nobody has written down stick.
 pub(crate) const CLOCK: &str = r#"(
     states: ["x", "v"],

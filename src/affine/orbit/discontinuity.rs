@@ -4,13 +4,13 @@
 //! event lies between them, but for chance. Where the map is continuous both come back next to where they began after one
 //! period, and nearer the smaller δ is. Where motions of one side do and those of the other come, however small δ is, to
 //! one place at a finite distance, or do not go on, the map jumps at the orbit: no sequence of zones goes on from there.
-//! Where those of one side switch no more and rest where they begin, as a block that is held for good, the orbit ends too.
+//! Where those of one side switch no more and stay near their beginnings, as a block that is held for good, the orbit ends too.
 //!
 //! Where the parameter has no part in the way to the event, as that of an impulse which is given there, rounding decides on
 //! both sides what becomes of them: then motions begin beside the orbit in one state after the other, at p itself.
 
 use super::OrbitStop;
-use super::layout::AffineOrbit;
+use super::layout::{AffineOrbit, OrbitAt};
 use crate::affine::mode::AffineSystem;
 use crate::affine::motion::{Halt, Motion, Place, Step};
 use crate::linalg::Vector;
@@ -31,18 +31,21 @@ const ROUNDING: f64 = 1e-8;
 const FAR: f64 = 1e-6;
 const STAYS: f64 = 0.9;
 
+/// Periods without a switch of motions that switch no more: what moves beside a block that is held settles meanwhile.
+const WITHOUT_SWITCH: f64 = 8.0;
+
 /// Most switches of a period.
 const MOST_SWITCHES: usize = 10_000;
 
 /// What becomes of motions that begin at values of the parameter ever nearer to the event, on one of its sides.
-enum Fate {
+pub(super) enum Fate {
     /// They come back.
     Returns,
     /// They come to a place that is this far off.
     Elsewhere(f64),
     /// They do not go on.
     Halts(Halt),
-    /// They rest in the mode with this number.
+    /// They come back without a switch, in the mode with this number.
     Stays(usize),
 }
 
@@ -50,8 +53,8 @@ enum Fate {
 struct PeriodEnd {
     /// How far it is off at the end, in units of the range of each state.
     off: f64,
-    /// The mode in which it began and rests.
-    rests: Option<usize>,
+    /// The mode in which it began, where it has not left it for some periods.
+    stays: Option<usize>,
 }
 
 impl AffineOrbit {
@@ -88,19 +91,20 @@ impl AffineOrbit {
     }
 
     /// The fate of motions on one side, of the parameter or of a state; `None` where there is none.
-    fn fate(&self, point: &Vector, axis: Option<usize>, side: f64) -> Option<Fate> {
+    pub(super) fn fate(&self, point: &Vector, axis: Option<usize>, side: f64) -> Option<Fate> {
         let offs = BESIDE.map(|part| self.off_after_a_period(point, axis, side * part));
         let [first, between, last] = offs;
         match (first?, last?) {
             (Ok(first), Ok(last)) => {
                 let before = between.and_then(Result::ok)?;
-                if let [Some(mode), Some(_), Some(_)] = [first.rests, before.rests, last.rests] {
-                    return Some(Fate::Stays(mode));
-                }
+                let modes = [first.stays, before.stays, last.stays];
                 let [first, before, last] = [first.off, before.off, last.off];
                 let least = first.min(before).min(last);
                 if last <= NEAR && last <= (FALLS * before).max(ROUNDING) {
-                    Some(Fate::Returns)
+                    Some(match modes {
+                        [Some(mode), Some(_), Some(_)] => Fate::Stays(mode),
+                        _ => Fate::Returns,
+                    })
                 } else if least >= FAR && last >= STAYS * before {
                     Some(Fate::Elsewhere(last))
                 } else {
@@ -125,22 +129,13 @@ impl AffineOrbit {
         by: f64,
     ) -> Option<Result<PeriodEnd, Halt>> {
         let at = self.at(point).ok()?;
-        let zones = at.zones.iter().enumerate();
-        let longest = zones.max_by(|(_, one), (_, other)| one.duration.total_cmp(&other.duration));
-        let (zone, longest) = longest?;
-        let half = 0.5 * longest.duration;
-        let z = at.along(zone, std::iter::once(half)).ok()?.pop()?;
+        let zone = at.longest()?;
         let setting = &self.setting;
         let units = &setting.scales.states;
         if axis.is_some() && at.mode(zone).surface.is_some() {
             return None;
         }
-        let mut begin = Place {
-            time: 0.0,
-            phase: longest.phase + at.posed.system.omega.value * half,
-            mode: self.sequence.zone(zone).mode,
-            state: z.rows(0, self.states()).iter().copied().collect(),
-        };
+        let mut begin = at.middle()?;
         let mut values = self.values_at(point);
         match axis {
             None => values[setting.parameter] += by * self.unit(),
@@ -149,29 +144,32 @@ impl AffineOrbit {
         let system = setting.system.at(&values, &[setting.parameter]).ok()?;
         let period: f64 = at.zones.iter().map(|zone| zone.duration).sum();
         let mut motion = Motion::new(&system, begin.clone(), period);
-        let switches = self.sequence.zone(zone).way.is_some();
-        let mut switched = false;
+        let extremes = self.extremes(point).ok()?;
+        let off = |motion: &Motion| {
+            let states = begin.state.iter().zip(&motion.place().state);
+            let offs = states.zip(&extremes).zip(units);
+            let offs = offs.map(|(((one, other), (low, high)), unit)| {
+                let range = high - low;
+                // a state that does not move has its own unit
+                let size = if range > NEAR * unit { range } else { *unit };
+                (one - other).abs() / size
+            });
+            offs.fold(0.0, f64::max)
+        };
+        let ended = |off, stays| Some(Ok(PeriodEnd { off, stays }));
+        // how far it was off after a period without a switch
+        let mut without_switch = None;
+        let mut switched = self.sequence.zone(zone).way.is_none();
         for _ in 0..MOST_SWITCHES {
-            match motion.step(period) {
-                Ok(Step::Reached) => {
-                    let extremes = self.extremes(point).ok()?;
-                    let states = begin.state.iter().zip(&motion.place().state).zip(&extremes);
-                    let offs = states
-                        .zip(units)
-                        .map(|(((one, other), (low, high)), unit)| {
-                            let range = high - low;
-                            // a state that does not move has its own unit
-                            let size = if range > NEAR * unit { range } else { *unit };
-                            (one - other).abs() / size
-                        });
-                    let off = offs.fold(0.0, f64::max);
-                    let rests = switches && !switched && off <= ROUNDING;
-                    let rests = rests.then_some(begin.mode);
-                    return Some(Ok(PeriodEnd { off, rests }));
-                }
-                Ok(Step::Switched(_)) => switched = true,
-                Ok(Step::Section) => {}
-                Err(halt) => {
+            let until = without_switch.map_or(period, |_| WITHOUT_SWITCH * period);
+            match (motion.step(until), without_switch) {
+                (Ok(Step::Section), _) => {}
+                (Ok(Step::Reached), Some(off)) => return ended(off, Some(begin.mode)),
+                (Ok(Step::Reached), None) if switched => return ended(off(&motion), None),
+                (Ok(Step::Reached), None) => without_switch = Some(off(&motion)),
+                (_, Some(off)) => return ended(off, None),
+                (Ok(Step::Switched(_)), None) => switched = true,
+                (Err(halt), None) => {
                     // not of a motion that has not begun, nor of one beside what a mode holds at zero
                     let there = motion.place();
                     let tells =
@@ -194,5 +192,27 @@ impl AffineOrbit {
         let row = &system.modes[mode].guards[guard].row;
         let z = system.lift(mode, &place.state, place.phase);
         row.value(&z).abs() <= AT_ZERO * self.size(row)
+    }
+}
+
+impl OrbitAt<'_> {
+    /// The longest zone.
+    pub(super) fn longest(&self) -> Option<usize> {
+        let zones = self.zones.iter().enumerate();
+        let longest = zones.max_by(|(_, one), (_, other)| one.duration.total_cmp(&other.duration));
+        longest.map(|(zone, _)| zone)
+    }
+
+    /// The place in the middle of it.
+    pub(super) fn middle(&self) -> Option<Place> {
+        let zone = self.longest()?;
+        let half = 0.5 * self.zones[zone].duration;
+        let z = self.along(zone, std::iter::once(half)).ok()?.pop()?;
+        Some(Place {
+            time: 0.0,
+            phase: self.zones[zone].phase + self.posed.system.omega.value * half,
+            mode: self.orbit.sequence.zone(zone).mode,
+            state: z.rows(0, self.orbit.states()).iter().copied().collect(),
+        })
     }
 }

@@ -15,6 +15,7 @@
 //! `bifurcation` names the changes of a sequence by sliding.
 
 pub mod behaviour;
+mod beside;
 mod bifurcation;
 mod bounds;
 mod branch_point;
@@ -291,6 +292,10 @@ impl Orbit for AffineOrbit {
             zones.all(|zone| at.mode(zone).field.is_exact)
         });
         if exact { 0.0 } else { tolerance }
+    }
+
+    fn beside(&self, point: &Vector, side: f64) -> Option<Candidate<AffineOrbit>> {
+        AffineOrbit::beside(self, point, side)
     }
 
     fn ends_at(&self, point: &Vector, margin: &Margin) -> Option<OrbitStop> {

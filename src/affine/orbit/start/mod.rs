@@ -9,6 +9,7 @@ mod switches;
 mod unknowns;
 
 pub use failure::NoStart;
+pub(super) use switches::run;
 pub(super) use unknowns::scaled;
 
 use serde::{Deserialize, Serialize};

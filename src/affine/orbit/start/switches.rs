@@ -7,7 +7,7 @@ use crate::affine::motion::{Motion, Place, Step, Switching};
 pub(super) const MOST_SWITCHES: usize = 400;
 
 /// Switches of a motion, each with the place where the next zone begins.
-pub(super) type Switches = Vec<(Switching, Place)>;
+pub(in crate::affine::orbit) type Switches = Vec<(Switching, Place)>;
 
 /// The zones of a motion from a switch to the one that comes nearest to this time.
 pub(super) fn from_switch(
@@ -37,7 +37,7 @@ pub(super) fn from_switch(
 }
 
 /// Moves on to a time: the switches on the way.
-pub(super) fn run(motion: &mut Motion, until: f64) -> Result<Switches, NoStart> {
+pub(in crate::affine::orbit) fn run(motion: &mut Motion, until: f64) -> Result<Switches, NoStart> {
     let mut switches = Vec::new();
     loop {
         match motion.step(until).map_err(NoStart::Halted)? {
