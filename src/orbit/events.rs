@@ -249,7 +249,10 @@ pub(super) fn located<O: Orbit>(
                 },
             )),
             BranchEvent::Crossing(test),
-        ) => orbit.crossing(*test, &place.node).as_ref() == Some(special),
+        ) => {
+            let crossing = orbit.crossing(*test, &place.node);
+            crossing.is_some_and(|crossing| O::kind(&crossing) == O::kind(special))
+        }
         _ => false,
     };
     let crossings: Vec<_> = crossings

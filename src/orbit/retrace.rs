@@ -115,8 +115,9 @@ pub(super) fn symmetric<O: Orbit>(
             tests(&locate::node_at(&tested, &begin, far, tolerance)?)?,
         ];
         let crosses = |test: &usize| {
+            let crossing = tested.crossing(*test, &begin);
             values[0][*test] * values[1][*test] < 0.0
-                && tested.crossing(*test, &begin).as_ref() == Some(special)
+                && crossing.is_some_and(|crossing| O::kind(&crossing) == O::kind(special))
         };
         let test = (0..values[0].len()).find(crosses)?;
         let [first, second] = [(0.0, values[0][test]), (far, values[1][test])];

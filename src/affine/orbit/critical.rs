@@ -16,6 +16,8 @@ pub enum Critical {
     },
     /// A multiplier passes 1 other than by a fold.
     Branching,
+    /// The orbit has become its own image by a symmetry of the system, of which a multiplier passes 1.
+    Symmetric,
     /// The orbit has no size: an equilibrium with a pair of imaginary eigenvalues.
     Shrinking,
     /// The orbit has no size: a point on the boundaries of its modes.
@@ -76,6 +78,11 @@ impl fmt::Display for Critical {
                  branch ends"
             ),
             Critical::Branching => write!(formatter, "a multiplier passes 1"),
+            Critical::Symmetric => write!(
+                formatter,
+                "a multiplier passes 1: the orbit has become its own image by a symmetry of the system, and beyond it the branch \
+                 would be the image of what it was before: the branch ends"
+            ),
             Critical::Doublings { count } => {
                 write!(formatter, "{} multipliers pass -1", in_words(*count))
             }

@@ -434,7 +434,7 @@ impl Orbit for AffineOrbit {
 
     fn becomes_image(&self, before: &Vector, point: &Vector) -> Option<(Critical, OrbitStop)> {
         self.becomes_symmetric(before, point)
-            .then_some((Critical::Branching, OrbitStop::Retraces))
+            .then_some((Critical::Symmetric, OrbitStop::Retraces))
     }
 
     fn symmetric_near(&self, point: &Vector, tolerance: f64) -> Option<(Vector, f64)> {
@@ -453,7 +453,7 @@ impl Orbit for AffineOrbit {
         of_other: &Vector,
     ) -> Option<(Critical, OrbitStop)> {
         self.has_image(point, other, of_other)
-            .then_some((Critical::Branching, OrbitStop::Retraces))
+            .then_some((Critical::Symmetric, OrbitStop::Retraces))
     }
 
     fn tested(&self) -> Option<AffineOrbit> {
@@ -566,6 +566,7 @@ impl Orbit for AffineOrbit {
                 EventType::PD
             }
             Critical::Branching
+            | Critical::Symmetric
             | Critical::Branchings { .. }
             | Critical::Shrinking
             | Critical::Vanishing => EventType::BP,

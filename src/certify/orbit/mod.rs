@@ -246,7 +246,7 @@ fn prepared(
             OrbitCondition::Doubling
         }
         Special::Own(Critical::Torus { angle }) => OrbitCondition::Torus { angle: *angle },
-        Special::Own(Critical::Branching) => OrbitCondition::Branching,
+        Special::Own(Critical::Branching | Critical::Symmetric) => OrbitCondition::Branching,
         Special::Own(Critical::Shrinking | Critical::Vanishing) => {
             return Err(OpenOrbit::Shrinking);
         }
