@@ -331,6 +331,31 @@ fn a_branch_ends_at_a_wall() {
     );
 }
 
+/// Where a relay leaves its sliding, no rate of the mode that it comes to has the state that slides: that mode is at rest at this value of
+/// the parameter alone, with any such state. Nothing goes on, as at a wall. There px + ry is the bound of the relay.
+#[test]
+fn a_branch_ends_where_equilibria_have_one_value_of_the_parameter() {
+    let text = r#"(states: ["s", "x", "y"],
+        parameters: {"p": 0.96, "r": 0.09, "mu": -0.42, "k": 0.58, "c0": 0.0, "b1": -0.2, "M": 0.42},
+        contacts: {"q": Friction(slip: "s", bound: "M")},
+        rates: {"s": "p*x + r*y + q", "x": "mu*x - y - x*(x^2 + y^2) - k*q", "y": "x + mu*y - y*(x^2 + y^2) + c0 + b1*x^2"})"#;
+    let course = Course {
+        system: text,
+        mode: "stick",
+        state: &[0.0, 0.0, 0.0],
+        parameter: "c0",
+        range: (-3.0, 3.0),
+    };
+    let found = course.events();
+    let ends: Vec<_> = found.iter().filter(|one| one.kind == BE).collect();
+    assert!(!ends.is_empty() && ends.len() == found.len());
+    for one in ends {
+        let force = 0.96 * number(one, "x") + 0.09 * number(one, "y");
+        assert!((force.abs() - 0.42).abs() < 1e-12, "{force}");
+        assert!(one.what.contains("the branch ends"), "{}", one.what);
+    }
+}
+
 /// Events do not depend on units and order of the states, however large or small.
 #[test]
 fn units_and_order_of_the_states_make_no_difference() {

@@ -12,6 +12,7 @@ use crate::continuation::locate::{Place, zero_along};
 use crate::continuation::newton;
 use crate::linalg::{Matrix, Vector};
 use crate::orbit::monitor::MonitorValue;
+use crate::orbit::switch::is_in_family;
 use crate::orbit::{Candidate, EventType, Examined, Orbit};
 
 /// A state is the one that a reset leaves alone where they differ by no more than this part of their size: an equilibrium
@@ -135,7 +136,9 @@ impl Orbit for EquilibriumCurve {
             if to == mode || found.iter().any(known) || !self.stays(exit, point) {
                 continue;
             }
-            found.extend(self.in_mode(to).map(|orbit| Candidate {
+            // equilibria at this value of the parameter alone are no branch, as where no rate of a mode has some state
+            let single = |orbit: &EquilibriumCurve| !is_in_family(orbit, point);
+            found.extend(self.in_mode(to).filter(single).map(|orbit| Candidate {
                 orbit,
                 point: point.clone(),
                 nascent: Vec::new(),

@@ -164,7 +164,7 @@ impl fmt::Display for EquilibriumStop {
         match self {
             EquilibriumStop::NoneBeyond { guard } => write!(
                 f,
-                "the branch ends: in no mode to which {} of `{}` leads the system is at rest there",
+                "the branch ends: in no mode to which {} of `{}` leads do equilibria go on from there",
                 guard.guard, guard.mode
             ),
         }
