@@ -6,7 +6,7 @@ use super::{Matrix, Vector};
 const SWEEPS: usize = 20;
 
 /// Which coordinate acts on which, by however many steps.
-pub(super) struct Acts {
+pub struct Acts {
     /// Words of a column.
     words: usize,
     /// For every coordinate in a column of bits those that it acts on.
@@ -15,8 +15,14 @@ pub(super) struct Acts {
 
 impl Acts {
     /// Whether coordinate j acts on i.
-    fn has(&self, i: usize, j: usize) -> bool {
+    pub fn has(&self, i: usize, j: usize) -> bool {
         self.bits[j * self.words + i / 64] >> (i % 64) & 1 == 1
+    }
+
+    /// How many coordinates j acts on.
+    fn count(&self, j: usize) -> u32 {
+        let own = &self.bits[j * self.words..(j + 1) * self.words];
+        own.iter().map(|bits| bits.count_ones()).sum()
     }
 
     /// Whether two coordinates act on one another, or are one.
@@ -38,7 +44,7 @@ impl Acts {
 }
 
 /// That of a matrix.
-pub(super) fn acts(matrix: &Matrix) -> Acts {
+pub fn acts(matrix: &Matrix) -> Acts {
     let n = matrix.nrows();
     let words = n.div_ceil(64).max(1);
     let mut bits = vec![0; n * words];
@@ -66,7 +72,7 @@ pub(super) fn acts(matrix: &Matrix) -> Acts {
 /// Osborne's method: rows and columns of one index get the same size. Units as different as volts and seconds
 /// would otherwise make pieces a hundred times too short. It tells nothing of a coordinate that acts on others which do
 /// not act back, as a constant or a speed that stays do: what goes one way could be made as small as one likes. It is made
-/// no larger than what goes round, or than `slow`, a rate that counts for nothing.
+/// as large as what goes round, or as `slow`, a rate that counts for nothing: then scales do not depend on units.
 pub fn balance(matrix: &Matrix, slow: f64) -> (Vector, f64) {
     let size = matrix.nrows();
     let mut scales = Vector::repeat(size, 1.0);
@@ -79,7 +85,8 @@ pub fn balance(matrix: &Matrix, slow: f64) -> (Vector, f64) {
         let sums = columns.map(|(i, column)| column.iter().sum::<f64>() + matrix[(i, i)].abs());
         sums.fold(0.0, f64::max)
     };
-    let mut round = acts(&scaled).round(&scaled);
+    let acts = acts(&scaled);
+    let mut round = acts.round(&scaled);
     let is_whole = round == scaled;
     even(&mut round, &mut scales, 0.0);
     if is_whole {
@@ -87,6 +94,7 @@ pub fn balance(matrix: &Matrix, slow: f64) -> (Vector, f64) {
         return (scales, norm);
     }
     let least = norm(&round).max(slow);
+    lead(&scaled, &acts, &mut scales, least);
     let columns = scaled.as_mut_slice().chunks_exact_mut(size);
     for (own, column) in scales.iter().zip(columns) {
         let entries = column.iter_mut().zip(&scales);
@@ -95,6 +103,33 @@ pub fn balance(matrix: &Matrix, slow: f64) -> (Vector, f64) {
     even(&mut scaled, &mut scales, least);
     let norm = norm(&scaled);
     (scales, norm)
+}
+
+/// Scales what acts on others that do not act back so that this has the size `least`: what is acted on comes first.
+fn lead(matrix: &Matrix, acts: &Acts, scales: &mut Vector, least: f64) {
+    let size = matrix.nrows();
+    let mut order: Vec<usize> = (0..size).collect();
+    order.sort_by_key(|j| acts.count(*j));
+    let mut led = vec![false; size];
+    for first in order {
+        if led[first] {
+            continue;
+        }
+        let group: Vec<usize> = (0..size).filter(|j| acts.goes_round(*j, first)).collect();
+        let leads = |j: &usize| {
+            let others = (0..size).filter(|i| !acts.goes_round(*i, first));
+            let sizes = others.map(|i| matrix[(i, *j)] * scales[*j] / scales[i]);
+            sizes.fold(0.0, f64::max)
+        };
+        let largest = group.iter().map(leads).fold(0.0, f64::max);
+        let exponent = (least / largest).log2().floor();
+        for j in group {
+            led[j] = true;
+            if exponent.abs() < 100.0 {
+                scales[j] *= exponent.exp2();
+            }
+        }
+    }
 }
 
 /// Makes rows and columns alike in size, where either is larger than `least`: a matrix without its diagonal, and the scales
@@ -182,6 +217,32 @@ mod tests {
                     assert!(norm <= 2.0 * (turn + 2.0), "{units:?}: {norm}");
                     assert!(scales.iter().all(|scale| scale.is_normal()));
                 }
+            }
+        }
+    }
+
+    /// Scales follow the units of every coordinate, but for powers of two: also of those that act one way.
+    #[test]
+    fn scales_follow_units() {
+        // x, v, cos, sin, 1
+        let mut matrix = Matrix::zeros(5, 5);
+        matrix[(0, 1)] = 1.0;
+        matrix[(1, 0)] = -1.0;
+        matrix[(1, 1)] = -0.1;
+        (matrix[(1, 3)], matrix[(1, 4)]) = (0.3, -0.02);
+        (matrix[(2, 3)], matrix[(3, 2)]) = (-0.5, 0.5);
+        let (scales, norm) = balance(&matrix, 0.1);
+        for state in 0..5 {
+            for large in [1e-9, 1e-3, 1e6, 1e9] {
+                let unit = |index: usize| if index == state { large } else { 1.0 };
+                let other = Matrix::from_fn(5, 5, |i, j| matrix[(i, j)] * unit(j) / unit(i));
+                let (found, of_other) = balance(&other, 0.1);
+                assert!(of_other <= 2.0 * norm && norm <= 2.0 * of_other);
+                let ratios = (0..5).map(|i| found[i] * unit(i) / scales[i]);
+                let ratios: Vec<f64> = ratios.collect();
+                let [least, largest] =
+                    [f64::min, f64::max].map(|of| ratios.iter().copied().reduce(of).unwrap());
+                assert!(largest <= 16.0 * least, "{state} {large}: {ratios:?}");
             }
         }
     }

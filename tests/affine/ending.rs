@@ -85,6 +85,38 @@ const STATIC: &str = r#"(
 )"#;
 
 /// Where stick touches its other bound the mass slips off with a jump of its friction: the return map is discontinuous.
+/// The same brake with its speed in other units: what a guard leaves out over a piece is measured by what acts on it, not by units.
+#[test]
+fn a_brake_in_other_units_has_the_same_events() {
+    let expected = [
+        (CO, 0.317_958_379_697_163),
+        (SL, 0.323_746_798_568_215),
+        (CO, 0.566_486_406_688_595),
+    ];
+    for unit in ["1e9", "1e-9"] {
+        let rates = ["a - f", "a + f", "a - g", "a + g"];
+        let text = rates.iter().fold(BRAKE_BY_HAND.to_owned(), |text, rate| {
+            text.replace(&format!("\"{rate}\""), &format!("\"({rate})/{unit}\""))
+        });
+        let text = text
+            .replace("0.1*v", &format!("0.1*{unit}*v"))
+            .replace(r#""x": "v""#, &format!(r#""x": "{unit}*v""#));
+        let speed = 0.5 / unit.parse::<f64>().unwrap();
+        let (orbit, point) = settled(&text, &[], "A", "p", &[0.0, speed], 100.0);
+        let (seen, _) = follow(&orbit, &point, true, (0.05, 0.7), 2000);
+        let seen: Vec<_> = seen.iter().filter(|one| one.kind != EP).collect();
+        assert_eq!(seen.len(), expected.len());
+        for (one, (kind, value)) in seen.iter().zip(expected) {
+            assert_eq!(one.kind, kind);
+            assert!(
+                (one.value - value).abs() < 1e-12,
+                "{} for {value}",
+                one.value
+            );
+        }
+    }
+}
+
 /// The same with S = F is passed: the slip that is born lasts no time.
 #[test]
 fn a_jump_of_the_return_map_is_an_end() {

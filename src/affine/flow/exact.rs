@@ -6,7 +6,7 @@ use super::Expansion;
 use crate::affine::exponential::{TERMS, entries, plain_propagator};
 use crate::affine::mode::AffineMode;
 use crate::affine::stiff::{GAP, Splitting};
-use crate::linalg::{Matrix, Vector, add_product};
+use crate::linalg::{Matrix, Vector, acts, add_product};
 use crate::orbit::sign::{COEFFICIENTS, REMAINDER};
 
 /// Most components of z whose series are made in arrays: those of a forced oscillator of two degrees of freedom.
@@ -22,8 +22,9 @@ pub(super) struct Exact {
     pub length: f64,
     /// exp(M·length).
     pub step: Matrix,
-    /// Scales d of z in which M is balanced: the norm of z is Σ|zᵢ|/dᵢ.
-    scales: Vector,
+    /// What component i of z is at most over a piece by component j at its beginning, for 1 of that: dᵢ/dⱼ with the scales d in
+    /// which M is balanced, and nothing where j does not act on i.
+    reach: Matrix,
     pub guards: Vec<GuardSeries>,
     /// What is slow of it, and its flow, with much longer pieces; the longest first.
     pub stiff: Vec<(Splitting, Exact)>,
@@ -36,8 +37,8 @@ pub(super) struct GuardSeries {
     /// Its Taylor coefficients in time/`length` as linear forms of z at the beginning, for every component of z those of
     /// all orders: of many flows only the values of guards are wanted.
     coefficients: OnceLock<Vec<[f64; COEFFICIENTS]>>,
-    /// max |cᵢ|dᵢ.
-    pub size: f64,
+    /// What it is at most over a piece by every component of z at its beginning, for 1 of that.
+    weights: Vector,
 }
 
 impl Exact {
@@ -48,12 +49,18 @@ impl Exact {
             longest
         };
         let step = plain_propagator(&matrix, states, norm, length);
+        let acts = acts(&matrix);
+        let size = scales.len();
+        let reach = Matrix::from_fn(size, size, |i, j| match i == j || acts.has(i, j) {
+            true => scales[i] / scales[j],
+            false => 0.0,
+        });
         Exact {
             guards: Vec::new(),
             stiff: Vec::new(),
             step,
             length,
-            scales,
+            reach,
             entries: entries(&matrix),
             matrix,
         }
@@ -82,8 +89,9 @@ impl Exact {
         for (way, slow) in &mut self.stiff {
             slow.watch(way.along.tr_mul(&form));
         }
+        let weight = |column: usize| form.component_mul(&self.reach.column(column)).amax();
         self.guards.push(GuardSeries {
-            size: form.component_mul(&self.scales).amax(),
+            weights: Vector::from_fn(form.len(), |column, _| weight(column)),
             coefficients: OnceLock::new(),
             form,
         });
@@ -177,21 +185,16 @@ impl Exact {
                 expansion.set(k, &term);
             }
         }
-        let (error, rounding) = self.errors(z, part);
-        let scales = self.scales.as_slice().iter();
+        let (error, rounding) = errors(part);
         expansion.left_out.clear();
-        expansion.left_out.extend(scales.map(|d| d * error));
+        expansion.left_out.resize(z_at.len(), 0.0);
+        let columns = self.reach.as_slice().chunks_exact(z_at.len());
+        for (z, column) in z_at.iter().zip(columns) {
+            let size = error * z.abs();
+            let pairs = expansion.left_out.iter_mut().zip(column);
+            pairs.for_each(|(sum, by)| *sum += size * by);
+        }
         expansion.of_form = Some(error + rounding);
-    }
-
-    /// What the coefficients of a form leave out over the beginning of a piece, and the rounding of the products that
-    /// they are made of, where its greatest |cᵢ|dᵢ is 1.
-    fn errors(&self, z: &Vector, part: f64) -> (f64, f64) {
-        let pairs = z.as_slice().iter().zip(self.scales.as_slice());
-        let amplitude: f64 = pairs.map(|(z, d)| z.abs() / d).sum();
-        // Σ_{k>16} 1/k! < 1.06/17!
-        let left_out = 1.06 * REMAINDER * part.powi(COEFFICIENTS as i32);
-        (left_out * amplitude, 2.0 * f64::EPSILON * amplitude)
     }
 
     /// The coefficients of a guard over the beginning of a piece, and the error of the polynomial without its first
@@ -213,8 +216,24 @@ impl Exact {
             *coefficient *= power;
             power *= part;
         }
-        let (left_out, rounding) = self.errors(z, part);
+        let (left_out, rounding) = errors(part);
         let rounding = rounding * part.powi(zeros as i32);
-        (taylor, (left_out + rounding) * self.guards[guard].size)
+        let amplitude = self.guards[guard].amplitude(z.iter().copied());
+        (taylor, (left_out + rounding) * amplitude)
     }
+}
+
+impl GuardSeries {
+    /// What the guard is at most over a piece with this z at its beginning.
+    pub fn amplitude(&self, z: impl Iterator<Item = f64>) -> f64 {
+        z.zip(&self.weights).map(|(z, by)| z.abs() * by).sum()
+    }
+}
+
+/// What the coefficients of a form leave out over the beginning of a piece, and the rounding of the products that
+/// they are made of, for 1 of its amplitude.
+fn errors(part: f64) -> (f64, f64) {
+    // Σ_{k>16} 1/k! < 1.06/17!
+    let left_out = 1.06 * REMAINDER * part.powi(COEFFICIENTS as i32);
+    (left_out, 2.0 * f64::EPSILON)
 }

@@ -9,7 +9,7 @@ use super::series::{Field, ORDER};
 use super::stiff::{Splitting, Vanished};
 use crate::linalg::{Vector, add_product, balance, product};
 use crate::orbit::sign::{Bernstein, COEFFICIENTS};
-use exact::{Exact, GuardSeries};
+use exact::Exact;
 
 /// A guard is zero at the beginning of a zone within this many units of the noise of its polynomial: the
 /// state at a switch is known to a few of them.
@@ -42,7 +42,7 @@ pub(super) struct Expansion {
     terms: Vec<[f64; COEFFICIENTS]>,
     /// What they leave out.
     pub left_out: Vec<f64>,
-    /// That of a form whose greatest |cᵢ|dᵢ is 1; none where forms have coefficients of their own.
+    /// That of a form, for 1 of its amplitude; none where forms have coefficients of their own.
     of_form: Option<f64>,
 }
 
@@ -328,15 +328,16 @@ impl ModeFlow {
         let (Some(exact), Some(of_form)) = (&self.exact, expansion.of_form) else {
             return self.taylor(guard, piece, part);
         };
-        let GuardSeries { form, size, .. } = &exact.guards[guard];
+        let series = &exact.guards[guard];
         let mut taylor = [0.0; COEFFICIENTS];
-        for (component, weight) in form.as_slice().iter().enumerate() {
+        for (component, weight) in series.form.as_slice().iter().enumerate() {
             if *weight != 0.0 {
                 let pairs = taylor.iter_mut().zip(expansion.taylor(component));
                 pairs.for_each(|(sum, a)| *sum += weight * a);
             }
         }
-        (taylor, of_form * size)
+        let z = (0..series.form.len()).map(|component| expansion.taylor(component)[0]);
+        (taylor, of_form * series.amplitude(z))
     }
 
     /// A guard over the beginning of a piece, as a polynomial in time/`length`/`part`.
