@@ -72,7 +72,7 @@ pub fn acts(matrix: &Matrix) -> Acts {
 /// Osborne's method: rows and columns of one index get the same size. Units as different as volts and seconds
 /// would otherwise make pieces a hundred times too short. It tells nothing of a coordinate that acts on others which do
 /// not act back, as a constant or a speed that stays do: what goes one way could be made as small as one likes. It is made
-/// as large as what goes round, or as `slow`, a rate that counts for nothing: then scales do not depend on units.
+/// as large as the rates of what it acts on, or as `slow`, a rate that counts for nothing: then scales follow units.
 pub fn balance(matrix: &Matrix, slow: f64) -> (Vector, f64) {
     let size = matrix.nrows();
     let mut scales = Vector::repeat(size, 1.0);
@@ -94,7 +94,14 @@ pub fn balance(matrix: &Matrix, slow: f64) -> (Vector, f64) {
         return (scales, norm);
     }
     let least = norm(&round).max(slow);
-    lead(&scaled, &acts, &mut scales, least);
+    let columns = round.as_slice().chunks_exact(size).enumerate();
+    let own = columns.map(|(i, column)| column.iter().sum::<f64>() + matrix[(i, i)].abs());
+    let own: Vec<f64> = own.collect();
+    let rates = (0..size).map(|i| {
+        let group = (0..size).filter(|j| acts.goes_round(i, *j));
+        group.fold(slow, |largest, j| largest.max(own[j]))
+    });
+    lead(&scaled, &acts, &mut scales, &rates.collect::<Vec<_>>());
     let columns = scaled.as_mut_slice().chunks_exact_mut(size);
     for (own, column) in scales.iter().zip(columns) {
         let entries = column.iter_mut().zip(&scales);
@@ -105,8 +112,9 @@ pub fn balance(matrix: &Matrix, slow: f64) -> (Vector, f64) {
     (scales, norm)
 }
 
-/// Scales what acts on others that do not act back so that this has the size `least`: what is acted on comes first.
-fn lead(matrix: &Matrix, acts: &Acts, scales: &mut Vector, least: f64) {
+/// Scales what acts on others that do not act back so that this has the size of the rates of what it acts on: that follows it
+/// then with the size 1. What is acted on comes first.
+fn lead(matrix: &Matrix, acts: &Acts, scales: &mut Vector, rates: &[f64]) {
     let size = matrix.nrows();
     let mut order: Vec<usize> = (0..size).collect();
     order.sort_by_key(|j| acts.count(*j));
@@ -118,11 +126,11 @@ fn lead(matrix: &Matrix, acts: &Acts, scales: &mut Vector, least: f64) {
         let group: Vec<usize> = (0..size).filter(|j| acts.goes_round(*j, first)).collect();
         let leads = |j: &usize| {
             let others = (0..size).filter(|i| !acts.goes_round(*i, first));
-            let sizes = others.map(|i| matrix[(i, *j)] * scales[*j] / scales[i]);
+            let sizes = others.map(|i| matrix[(i, *j)] * scales[*j] / (scales[i] * rates[i]));
             sizes.fold(0.0, f64::max)
         };
         let largest = group.iter().map(leads).fold(0.0, f64::max);
-        let exponent = (least / largest).log2().floor();
+        let exponent = -largest.log2().ceil();
         for j in group {
             led[j] = true;
             if exponent.abs() < 100.0 {
