@@ -44,9 +44,20 @@ pub struct OrbitPoint {
 }
 
 impl OrbitPoint {
-    /// The largest multiplier that is not trivial.
+    /// The largest multiplier that is not trivial; of several of one modulus that with the largest real part.
     pub fn leading(&self) -> Option<Complex<f64>> {
-        own(&self.multipliers).next().map(|one| one.value)
+        /// Moduli and real parts that differ by less, as a part of the largest modulus, are the same: errors of multipliers are smaller.
+        const SAME: f64 = 1e-9;
+        let mut values = own(&self.multipliers).map(|one| one.value);
+        let first = values.next()?;
+        let slack = SAME * first.norm();
+        let alike = values.take_while(|one| one.norm() >= first.norm() - slack);
+        Some(
+            alike.fold(first, |known, one| match one.re > known.re + slack {
+                true => one,
+                false => known,
+            }),
+        )
     }
 }
 

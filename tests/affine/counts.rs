@@ -90,7 +90,8 @@ const EQUAL: &str = r#"(
     )},
 )"#;
 
-/// Two oscillators with the same damping beside one another: e^{λT} for λ = −0.1 ± i√(k − 0.01), all of one modulus.
+/// Two oscillators with the same damping beside one another: e^{λT} for λ = −0.1 ± i√(k − 0.01), all of one modulus. The leading one is
+/// that with the largest real part.
 #[test]
 fn pairs_of_equal_modulus_are_not_mixed_up() {
     let orbit = r#"(start: Simulate(mode: "free", state: {"x": 0.0, "v": 0.0, "y": 0.0, "u": 0.0}, settle: 200))"#;
@@ -102,6 +103,11 @@ fn pairs_of_equal_modulus_are_not_mixed_up() {
     assert!(events(&items, "w").is_empty());
     for item in &items {
         let period = item.point.period;
+        // the same in any units: that with the largest real part
+        let real = |stiffness: f64| ((stiffness - 0.01_f64).sqrt() * period).cos();
+        let largest = (-0.1 * period).exp() * real(1.0).max(real(2.0));
+        let leading = item.point.leading().unwrap();
+        assert!((leading.re - largest).abs() < 1e-9, "{leading}");
         for stiffness in [1.0, 2.0_f64] {
             let angle = (stiffness - 0.01).sqrt() * period;
             let (re, im) = (angle.cos(), angle.sin().abs());
