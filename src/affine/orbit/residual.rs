@@ -206,12 +206,17 @@ impl AffineOrbit {
         let closing = self.closing(point).ok()?;
         let count = matrix.nrows();
         let mut square = (matrix - closing * 2.0).columns(0, count).into_owned();
-        // a parameter that gives the orbit its period is not perturbed
-        if let Some(free) = self.free_index() {
-            square.row_mut(count - 1).fill(0.0);
-            square[(count - 1, free)] = 1.0;
-        }
+        self.hold_free(&mut square);
         Some(square.determinant())
+    }
+
+    /// Of perturbations: a parameter that gives the orbit its period is not perturbed.
+    pub(super) fn hold_free(&self, square: &mut Matrix) {
+        let last = square.nrows() - 1;
+        if let Some(free) = self.free_index() {
+            square.row_mut(last).fill(0.0);
+            square[(last, free)] = 1.0;
+        }
     }
 
     /// Per zone: the states at the beginning of every further shot; those at the next entry, where what is zero by the structure

@@ -319,10 +319,7 @@ impl AffineOrbit {
             square.view_mut((last, half), (1, half)).fill(0.0);
             square[(last, phase)] = 2.0 / TAU;
         }
-        if let Some(free) = self.free_index() {
-            square.row_mut(last).fill(0.0);
-            square[(last, free)] = 1.0;
-        }
+        self.hold_free(&mut square);
         Some(square.determinant())
     }
 
