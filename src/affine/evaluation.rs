@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 
 use super::contact::law::Law;
+use super::contact::mistake::ContactMistake;
 use super::dual::{Coefficient, Dual, Measured};
 use super::expression::{Expression, ExpressionFlaw, Obstacle};
 use super::form::{Form, Signs};
@@ -22,6 +23,8 @@ pub struct FormSwitch<C = Dual> {
     pub group: Option<usize>,
     /// Its name.
     pub name: Option<String>,
+    /// Why no motion takes it.
+    pub refusal: Option<ContactMistake>,
 }
 
 /// A mode with its expressions as forms.
@@ -85,6 +88,7 @@ impl<C> FormSwitch<C> {
             tangent: self.tangent,
             group: self.group,
             name: self.name.clone(),
+            refusal: self.refusal.clone(),
         }))
     }
 }
@@ -294,6 +298,7 @@ impl<'a, 'p, C: Coefficient> Evaluation<'a, 'p, C> {
                 tangent: None,
                 group: None,
                 name: None,
+                refusal: None,
             }],
             held: Vec::new(),
             bounds: Vec::new(),
@@ -370,6 +375,7 @@ impl<'a, 'p, C: Coefficient> Evaluation<'a, 'p, C> {
             tangent: None,
             group: None,
             name: switch.name.clone(),
+            refusal: None,
             guard: self.form(&|| format!("{}.zero", path()), &switch.zero)?,
             reset: reset.collect::<Result<_, SystemError>>()?,
             conditions: conditions.collect::<Result<_, _>>()?,

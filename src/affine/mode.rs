@@ -34,6 +34,8 @@ pub struct Exit {
     pub name: Option<String>,
     /// Whether a contact makes it, and has given it that name.
     pub of_contact: bool,
+    /// Why no motion takes it where its conditions hold.
+    pub refusal: Option<ContactMistake>,
 }
 
 impl Exit {
@@ -101,7 +103,16 @@ impl AffineMode {
 
     /// Whether it leads to the same places by as many guards, exits and conditions as another.
     pub(super) fn has_shape_of(&self, other: &AffineMode) -> bool {
-        let kind = |exit: &Exit| (exit.to, exit.rest, exit.tangent, exit.conditions.len());
+        let kind = |exit: &Exit| {
+            let refused = exit.refusal.is_some();
+            (
+                exit.to,
+                exit.rest,
+                exit.tangent,
+                exit.conditions.len(),
+                refused,
+            )
+        };
         let guard = |(one, other): (&Guard, &Guard)| {
             one.written == other.written
                 && one.exits.iter().map(kind).eq(other.exits.iter().map(kind))

@@ -140,6 +140,7 @@ impl Shape {
             name: switch.name.clone(),
             // those of contacts alone have guards that are given
             of_contact: switch.group.is_some(),
+            refusal: switch.refusal.clone(),
         }
     }
 }

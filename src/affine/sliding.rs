@@ -215,6 +215,7 @@ impl AffineSystem {
             tangent,
             name: None,
             of_contact: false,
+            refusal: None,
         };
         let released = |row: Row, to: usize, guard: usize| Guard {
             row,

@@ -101,6 +101,10 @@ impl NoFirstPoint {
                     "system.modes",
                     "let the reset turn the motion back, as `\"v\": \"-e*v\"` does at a stop",
                 ),
+                Halt::Refused { .. } => (
+                    "system.contacts",
+                    "let one of the two stops be a `Spring`, or begin elsewhere",
+                ),
                 Halt::Void { .. } => ("system.modes", "write a `zero` that the states change"),
                 _ => (
                     "orbit.start",

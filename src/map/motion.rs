@@ -87,6 +87,7 @@ impl Settled {
                 | Halt::Undecided { .. }
                 | Halt::Outside { .. }
                 | Halt::Outward { .. }
+                | Halt::Refused { .. }
                 | Halt::Void { .. }
                 | Halt::Fast { .. }
                 | Halt::NegativeBound { .. }

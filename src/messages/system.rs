@@ -23,6 +23,7 @@ pub(crate) fn halt(system: &System, halt: &Halt) -> String {
         Halt::Chattering { .. } => {
             format!("{words}; `rest` of a switch names the mode that begins there")
         }
+        Halt::Refused { .. } => format!("{words}; let one of the two be a `Spring`"),
         Halt::Fast { .. } => format!("{words}; ask for less time, or scale what is so fast"),
         _ => words,
     }

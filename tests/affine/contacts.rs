@@ -2,6 +2,8 @@
 //! that solves for switching times with exact flows in 69 digits.
 
 use brakewave::EventType;
+use brakewave::affine::contact::ContactMistake;
+use brakewave::affine::motion::{Halt, Motion, Step};
 use brakewave::affine::orbit::AffineOrbit;
 use brakewave::affine::orbit::start::{Beginning, NoStart, Search, Wanted, first};
 use brakewave::affine::system::System;
@@ -10,7 +12,7 @@ use brakewave::orbit::follow::LocatedPoint;
 use brakewave::problem::{Any, parse_any};
 
 use crate::affine::branches::{Seen, follow};
-use crate::affine::systems::{BALL, FRICTION, IMPACT, RELAY, system};
+use crate::affine::systems::{BALL, FRICTION, IMPACT, RELAY, place, system};
 use EventType::{CO, EP, GR, LP, PD, SL};
 
 /// A start: the mode by name, the state, and how long it settles.
@@ -766,6 +768,102 @@ fn a_graze_is_no_end_of_a_slip() {
                 .find(|one| (one.value - 1.964517885341).abs() < 1e-11);
             let graze = graze.unwrap_or_else(|| panic!("{range:?} of {text}"));
             assert_eq!(graze.kind, GR, "{range:?} of {text}: {}", graze.what);
+        }
+    }
+}
+
+/// A block falls on another that lies on a table: the impulse presses that one on the table in the same instant. The motion ends at
+/// √2, when it has fallen by 1, and says on what; so does a branch of orbits of the first on a spring, where it grazes the second.
+#[test]
+fn an_impact_that_presses_on_a_closed_stop_is_refused() {
+    let text = |x: &str, y: &str| {
+        format!(
+            r#"(states: ["x", "v", "y", "u"], parameters: {{"A": 0.3, "w": 0.7, "e": 0.3, "h": 1.0}}, forcing: "w",
+            contacts: {{"p1": Stop(gap: "y", restitution: "0"), "p2": Stop(gap: "{x}", restitution: "e")}},
+            rates: {{"x": "v", "v": "{y}", "y": "u", "u": "-2 + p1 - p2"}})"#
+        )
+    };
+    let pressed = ContactMistake::Pressed {
+        impact: "p2".to_owned(),
+        closed: "p1".to_owned(),
+    };
+    let falls = system(&text("x - y", "-1 + p2"));
+    let at = falls.at(&falls.values(), &[]).unwrap();
+    for (mode, y) in [("closed.open", 0.0), ("open.open", 0.2)] {
+        let begin = place(&falls, mode, &[1.0, 0.0, y, 0.0], 0.0);
+        let mut motion = Motion::new(&at, begin, 5.0);
+        let halt = loop {
+            match motion.step(5.0) {
+                Ok(step) => assert_ne!(step, Step::Reached),
+                Err(halt) => break halt,
+            }
+        };
+        let Halt::Refused { time, mistake, .. } = halt else {
+            panic!("{halt}");
+        };
+        assert!((time - 2.0_f64.sqrt()).abs() < 1e-14, "{time}");
+        assert_eq!(mistake, pressed);
+    }
+    // it leaves the table instead where the impulse opens that gap
+    let opens = text("x + y - 0.1", "-1 + p2").replace("p1 - p2", "p1 + p2");
+    let opens = system(&opens);
+    let at = opens.at(&opens.values(), &[]).unwrap();
+    let begin = place(&opens, "closed.open", &[1.0, 0.0, 0.0, 0.0], 0.0);
+    let mut motion = Motion::new(&at, begin, 5.0);
+    let Step::Switched(switching) = motion.step(5.0).unwrap() else {
+        panic!("no impact");
+    };
+    assert_eq!(opens.mode_name(switching.to), "open.open");
+    // x has the amplitude h at a graze
+    let hangs = text("x - y + h", "A*cos(phase) - x - 0.1*v + p2");
+    let range = ("A", (0.3, 1.0));
+    let from: From = ("closed.open", &[0.0; 4], 100.0);
+    let (orbit, point) = started(&system(&hangs), from, range).unwrap();
+    let (seen, _) = follow(&orbit, &point, true, range.1, 2000);
+    let graze = (1.0_f64 - 0.7 * 0.7).hypot(0.1 * 0.7);
+    assert_eq!(seen[0].kind, GR, "{}", seen[0].what);
+    assert!((seen[0].value - graze).abs() < 1e-12, "{}", seen[0].value);
+}
+
+/// A mass rests at one of two stops, and another that nothing joins to it goes on switching: its switches are those that it has alone.
+#[test]
+fn a_mass_that_rests_leaves_the_switches_of_another() {
+    for bound in ["B", "B*(1 + 0.3*exp(-abs(u)))"] {
+        let friction = format!(r#""q": Friction(slip: "u", bound: "{bound}")"#);
+        let own = r#""y": "u", "u": "A*sin(phase) - 0.5*y - 0.1*u + q""#;
+        let given =
+            r#"parameters: {"A": 1.2, "w": 0.9, "d": 0.3, "e": 0.0, "B": 0.2}, forcing: "w""#;
+        let alone = format!(
+            r#"(states: ["y", "u"], {}, contacts: {{{friction}}}, rates: {{{own}}})"#,
+            given.replace(r#""d": 0.3, "e": 0.0, "#, "")
+        );
+        let both = format!(
+            r#"(states: ["x", "v", "y", "u"], {given}, contacts: {{"p1": Stop(gap: "d + x", restitution: "e"),
+            "p2": Stop(gap: "d - x", restitution: "e"), {friction}}},
+            rates: {{"x": "v", "v": "A*cos(phase) - x - 0.1*v + p1 - p2", {own}}})"#
+        );
+        let switches = |text: &str, mode: &str, state: &[f64]| {
+            let system = system(text);
+            let at = system.at(&system.values(), &[]).unwrap();
+            let mut motion = Motion::new(&at, place(&system, mode, state, 0.0), 7.0);
+            let mut times = Vec::new();
+            while let Step::Switched(one) = motion.step(40.0).unwrap() {
+                let last =
+                    |mode: usize| system.mode_name(mode).rsplit('.').next().map(str::to_owned);
+                if last(one.from) != last(one.to) {
+                    times.push(one.time);
+                }
+            }
+            times
+        };
+        let one = switches(&alone, "forward", &[0.0, 0.2]);
+        let other = switches(&both, "open.open.forward", &[0.0, 0.1, 0.0, 0.2]);
+        assert!(
+            one.len() > 10 && one.len() == other.len(),
+            "{one:?} {other:?}"
+        );
+        for (one, other) in one.iter().zip(&other) {
+            assert!((one - other).abs() < 1e-11, "{bound}: {one} {other}");
         }
     }
 }

@@ -33,6 +33,8 @@ pub struct Arrival<C = Dual> {
     pub digits: Vec<usize>,
     /// What is not negative where they do.
     pub conditions: Vec<Form<C>>,
+    /// A closed stop on which the impulse of the impact presses: no motion follows.
+    pub pressed: Option<usize>,
 }
 
 /// Contacts in states that are on trial, with what is not negative where they came to them.
@@ -44,6 +46,8 @@ struct Trial<C> {
     seen: Vec<bool>,
     /// States that the chain has been through.
     passed: Vec<Vec<usize>>,
+    /// See [`Arrival::pressed`].
+    pressed: Option<usize>,
 }
 
 /// The instant at which a mode ends.
@@ -98,6 +102,7 @@ impl<C: Measured> Instant<'_, C> {
             seen,
             conditions: Vec::new(),
             passed: Vec::new(),
+            pressed: None,
             digits,
         };
         let mut ends = Vec::new();
@@ -107,10 +112,15 @@ impl<C: Measured> Instant<'_, C> {
         };
         open.reverse();
         while let Some(trial) = open.pop() {
-            match self.unsettled(&trial)? {
+            let ways = match trial.pressed {
+                Some(_) => None,
+                None => self.unsettled(&trial)?,
+            };
+            match ways {
                 None => ends.push(Arrival {
                     digits: trial.digits,
                     conditions: trial.conditions,
+                    pressed: trial.pressed,
                 }),
                 Some(ways) => open.extend(ways.into_iter().rev()),
             }
@@ -243,26 +253,27 @@ impl<C: Measured> Instant<'_, C> {
             let [up, down, held] = ways(law);
             let mut next = Vec::new();
             for trial in trials {
+                if trial.pressed.is_some() {
+                    next.push(trial);
+                    continue;
+                }
                 let digit = trial.digits[contact];
                 let mut lead = |to: usize, condition: Option<Form<C>>| {
                     let mut trial = trial.clone();
                     trial.digits[contact] = to;
+                    // a closed stop that is pressed on would have an impact of its own in the same instant
+                    let is_pressed = matches!(law, Law::Stop { .. }) && [digit, to] == [CLOSED; 2];
+                    trial.pressed = is_pressed.then_some(contact);
                     trial.conditions.extend(condition);
                     next.push(trial);
                 };
                 match (law, digit) {
                     (Law::Friction { .. } | Law::Stop { .. }, digit) if digit == held => {
-                        match rises {
-                            Some(true) => lead(up, None),
-                            // a closed stop that is pressed on would have an impact of its own in the same instant
-                            Some(false) if matches!(law, Law::Stop { .. }) => {}
-                            Some(false) => lead(down, None),
-                            None => {
-                                lead(up, Some(after.clone()));
-                                if !matches!(law, Law::Stop { .. }) {
-                                    lead(down, Some(after.clone().negative()));
-                                }
-                            }
+                        if rises != Some(false) {
+                            lead(up, rises.is_none().then(|| after.clone()));
+                        }
+                        if rises != Some(true) {
+                            lead(down, rises.is_none().then(|| after.clone().negative()));
                         }
                     }
                     (Law::Friction { .. }, _) => {
@@ -339,6 +350,7 @@ impl<C: Measured> Instant<'_, C> {
                 // released just now: it leaves by the sign of what was too much
                 seen[contact] = true;
                 ways.push(Trial {
+                    pressed: None,
                     digits,
                     conditions,
                     seen,

@@ -57,6 +57,17 @@ pub enum ContactMistake {
         "in `{0}` a positive force of `{1}` would close its gap, by the friction that it causes: no motion follows"
     )]
     Paradox(String, String),
+    /// An impact whose impulse would close a stop that is closed.
+    #[error(
+        "the impulse of `{impact}` would close the gap of `{closed}`, which is closed, in the same instant: no law of these \
+         contacts says what two impacts at once come to"
+    )]
+    Pressed {
+        /// The contact that has the impact.
+        impact: String,
+        /// The stop that is closed.
+        closed: String,
+    },
     /// Too many modes that are not affine.
     #[error("{0} modes that are not affine; at most {MAX_PRODUCTS} are possible")]
     Products(usize),

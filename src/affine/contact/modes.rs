@@ -299,7 +299,10 @@ impl<C: Measured> ContactForms<C> {
             together: &[],
             jump: &switch.reset,
         };
-        let of_arrival = |Arrival { digits, conditions }: Arrival<C>| {
+        let of_arrival = |arrival: Arrival<C>| {
+            let Arrival {
+                digits, conditions, ..
+            } = arrival;
             let number = |mode: usize| self.products.number(mode, &digits);
             let mut switch = FormSwitch {
                 to: number(switch.to),
@@ -322,7 +325,12 @@ impl<C: Measured> ContactForms<C> {
         group: usize,
     ) -> FormSwitch<C> {
         let own = instant.own;
-        let Arrival { digits, conditions } = arrival;
+        let Arrival {
+            digits,
+            conditions,
+            pressed,
+        } = arrival;
+        let names = |closed: usize| [contact, closed].map(|one| self.names[one].clone());
         let rest = (ending.impact == Some(true)).then(|| {
             let mut closed = digits.clone();
             closed[contact] = CLOSED;
@@ -339,6 +347,10 @@ impl<C: Measured> ContactForms<C> {
             tangent: direct.then_some((index, ending.zeros)),
             group: Some(group),
             name: Some(self.names[contact].clone()),
+            refusal: pressed.map(|closed| {
+                let [impact, closed] = names(closed);
+                ContactMistake::Pressed { impact, closed }
+            }),
         }
     }
 }

@@ -112,6 +112,17 @@ pub enum Halt {
         /// Why not.
         mistake: ContactMistake,
     },
+    /// A guard is zero, and nothing follows by the laws of contacts.
+    Refused {
+        /// Its time.
+        time: f64,
+        /// The mode.
+        mode: usize,
+        /// The guard that is zero.
+        guard: usize,
+        /// Why not.
+        mistake: ContactMistake,
+    },
     /// The bound of friction is negative where it slips.
     NegativeBound {
         /// Time at which it is least over a piece of the motion.
@@ -142,6 +153,7 @@ impl Halt {
             | Halt::Livelock { mode, guard, .. }
             | Halt::Outside { mode, guard, .. }
             | Halt::Outward { mode, guard, .. }
+            | Halt::Refused { mode, guard, .. }
             | Halt::NegativeBound { mode, guard, .. }
             | Halt::Void { mode, guard } => Some((mode, guard)),
             Halt::Obstructed { .. }
@@ -201,6 +213,9 @@ impl Halt {
                 "at t = {time:?} the bound of the friction against {guard} is {value:.6} in {mode}: it is to be no less than \
                  zero, or friction drives what slips"
             ),
+            Halt::Refused { time, mistake, .. } => {
+                format!("at t = {time:?} {guard} of {mode} is zero, and {mistake}")
+            }
             Halt::Obstructed { time, mistake, .. } => format!("at t = {time:?} {mistake}"),
             Halt::Unbounded { time } => format!(
                 "by t = {time:?} the motion grows without bound, or comes to where its rates have no value"

@@ -452,6 +452,16 @@ impl<'a> Motion<'a> {
                 Halt::NoExit { time, mode, guard }
             }
         })?;
+        if let Some(mistake) = exit.refusal.clone() {
+            let phase = phase + self.system.omega.value * elapsed;
+            self.come(time, phase, &z);
+            return Err(Halt::Refused {
+                time,
+                mode,
+                guard,
+                mistake,
+            });
+        }
         let lasted = time - self.entered;
         self.count_zone(guard, exit.to, time)?;
         let to = match self.short > IN_A_ROW {

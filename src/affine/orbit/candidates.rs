@@ -308,7 +308,8 @@ impl OrbitAt<'_> {
             if self.relative(&known.row, z).abs() > NEAR {
                 continue;
             }
-            for (exit, known) in known.exits.iter().enumerate() {
+            let taken = known.exits.iter().enumerate();
+            for (exit, known) in taken.filter(|(_, exit)| exit.refusal.is_none()) {
                 let mut conditions = known.conditions.iter();
                 if conditions.all(|row| self.relative(row, z) >= -NEAR) {
                     stages.push(Stage {

@@ -82,9 +82,18 @@ impl AffineOrbit {
             }),
             Fate::Halts(halt) => {
                 let (mode, guard) = halt.place()?;
-                Some(OrbitStop::Halts {
-                    mode: self.setting.system.mode_name(mode).into_owned(),
-                    guard: self.setting.system.guard_name(mode, guard),
+                let system = &self.setting.system;
+                let (mode, guard) = (
+                    system.mode_name(mode).into_owned(),
+                    system.guard_name(mode, guard),
+                );
+                Some(match halt {
+                    Halt::Refused { mistake, .. } => OrbitStop::Refused {
+                        mode,
+                        guard,
+                        mistake,
+                    },
+                    _ => OrbitStop::Halts { mode, guard },
                 })
             }
         }

@@ -402,6 +402,7 @@ impl Orbit for AffineOrbit {
         !matches!(
             stop,
             OrbitStop::Halts { .. }
+                | OrbitStop::Refused { .. }
                 | OrbitStop::LosesDigits { .. }
                 | OrbitStop::NegativeBound { .. }
         )

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::signature::Zone;
 use super::{Critical, Held};
+use crate::affine::contact::mistake::ContactMistake;
 
 /// Ends of a branch for reasons of the system itself.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -98,6 +99,15 @@ pub enum OrbitStop {
         mode: String,
         /// The guard that is zero there, as the file has it.
         guard: String,
+    },
+    /// On the other side motions come to where nothing follows by the laws of contacts.
+    Refused {
+        /// Name of the mode in which they stop.
+        mode: String,
+        /// The guard that is zero there, as the file has it.
+        guard: String,
+        /// Why not.
+        mistake: ContactMistake,
     },
     /// The motion only just reaches a guard: beyond it, it misses the switch, and no orbit is near.
     Misses {
@@ -219,6 +229,14 @@ impl fmt::Display for OrbitStop {
                 "beyond it motions beside its orbit stop where {guard} of `{mode}` is zero: no mode of the system goes on \
                  from there. Where the rates on both sides push back at that surface, the motion would stick or slide in it: \
                  an entry of `sliding` for the two modes is missing, or a mode or a switch"
+            ),
+            OrbitStop::Refused {
+                mode,
+                guard,
+                mistake,
+            } => write!(
+                formatter,
+                "beyond it motions beside its orbit stop where {guard} of `{mode}` is zero: {mistake}"
             ),
             OrbitStop::Misses { held } => write!(
                 formatter,
