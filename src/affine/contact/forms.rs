@@ -5,7 +5,7 @@ use super::law::{Law, Products};
 use super::mistake::{ContactMistake, MAX_PRODUCTS, SpringConstant};
 use crate::affine::dual::{Dual, Measured};
 use crate::affine::evaluation::{FormMode, FormSwitch};
-use crate::affine::expression::Obstacle;
+use crate::affine::expression::{Algebra, Obstacle};
 use crate::affine::form::Form;
 use crate::affine::slots::Slots;
 
@@ -153,8 +153,8 @@ impl<C: Measured> ContactForms<C> {
         self.names.first().map_or("", String::as_str)
     }
 
-    /// Numbers that make no sense where they are negative: bounds, what a static one has more, restitutions, stiffnesses,
-    /// dampings, and what forces do to what they act on.
+    /// Numbers that make no sense where they are negative: bounds, what a static one has more, restitutions, what these are less than 1,
+    /// stiffnesses, dampings, and what forces do to what they act on.
     pub fn signs(&self) -> Vec<C> {
         let influence = self.own.iter().flat_map(|own| {
             let moving = own.kinematics.iter().enumerate();
@@ -169,7 +169,13 @@ impl<C: Measured> ContactForms<C> {
             Law::Jenkins {
                 bound, stiffness, ..
             } => vec![bound.clone(), stiffness.clone()],
-            Law::Stop { restitution, .. } => vec![restitution.clone()],
+            Law::Stop { restitution, .. } => {
+                let lost = Form::number(1.0).minus(restitution.clone());
+                [Ok(restitution.clone()), lost]
+                    .into_iter()
+                    .flatten()
+                    .collect()
+            }
             Law::Spring {
                 stiffness, damping, ..
             } => [Some(stiffness.clone()), damping.clone()]
@@ -263,7 +269,9 @@ fn check<C: Measured>(
             }
             vec![bound]
         }
-        Law::Stop { restitution, .. } if number(restitution).is_some_and(|value| value < 0.0) => {
+        Law::Stop { restitution, .. }
+            if number(restitution).is_some_and(|value| !(0.0..=1.0).contains(&value)) =>
+        {
             return Err(ContactMistake::Restitution(restitution.constant.certain()));
         }
         Law::Stop { .. } | Law::Spring { .. } => {

@@ -35,7 +35,7 @@ pub enum ContactMistake {
     #[error("the bound is {0}: it must not be negative")]
     Bound(f64),
     /// A restitution that has no meaning.
-    #[error("the restitution is {0}: it must not be negative")]
+    #[error("the restitution is {0}: it must be no less than 0 and no more than 1")]
     Restitution(f64),
     /// A stiffness or a damping that has no meaning.
     #[error("the {0} is {1}: it must not be negative")]

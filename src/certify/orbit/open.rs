@@ -54,7 +54,9 @@ pub enum OpenOrbit {
     #[error("undecided: {0}")]
     Contacts(ContactMistake),
     /// Numbers of contacts that must not be negative.
-    #[error("undecided: whether a bound, a restitution or the influence of a force is negative")]
+    #[error(
+        "undecided: whether a bound, a restitution or the influence of a force is negative, or a restitution above 1"
+    )]
     Signs,
     /// Formulas of contacts that are too long.
     #[error("not covered: forces of contacts whose formulas are so long")]
