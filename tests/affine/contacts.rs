@@ -506,7 +506,12 @@ fn a_contact_that_makes_no_sense_is_refused() {
         ),
         orbit: (start: Simulate(mode: "forward.open", state: {"x": 0.0, "v": 0.5}, settle: 100)),
     )"#;
-    assert!(matches!(parse_any(whole, "whole"), Ok(Any::System(_))));
+    // a divisor that depends on a state is no force of the stop
+    for bound in ["F", "F/(1 + abs(v))", "F*(1 + v^2)^(-1)"] {
+        let with = whole.replace("bound: \"F\"", &format!("bound: \"{bound}\""));
+        let parsed = parse_any(&with, "whole");
+        assert!(matches!(parsed, Ok(Any::System(_))), "{bound}: {parsed:?}");
+    }
     for (old, new, told) in [
         (
             "+ q - p",
@@ -542,6 +547,12 @@ fn a_contact_that_makes_no_sense_is_refused() {
             "whose friction is not modelled",
         ),
         ("\"e\": 0.5", "\"e\": -0.5", "the restitution is -0.5"),
+        (
+            "restitution: \"e\"",
+            "restitution: \"e + 2*F\"",
+            "the restitution is 1.5",
+        ),
+        ("+ q - p", "+ 1/q - p", "does not stand linearly here"),
         (
             "Stop(gap: \"d - x\", restitution: \"e\")",
             "Spring(gap: \"d - x\", stiffness: \"-F\")",
@@ -866,4 +877,44 @@ fn a_mass_that_rests_leaves_the_switches_of_another() {
             assert!((one - other).abs() < 1e-11, "{bound}: {one} {other}");
         }
     }
+}
+
+/// A bound by the force of another friction is a number in each of its slips. Where that is negative the motion ends: at the instant
+/// at which the other, which nothing of it acts on, begins to slip forward.
+#[test]
+fn a_bound_that_another_friction_makes_negative_is_told() {
+    let own = r#""x": "v", "v": "a*cos(phase) - x - 0.1*v + q""#;
+    let given = r#"parameters: {"a": 1.0, "F": 0.3}, forcing: "1.3""#;
+    let friction = r#""q": Friction(slip: "v", bound: "F")"#;
+    let alone = system(&format!(
+        r#"(states: ["x", "v"], {given}, contacts: {{{friction}}}, rates: {{{own}}})"#
+    ));
+    let both = system(&format!(
+        r#"(states: ["x", "v", "y", "u"], {given}, contacts: {{{friction}, "q2": Friction(slip: "u", bound: "0.5*q")}},
+        rates: {{{own}, "y": "u", "u": "-2*y - 0.1*u + q2"}})"#
+    ));
+    let [one, other] = [&alone, &both].map(|system| system.at(&system.values(), &[]).unwrap());
+    let begin = place(&alone, "backward", &[0.5, -0.5], 2.0);
+    let mut motion = Motion::new(&one, begin, 5.0);
+    let begins = loop {
+        let Step::Switched(switching) = motion.step(20.0).unwrap() else {
+            panic!("no slip forward");
+        };
+        if switching.to == alone.mode("forward").unwrap() {
+            break switching.time;
+        }
+    };
+    let begin = place(&both, "backward.forward", &[0.5, -0.5, 0.0, 0.1], 2.0);
+    let mut motion = Motion::new(&other, begin, 5.0);
+    let halt = loop {
+        match motion.step(20.0) {
+            Ok(step) => assert_ne!(step, Step::Reached),
+            Err(halt) => break halt,
+        }
+    };
+    let Halt::NegativeBound { time, value, .. } = halt else {
+        panic!("{halt}");
+    };
+    assert!((time - begins).abs() < 1e-12, "{time} {begins}");
+    assert!((value + 0.15).abs() < 1e-12, "{value}");
 }

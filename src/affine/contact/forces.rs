@@ -57,8 +57,6 @@ impl<C: Measured> Own<C> {
                 (contact, mistake)
             }
         };
-        let bare = rates.iter().map(|rate| rate.with(&none));
-        let bare: Vec<Form<C>> = bare.collect::<Result<_, _>>().map_err(failed(0))?;
         let mut weights = Vec::new();
         for (contact, name) in names.iter().enumerate() {
             let mut own = Vec::new();
@@ -71,6 +69,9 @@ impl<C: Measured> Own<C> {
             }
             weights.push(own);
         }
+        // what is linear in forces has a value without them
+        let bare = rates.iter().map(|rate| rate.with(&none));
+        let bare: Vec<Form<C>> = bare.collect::<Result<_, _>>().map_err(failed(0))?;
         let mut own = Own {
             rates: bare,
             weights,

@@ -90,19 +90,23 @@ impl<C: Measured> ContactForms<C> {
         Ok(rates)
     }
 
-    /// The bounds of friction that slips, where they are no constants, with the numbers of the guards that are its slip: what its
-    /// force is, without the sign.
+    /// The bounds of friction that slips, where their law makes them no constants, with the numbers of the guards that are its slip:
+    /// what its force is, without the sign. That of another friction may be a number in a mode, and negative.
     fn bounds(&self, digits: &[usize], forces: &[Form<C>]) -> Vec<(usize, Form<C>)> {
         let contacts = self.laws.iter().zip(digits).zip(forces).enumerate();
         let bounds = contacts.filter_map(|(contact, ((law, digit), force))| {
-            let bound = match (law, *digit) {
-                (Law::Friction { .. }, FORWARD) => force.clone().negative(),
-                (Law::Friction { .. }, BACKWARD) => force.clone(),
+            let Law::Friction { bound, .. } = law else {
+                return None;
+            };
+            let own = match *digit {
+                FORWARD => force.clone().negative(),
+                BACKWARD => force.clone(),
                 _ => return None,
             };
-            Some((self.first_guard(digits, contact), bound))
+            let may_fall = !bound.is_constant() && !own.is_zero();
+            may_fall.then(|| (self.first_guard(digits, contact), own))
         });
-        bounds.filter(|(_, bound)| !bound.is_constant()).collect()
+        bounds.collect()
     }
 
     /// The number of the first guard of a contact in a mode with these states.
