@@ -25,6 +25,8 @@ pub struct FormSwitch<C = Dual> {
     pub name: Option<String>,
     /// Why no motion takes it.
     pub refusal: Option<ContactMistake>,
+    /// Whether its guard keeps its value within the mode: one that is zero ends nothing.
+    pub keeps: bool,
 }
 
 /// A mode with its expressions as forms.
@@ -89,6 +91,7 @@ impl<C> FormSwitch<C> {
             group: self.group,
             name: self.name.clone(),
             refusal: self.refusal.clone(),
+            keeps: self.keeps,
         }))
     }
 }
@@ -299,6 +302,7 @@ impl<'a, 'p, C: Coefficient> Evaluation<'a, 'p, C> {
                 group: None,
                 name: None,
                 refusal: None,
+                keeps: false,
             }],
             held: Vec::new(),
             bounds: Vec::new(),
@@ -376,6 +380,7 @@ impl<'a, 'p, C: Coefficient> Evaluation<'a, 'p, C> {
             group: None,
             name: switch.name.clone(),
             refusal: None,
+            keeps: false,
             guard: self.form(&|| format!("{}.zero", path()), &switch.zero)?,
             reset: reset.collect::<Result<_, SystemError>>()?,
             conditions: conditions.collect::<Result<_, _>>()?,

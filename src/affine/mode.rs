@@ -36,6 +36,8 @@ pub struct Exit {
     pub of_contact: bool,
     /// Why no motion takes it where its conditions hold.
     pub refusal: Option<ContactMistake>,
+    /// Whether its guard keeps its value within the mode: one that is zero ends nothing.
+    pub keeps: bool,
 }
 
 impl Exit {

@@ -141,6 +141,7 @@ impl Shape {
             // those of contacts alone have guards that are given
             of_contact: switch.group.is_some(),
             refusal: switch.refusal.clone(),
+            keeps: switch.keeps,
         }
     }
 }

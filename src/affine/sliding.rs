@@ -216,6 +216,7 @@ impl AffineSystem {
             name: None,
             of_contact: false,
             refusal: None,
+            keeps: false,
         };
         let released = |row: Row, to: usize, guard: usize| Guard {
             row,

@@ -918,3 +918,91 @@ fn a_bound_that_another_friction_makes_negative_is_told() {
     assert!((time - begins).abs() < 1e-12, "{time} {begins}");
     assert!((value + 0.15).abs() < 1e-12, "{value}");
 }
+
+/// A mass with a Jenkins element comes to an inelastic stop at the bound of the element, rests there and leaves to the other side, where
+/// the element holds at once: the durations of the zones are those of an integration with events, in either order of the contacts.
+#[test]
+fn a_slider_holds_where_its_mass_leaves_a_stop() {
+    let text = |contacts: &str| {
+        format!(
+            r#"(states: ["x", "v"], parameters: {{"A": 1.0, "w": 0.8, "kj": 0.8, "B": 0.2, "d": 0.5, "e": 0.0}}, forcing: "w",
+            contacts: {{{contacts}}}, rates: {{"x": "v", "v": "A*cos(phase) - x - 0.1*v + q - p"}})"#
+        )
+    };
+    let element = r#""q": Jenkins(slip: "v", stiffness: "kj", bound: "B")"#;
+    let stop = r#""p": Stop(gap: "d - x", restitution: "e")"#;
+    // from an impact on: it leaves, slips backward, holds, slips forward, and comes back
+    let times = [
+        14.9893089547,
+        16.7022118057,
+        18.5071162376,
+        20.8219071118,
+        21.7385839755,
+    ];
+    for (contacts, mode, turned) in [
+        (format!("{element}, {stop}"), "stick.open", false),
+        (format!("{stop}, {element}"), "open.stick", true),
+    ] {
+        let from: From = (mode, &[0.0, 0.1, 0.0], 100.0);
+        let (orbit, point) = started(&system(&text(&contacts)), from, ("A", (0.9, 1.1))).unwrap();
+        let cycle = orbit.cycle(&point).unwrap();
+        let names = cycle.names.iter().map(|name| match name.split_once('.') {
+            Some((one, other)) if turned => format!("{other}.{one}"),
+            _ => name.clone(),
+        });
+        let names: Vec<String> = names.collect();
+        let first = names
+            .iter()
+            .position(|name| name == "forward.closed")
+            .unwrap();
+        for (zone, name) in [
+            "forward.closed",
+            "stick.open",
+            "backward.open",
+            "stick.open",
+            "forward.open",
+        ]
+        .iter()
+        .enumerate()
+        {
+            let at = (first + zone) % 5;
+            assert_eq!(names[at], *name);
+            let begun = (cycle.switches[at] - cycle.switches[first]).rem_euclid(cycle.period);
+            let expected = times[zone] - times[0];
+            assert!(
+                (begun - expected).abs() < 1e-9,
+                "{name}: {begun} {expected} {:?}",
+                cycle.switches
+            );
+        }
+    }
+}
+
+/// A mass leaves a stop with its Jenkins element at the bound, and comes back without a slip: the element is at the bound and the gap is
+/// closed in one instant, always. It rests whatever comes first by rounding, and leaves once a period from then on.
+#[test]
+fn a_slider_at_its_bound_rests_at_a_stop() {
+    let text = r#"(states: ["x", "v"],
+        parameters: {"m": 1.4, "k": 1.6, "c": 0.217, "A": 1.57, "w": 0.44, "kj": 0.89, "B": 0.09, "d": 0.84, "e": 0.0}, forcing: "w",
+        contacts: {"q": Jenkins(slip: "v", stiffness: "kj", bound: "B"), "p": Stop(gap: "d + x", restitution: "e")},
+        rates: {"x": "v", "v": "(A*cos(phase) - k*x - c*v + q + p)/m"})"#;
+    let system = system(text);
+    let at = system.at(&system.values(), &[]).unwrap();
+    let mut motion = Motion::new(
+        &at,
+        place(&system, "stick.open", &[-0.06, 0.44, 0.0], 0.0),
+        14.0,
+    );
+    let mut leaves = Vec::new();
+    while let Step::Switched(one) = motion.step(400.0).unwrap() {
+        let closed = |mode: usize| system.mode_name(mode).ends_with("closed");
+        if closed(one.from) && !closed(one.to) {
+            leaves.push(one.time);
+        }
+    }
+    let period = std::f64::consts::TAU / 0.44;
+    assert_eq!(leaves.len(), 28);
+    for pair in leaves[1..].windows(2) {
+        assert!((pair[1] - pair[0] - period).abs() < 1e-11, "{pair:?}");
+    }
+}

@@ -25,6 +25,8 @@ pub struct Ending<C = Dual> {
     pub impact: Option<bool>,
     /// Orders of the zero that its guard beyond has there.
     pub zeros: usize,
+    /// Whether the guard keeps its value within the mode.
+    pub keeps: bool,
 }
 
 /// States of the contacts that follow.
@@ -95,7 +97,9 @@ impl<C: Measured> Instant<'_, C> {
         for (contact, to) in self.together {
             digits[*contact] = *to;
         }
-        for contact in self.ended() {
+        // after an impact the sign of the slip tells
+        let released = |contact: &usize| !self.is_impact() || self.is_friction(*contact);
+        for contact in self.ended().filter(released) {
             self.follow(contact, &mut digits);
         }
         let trial = Trial {
@@ -144,11 +148,15 @@ impl<C: Measured> Instant<'_, C> {
         matches!(self.forms.laws[contact], Law::Friction { .. })
     }
 
-    /// Lets sliders follow the friction on the same slip: one that gives goes on where that sticks or slips on, and holds
-    /// where it slips back.
-    fn follow(&self, friction: usize, digits: &mut [usize]) {
-        let Law::Friction { slip, .. } = &self.forms.laws[friction] else {
-            return;
+    /// Lets sliders follow the friction on the same slip, or the stop whose gap moves with it: one that gives goes on where that
+    /// sticks or slips on, or is closed, and holds where it slips back, or opens.
+    fn follow(&self, leader: usize, digits: &mut [usize]) {
+        let speed = &self.forms.own[self.own].kinematics[leader].speed;
+        let direction = match (&self.forms.laws[leader], digits[leader]) {
+            (Law::Friction { .. }, FORWARD) | (Law::Stop { .. }, OPEN) => 1.0,
+            (Law::Friction { .. }, BACKWARD) => -1.0,
+            (Law::Friction { .. }, _) => 0.0,
+            _ => return,
         };
         let sliders = self.forms.laws.iter().zip(self.before).enumerate();
         let sliders = sliders.filter_map(|(contact, (law, digit))| match (law, *digit) {
@@ -162,18 +170,14 @@ impl<C: Measured> Instant<'_, C> {
         }
         // two slips are one where others that stick hold their difference
         let mut others = self.before.to_vec();
-        others[friction] = FORWARD;
+        others[leader] = 0;
         let held = self.forms.reduced(self.own, &others);
-        let slip = slip.clone().where_zero(&held);
+        let speed = speed.clone().where_zero(&held);
         for (contact, own, gives) in sliders {
-            let Some(along) = own.clone().where_zero(&held).sign_of_ratio(&slip) else {
+            let Some(along) = own.clone().where_zero(&held).sign_of_ratio(&speed) else {
                 continue;
             };
-            let back = match digits[friction] {
-                FORWARD => along * gives < 0.0,
-                BACKWARD => along * gives > 0.0,
-                _ => false,
-            };
+            let back = direction * along * gives < 0.0;
             digits[contact] = if back { HELD } else { self.before[contact] };
         }
     }

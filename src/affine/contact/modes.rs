@@ -189,6 +189,7 @@ impl<C: Measured> ContactForms<C> {
             to,
             impact: None,
             zeros: 0,
+            keeps: false,
         };
         let law = &self.laws[contact];
         let speed = &self.own[own].kinematics[contact].speed;
@@ -241,15 +242,17 @@ impl<C: Measured> ContactForms<C> {
                 let force = elastic.plus(speed.clone().times(damping.clone())?)?;
                 vec![plain(gap.clone().negative(), OPEN), plain(force, CLOSED)]
             }
-            (Law::Jenkins { bound, .. }, HELD) => {
+            (Law::Jenkins { slip, bound, .. }, HELD) => {
+                let keeps = self.is_held(own, digits, slip);
                 let force = &forces[contact];
-                vec![
-                    plain(bound.clone().plus(force.clone())?.trimmed(), GIVES_FORWARD),
-                    plain(
-                        bound.clone().minus(force.clone())?.trimmed(),
-                        GIVES_BACKWARD,
-                    ),
-                ]
+                let lower = bound.clone().plus(force.clone())?.trimmed();
+                let upper = bound.clone().minus(force.clone())?.trimmed();
+                [(lower, GIVES_FORWARD), (upper, GIVES_BACKWARD)]
+                    .map(|(guard, to)| Ending {
+                        keeps,
+                        ..plain(guard, to)
+                    })
+                    .into()
             }
             // the friction on its slip sticks: it goes on where that does, which is decided there
             (Law::Jenkins { slip, .. }, GIVES_FORWARD | GIVES_BACKWARD)
@@ -355,6 +358,7 @@ impl<C: Measured> ContactForms<C> {
                 let [impact, closed] = names(closed);
                 ContactMistake::Pressed { impact, closed }
             }),
+            keeps: ending.keeps,
         }
     }
 }

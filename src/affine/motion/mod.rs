@@ -122,6 +122,8 @@ pub struct Motion<'a> {
     lasted: [f64; 2],
     /// A guard that is zero where the zone begins, and of how many orders.
     tangent: Option<(usize, usize)>,
+    /// Guards that are zero all along in the zone and end nothing.
+    still: Vec<usize>,
     /// The sliding mode that has ended at a guard of one of its sides, if the mode that is just beginning begins there.
     left: Option<(usize, usize)>,
     /// Length of the piece it is in.
@@ -154,6 +156,7 @@ impl<'a> Motion<'a> {
             faster: 0,
             lasted: [f64::INFINITY; 2],
             tangent: None,
+            still: Vec::new(),
             left: None,
             section: None,
             unit: longest,
@@ -196,7 +199,11 @@ impl<'a> Motion<'a> {
         let flow = self.flow(&self.flows, *mode);
         let piece = flow.piece(self.system.lift(*mode, state, *phase));
         let mut guards = 0..self.system.modes[*mode].guards.len();
-        guards.all(|guard| matches!(flow.onset(guard, &piece), Onset::Positive(_)))
+        guards.all(|guard| match flow.onset(guard, &piece) {
+            Onset::Positive(_) => true,
+            Onset::Negative => false,
+            Onset::Zero => self.keeps(*mode, guard),
+        })
     }
 
     /// Where it is.
@@ -259,7 +266,8 @@ impl<'a> Motion<'a> {
                 return Err(Halt::Fast { time, piece });
             }
             let part = (rest / piece.length).min(1.0);
-            let guards = watched.into_iter().chain(0..count);
+            let own = (0..count).filter(|guard| !self.still.contains(guard));
+            let guards = watched.into_iter().chain(own);
             let crossing = first_crossing(flow, &piece, guards, &mut orders, part);
             let lasts = crossing.map_or(part, |(after, _)| after / piece.length);
             self.check_bounds(flow, (&piece, lasts), start + begun)?;
@@ -342,7 +350,7 @@ impl<'a> Motion<'a> {
 
     /// The guard that is negative at once where the zone begins; `orders` are those of the zeros of the others.
     fn begin_zone(
-        &self,
+        &mut self,
         flow: &ModeFlow,
         piece: &FlowPiece,
         orders: &mut [usize],
@@ -351,6 +359,7 @@ impl<'a> Motion<'a> {
             return Ok(None);
         }
         let Place { time, mode, .. } = self.place;
+        self.still.clear();
         for (guard, known) in orders.iter_mut().enumerate() {
             let tangent = self.tangent.filter(|(known, _)| *known == guard);
             let zeros = tangent.map_or(0, |(_, zeros)| zeros);
@@ -360,6 +369,7 @@ impl<'a> Motion<'a> {
                 Onset::Zero if self.is_void(mode, guard) => {
                     return Err(Halt::Void { mode, guard });
                 }
+                Onset::Zero if self.keeps(mode, guard) => self.still.push(guard),
                 Onset::Zero => return Err(Halt::Undecided { time, mode, guard }),
             }
         }
@@ -407,6 +417,12 @@ impl<'a> Motion<'a> {
         }
         section.there = true;
         Some(risen)
+    }
+
+    /// Whether a guard keeps its value within its mode, and may be zero there.
+    fn keeps(&self, mode: usize, guard: usize) -> bool {
+        let exits = &self.system.modes[mode].guards[guard].exits;
+        exits.iter().any(|exit| exit.keeps)
     }
 
     /// Whether a guard is zero whatever the state.
