@@ -154,7 +154,7 @@ fn converted<C, D, E>(
 impl<C: Measured> FormMode<C> {
     /// The mode with every expression as it is within it, where its guards are not negative: the absolute value of a
     /// multiple of one has no kink there, and one of a form that is held at zero is nothing. Guards themselves know of what
-    /// is held alone.
+    /// is held, and of guards other than themselves.
     ///
     /// # Errors
     /// An operation that has no result there.
@@ -168,6 +168,17 @@ impl<C: Measured> FormMode<C> {
             switch.guard = switch.guard.where_signed(&held, &mut known)?;
         }
         let signs = self.signs();
+        for switch in &mut self.switches {
+            if switch.guard.beyond.is_empty() {
+                continue;
+            }
+            let others = signs.positive.iter().filter(|one| **one != switch.guard);
+            let others = Signs {
+                positive: others.cloned().collect(),
+                zero: Vec::new(),
+            };
+            switch.guard = switch.guard.where_signed(&others, &mut HashMap::new())?;
+        }
         let mut known = HashMap::new();
         let mut resolve = |form: &mut Form<C>| {
             if !form.beyond.is_empty() {
