@@ -1006,3 +1006,111 @@ fn a_slider_at_its_bound_rests_at_a_stop() {
         assert!((pair[1] - pair[0] - period).abs() < 1e-11, "{pair:?}");
     }
 }
+
+/// Two masses that friction holds together are one of both, on a belt whose friction falls with the slip: the switches of a motion, the
+/// period of its cycle and its multipliers are those of the one, with the offset that they have at the start.
+#[test]
+fn masses_held_together_are_one_under_a_falling_law() {
+    let given = r#"parameters: {"k": 0.79, "h": 1.18, "F": 0.81, "D": 2.5, "vb": 0.06"#;
+    let law = r#""f": Friction(slip: "v - vb", bound: "F/(1 + D*abs(v - vb))")"#;
+    let two = system(&format!(
+        r#"(states: ["x", "v", "y", "u"], {given}, "B": 0.97}},
+        contacts: {{"q": Friction(slip: "v - u", bound: "B"), {law}}},
+        rates: {{"x": "v", "v": "-k*x + q + f", "y": "u", "u": "-h*y - q"}})"#
+    ));
+    let one = system(&format!(
+        r#"(states: ["x", "v"], {given}}}, contacts: {{{law}}},
+        rates: {{"x": "v", "v": "(-k*x - h*(x - 0.05) + f)/2"}})"#
+    ));
+    let starts = [
+        (&two, "stick.stick", vec![0.4, 0.06, 0.35, 0.06]),
+        (&one, "stick", vec![0.4, 0.06]),
+    ];
+    let [held, alone] = starts.clone().map(|(system, mode, state)| {
+        let at = system.at(&system.values(), &[]).unwrap();
+        let mut motion = Motion::new(&at, place(system, mode, &state, 0.0), 10.0);
+        let mut times = Vec::new();
+        while let Step::Switched(one) = motion.step(60.0).unwrap() {
+            times.push(one.time);
+        }
+        times
+    });
+    assert!(alone.len() > 10 && held.len() == alone.len(), "{held:?}");
+    for (one, other) in held.iter().zip(&alone) {
+        assert!((one - other).abs() < 1e-12, "{one} {other}");
+    }
+    let [held, alone] = starts.map(|(system, mode, state)| {
+        let (orbit, point) = started(system, (mode, &state, 50.0), ("F", (0.75, 0.85))).unwrap();
+        let (_, all) = follow(&orbit, &point, true, (0.75, 0.85), 500);
+        let last = &all[all.len() - 1];
+        let own = last.orbit.multipliers(&last.node.point).unwrap();
+        let own: Vec<_> = own.into_iter().filter(|one| !one.trivial).collect();
+        (last.orbit.cycle(&last.node.point).unwrap().period, own)
+    });
+    assert!(
+        (held.0 / alone.0 - 1.0).abs() < 1e-12,
+        "{} {}",
+        held.0,
+        alone.0
+    );
+    assert_eq!(held.1.len(), alone.1.len());
+}
+
+/// A Jenkins element that never slips is a spring, also where the law of another contact is not affine: the orbit is that beside a
+/// spring, with a multiplier 1 that is trivial, and the element begins to slip where its force there has come to the bound.
+#[test]
+fn an_element_that_never_slips_beside_a_falling_law_is_a_spring() {
+    let text = |states: &str, contact: &str, force: &str| {
+        format!(
+            r#"(states: [{states}], parameters: {{"A": 0.4, "F": 0.1, "D": 0.5, "kj": 0.8}}, forcing: "1.7",
+            contacts: {{{contact}"q": Friction(slip: "v - 3", bound: "F/(1 + D*abs(v - 3))")}},
+            rates: {{"x": "v", "v": "A*cos(phase) - x - 0.2*v {force} + q"}})"#
+        )
+    };
+    let element = r#""j": Jenkins(slip: "v", stiffness: "kj", bound: "0.6"), "#;
+    let both = [
+        (
+            text(r#""x", "v""#, element, "+ j"),
+            "stick.backward",
+            vec![0.0, 0.1, 0.0],
+        ),
+        (
+            text(r#""x", "v""#, "", "- kj*x"),
+            "backward",
+            vec![0.0, 0.1],
+        ),
+    ];
+    let range = (0.3, 1.2);
+    let [element, spring] = both.map(|(text, mode, state)| {
+        let (orbit, point) = started(&system(&text), (mode, &state, 300.0), ("A", range)).unwrap();
+        let extremes = orbit.extremes(&point).unwrap();
+        let (seen, _) = follow(&orbit, &point, true, range, 500);
+        let multipliers = orbit.multipliers(&point).unwrap();
+        (extremes, multipliers, seen, orbit, point)
+    });
+    for (one, other) in element.0.iter().zip(&spring.0) {
+        assert!((one.0 - other.0).abs() < 1e-12 && (one.1 - other.1).abs() < 1e-12);
+    }
+    assert!(element.1[0].trivial && element.1[0].value.re == 1.0 && element.1.len() == 3);
+    for (one, other) in element.1[1..].iter().zip(&spring.1) {
+        assert!(
+            (one.value - other.value).norm() < 1e-12,
+            "{:?} {:?}",
+            one.value,
+            other.value
+        );
+    }
+    // at the first event x comes to 0.75 beside the spring
+    let onset = &element.2[0];
+    assert_eq!(onset.kind, GR, "{}", onset.what);
+    let at = |value: f64| {
+        let (_, all) = follow(&spring.3, &spring.4, true, (0.3, value), 500);
+        let last = &all[all.len() - 1];
+        last.orbit.extremes(&last.node.point).unwrap()[0].1
+    };
+    assert!(
+        (at(onset.value) - 0.75).abs() < 1e-11,
+        "{}",
+        at(onset.value)
+    );
+}

@@ -26,7 +26,8 @@ pub struct Conserved {
 const NOTHING: f64 = 64.0 * f64::EPSILON;
 
 impl Conserved {
-    /// Of a sequence whose modes and exits are in the system; where these are not linear, of what contacts hold alone.
+    /// Of a sequence whose modes and exits are in the system; where these are not linear, of what contacts hold and of sums whose rates
+    /// are zero term by term.
     pub fn new(system: &AffineSystem, sequence: &Sequence, units: &Units) -> Conserved {
         let first = &system.modes[sequence.zone(0).mode];
         // what slides all the time is led onto its surface
@@ -63,7 +64,7 @@ impl Conserved {
     }
 
     /// What contacts hold in every zone, where it is no function of anything but the states and changes with them alike
-    /// everywhere.
+    /// everywhere, and behind it sums of states.
     fn of_contacts(system: &AffineSystem, sequence: &Sequence, units: &Units) -> Conserved {
         let states = system.states;
         let is_flat = |row: &Row| {
@@ -77,11 +78,16 @@ impl Conserved {
             .map(|(number, row)| (number, row.at.rows(0, states).clone_owned()))
             .unzip();
         let sizes = units.z.rows(0, states).clone_owned();
-        let surfaces = Surfaces::new(&gradients, &sizes);
+        let sums = dependencies(changes(system, sequence));
+        let sums = sums.into_iter().map(|(_, sum)| sum);
+        let all: Vec<Vector> = gradients.into_iter().chain(sums).collect();
+        let surfaces = Surfaces::new(&all, &sizes);
+        let given = surfaces.given().map(|(_, form)| form);
+        let (held, sums): (Vec<usize>, Vec<usize>) = given.partition(|form| *form < numbers.len());
         Conserved {
             basis: surfaces.reduced().collect(),
-            sums: Vec::new(),
-            lasting: surfaces.given().map(|(_, form)| numbers[form]).collect(),
+            sums: sums.into_iter().map(|form| all[form].clone()).collect(),
+            lasting: held.into_iter().map(|form| numbers[form]).collect(),
         }
     }
 
@@ -114,14 +120,19 @@ impl Conserved {
         for held in &mode.held {
             forms.insert(held, units);
         }
-        if kept.len() != mode.states {
-            return;
+        for sum in self.kept(mode, kept) {
+            forms.insert(&sum, units);
         }
-        for sum in &self.sums {
+    }
+
+    /// What the sums differ by in a mode from those of the states that are kept, if they are.
+    pub fn kept(&self, mode: &AffineMode, kept: &[f64]) -> impl Iterator<Item = Row> {
+        let sums = self.sums.iter().filter(move |_| kept.len() == mode.states);
+        sums.map(move |sum| {
             let mut row = row(sum, mode.matrix.at.ncols());
             row.at[mode.states] = -sum.iter().zip(kept).map(|(by, x)| by * x).sum::<f64>();
-            forms.insert(&row, units);
-        }
+            row
+        })
     }
 
     /// What a matrix that keeps the sums does to perturbations that do not change them.

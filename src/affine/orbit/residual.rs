@@ -77,6 +77,11 @@ impl Equations<'_> {
                     self.add(row, next, &at.at_entry(next, surface, 0), factor);
                     continue;
                 }
+                let mut sums = generic.sums.iter();
+                if let Some((sum, _)) = sums.find(|(_, given)| *given == state) {
+                    self.add_next(row, next, &at.at_entry(next, sum, 0), unit.recip());
+                    continue;
+                }
                 // the derivatives of the guard that are divided out are zero at the entry
                 let order = generic.pivots.iter().position(|pivot| *pivot == state);
                 let way = orbit.sequence.zone(next).way;

@@ -41,6 +41,8 @@ pub struct Generic {
     /// sliding mode where the zone before slides, too, or is this one, and those that contacts hold in every zone, where the
     /// orbit begins.
     pub surfaces: Vec<(usize, usize)>,
+    /// What sums of states differ by from those that are kept, where the orbit begins, each with a state that it gives.
+    pub sums: Vec<(Row, usize)>,
     /// Points of its end.
     pub end: Points,
     /// Whether other points, at another value of the parameter, tell the same.
@@ -395,11 +397,19 @@ fn generic(
         let orders = 0..at_entry[way.guard].unwrap_or(0);
         orders.map(move |order| (&mode.guards[way.guard].row, order))
     });
-    let zeros = surfaces.iter().map(|(_, row)| (*row, 0)).chain(divided);
+    let sums: Vec<Row> = match zone {
+        0 => conserved.kept(mode, sequence.kept()).collect(),
+        _ => Vec::new(),
+    };
+    let given = surfaces.iter().map(|(_, row)| *row).chain(&sums);
+    let zeros = given.map(|row| (row, 0)).chain(divided);
     let mut states = first.pivots(system, zeros, units);
-    let pivots = states.split_off(surfaces.len().min(states.len()));
+    let given = surfaces.len() + sums.len();
+    let pivots = states.split_off(given.min(states.len()));
+    let of_sums = states.split_off(surfaces.len().min(states.len()));
     let numbers = surfaces.into_iter().map(|(number, _)| number);
     let surfaces = numbers.zip(states).collect();
+    let sums = sums.into_iter().zip(of_sums).collect();
     // the slopes of a derivative of a guard may come to zero elsewhere, and so may those of a guard that is curved
     let base = mode.field.base();
     let flat = |row: &Row| (base..row.at.len()).all(|c| !row.has(c));
@@ -417,6 +427,7 @@ fn generic(
         generic: Some(Generic {
             pivots,
             surfaces,
+            sums,
             end: last,
             lasts,
         }),
