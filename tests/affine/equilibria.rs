@@ -16,7 +16,7 @@ use crate::affine::rests::{
     BRUSSELATOR, CHUA, Course, FITZHUGH, HARVEST, PITCHFORK, STARTS, events, followed, meets,
     number, runner,
 };
-use EventType::{BE, BP, EP, HB, LP};
+use EventType::{BE, BP, EP, HB, LP, MX};
 
 #[test]
 fn hopf_points_have_their_frequency_and_first_lyapunov_coefficient() {
@@ -353,6 +353,50 @@ fn a_branch_ends_where_equilibria_have_one_value_of_the_parameter() {
         let force = 0.96 * number(one, "x") + 0.09 * number(one, "y");
         assert!((force.abs() - 0.42).abs() < 1e-12, "{force}");
         assert!(one.what.contains("the branch ends"), "{}", one.what);
+    }
+}
+
+/// A relay whose bound is the force of a closed stop, with no load along it: where the stop lifts off the bound is zero, and beyond it
+/// every mode has the equilibrium on its boundary. The branch ends there in all units and orders, and says so.
+#[test]
+fn a_branch_ends_where_no_mode_has_the_equilibrium_within() {
+    let first = r#""q": Friction(slip: "s", bound: "f*n"), "n": Stop(gap: "z", restitution: "0")"#;
+    let second = r#""n": Stop(gap: "z", restitution: "0"), "q": Friction(slip: "s", bound: "f*n")"#;
+    for (contacts, mode) in [(first, "stick.closed"), (second, "closed.stick")] {
+        let text = format!(
+            r#"(states: ["s", "x", "y", "z", "w"],
+            parameters: {{"p": 0.43, "r": 0.15, "mu": -0.29, "k": 0.43, "b1": 0.05, "N": 1.31, "h": -0.74, "f": 0.4}},
+            contacts: {{{contacts}}},
+            rates: {{"s": "p*x + r*y - 0.5*s + q", "x": "mu*x - y - x*(x^2 + y^2) - k*q",
+                "y": "x + mu*y - y*(x^2 + y^2) + b1*x^2", "z": "w", "w": "-N + h*x - 0.3*w - 0.5*z + n"}})"#
+        );
+        let course = Course {
+            system: &text,
+            mode,
+            state: &[0.0; 5],
+            parameter: "N",
+            range: (-0.55, 2.0),
+        };
+        for (units, reversed) in [
+            ([1.0; 5], false),
+            ([1.0, 10.0, 0.1, 1.0, 3.0], true),
+            ([1e3; 5], false),
+        ] {
+            let mut runner = runner(&course.problem(&units, reversed, ""), None);
+            let mut all = Vec::new();
+            while runner.progress().end.is_none() {
+                all.extend(runner.step());
+            }
+            let found = events(&all);
+            let kinds: Vec<EventType> = found.iter().map(|one| one.kind).collect();
+            assert_eq!(kinds, [BE, MX], "{mode} in {units:?}: {found:#?}");
+            assert!(found.iter().all(|one| number(one, "N").abs() < 1e-12));
+            assert!(
+                found[1].what.contains("is zero but for rounding"),
+                "{}",
+                found[1].what
+            );
+        }
     }
 }
 

@@ -17,7 +17,7 @@ pub struct EquilibriumMargin {
     pub guard: usize,
     /// Its value.
     pub value: f64,
-    /// What rounding of its terms may leave in that.
+    /// What rounding of its terms, and of unknowns of order one, may leave in that.
     pub error: f64,
     /// Its derivatives in the scaled unknowns.
     pub gradient: Vec<f64>,
@@ -42,7 +42,11 @@ impl Examined for EquilibriumExamination {
     }
 
     fn verdict(&self) -> SignVerdict {
-        match self.margins.iter().all(|margin| margin.value > 0.0) {
+        match self
+            .margins
+            .iter()
+            .all(|margin| margin.value > margin.error)
+        {
             true => SignVerdict::Positive,
             false => SignVerdict::Negative,
         }
@@ -92,7 +96,7 @@ impl EquilibriumCurve {
             EquilibriumMargin {
                 guard,
                 value: scaled.value,
-                error: EquilibriumCurve::ROUNDINGS * scaled.size,
+                error: EquilibriumCurve::ROUNDINGS * scaled.size.max(scaled.by.amax()),
                 gradient: scaled.by.iter().copied().collect(),
             }
         });
@@ -123,10 +127,13 @@ impl EquilibriumCurve {
     pub(super) fn worst(&self, examination: &EquilibriumExamination) -> VirtualEquilibrium {
         let margins = examination.margins.iter();
         let worst = margins.min_by(|one, other| one.value.total_cmp(&other.value));
-        match worst.filter(|margin| margin.value < -margin.error) {
-            Some(margin) => VirtualEquilibrium::Guard {
+        match worst {
+            Some(margin) if margin.value < -margin.error => VirtualEquilibrium::Guard {
                 guard: self.guard_of(margin),
                 value: margin.value,
+            },
+            Some(margin) => VirtualEquilibrium::Zero {
+                guard: self.guard_of(margin),
             },
             None => VirtualEquilibrium::Undecided,
         }

@@ -63,6 +63,12 @@ pub enum VirtualEquilibrium {
         /// Its value, scaled to order one.
         value: f64,
     },
+    /// A guard is zero but for rounding.
+    #[error("{guard} is zero but for rounding: it must be positive in its mode")]
+    Zero {
+        /// Which.
+        guard: EquilibriumGuard,
+    },
     /// None is told to be negative.
     #[error("rounding decides whether the guards of the mode are positive at the equilibrium")]
     Undecided,
