@@ -1114,3 +1114,44 @@ fn an_element_that_never_slips_beside_a_falling_law_is_a_spring() {
         at(onset.value)
     );
 }
+
+/// The graze of a damped spring, which opens by its force before its gap does: two zones vanish at once, like a square root. It is where the
+/// amplitude of the free motion is the gap, A = d|1 - w² + 0.1iw|, from both sides, and the branch goes on in `open`.
+#[test]
+fn a_damped_spring_is_left_by_a_graze() {
+    for (w, k, c) in [
+        (0.7_f64, 10.0, 0.7),
+        (0.5, 30.0, 2.0),
+        (0.62, 3.0, 1.0),
+        (1.4, 5.0, 0.3),
+    ] {
+        let graze = (1.0 - w * w).hypot(0.1 * w);
+        let text = format!(
+            r#"(states: ["x", "v"], parameters: {{"A": {:?}, "k": {k:?}, "c": {c:?}}}, forcing: "{w:?}",
+            contacts: {{"p": Spring(gap: "1 - x", stiffness: "k", damping: "c")}},
+            rates: {{"x": "v", "v": "A*cos(phase) - x - 0.1*v - p"}})"#,
+            1.2 * graze
+        );
+        let range = (0.8 * graze, 1.2 * graze);
+        let (orbit, point) =
+            started(&system(&text), ("open", &[0.0, 0.1], 200.0), ("A", range)).unwrap();
+        assert!(orbit.sequence.switches() > 0);
+        let (seen, all) = follow(&orbit, &point, false, range, 2000);
+        let at_graze = |seen: &[Seen], way: &str| {
+            let list: Vec<String> = seen
+                .iter()
+                .map(|one| format!("{} {:?} {}", one.kind, one.value, one.what))
+                .collect();
+            let met = seen.iter().find(|one| (one.value - graze).abs() < 1e-12);
+            assert!(
+                met.is_some_and(|one| one.kind == GR),
+                "{way} at w = {w}: {list:#?}"
+            );
+        };
+        at_graze(&seen, "down");
+        let last = &all[all.len() - 1];
+        assert_eq!(last.orbit.sequence.switches(), 0, "w = {w}");
+        let (seen, _) = follow(&last.orbit, &last.node.point, true, range, 2000);
+        at_graze(&seen, "up");
+    }
+}

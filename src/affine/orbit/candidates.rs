@@ -42,6 +42,8 @@ struct Opened {
     phase: f64,
     /// Both sides are two parts of one zone: nothing new needs no switch.
     joined: bool,
+    /// How far the states move in what is left out at the instant.
+    moved: Vec<f64>,
 }
 
 /// A mode on the way, with the state in which it begins.
@@ -109,7 +111,7 @@ impl AffineOrbit {
             let state = Vector::from_column_slice(&stage.state);
             stage.way.guard == guard
                 && stage.mode == *mode
-                && at.agree(&state, &at.zones[margin.zone].state)
+                && at.agree(&state, &at.zones[margin.zone].state, &[])
         };
         exits.iter().any(back).then(|| OrbitStop::Held {
             guard: self.setting.system.guard_name(*mode, guard),
@@ -146,7 +148,8 @@ impl OrbitAt<'_> {
             return Vec::new();
         };
         let mut cycles = Vec::new();
-        let same = first.zone.mode == last.zone.mode && self.agree(&opened.z, &first.at.state);
+        let same = first.zone.mode == last.zone.mode
+            && self.agree(&opened.z, &first.at.state, &opened.moved);
         // without forcing what switches no more rests, or is one of a family that the parameter does not tell apart,
         // where the mode is linear
         let family = self.posed.system.modes[first.zone.mode].field.is_exact;
@@ -224,6 +227,7 @@ impl OrbitAt<'_> {
             z: self.passage(before, ends.duration)?.end,
             phase: ends.phase + self.posed.system.omega.value * ends.duration,
             joined: false,
+            moved: self.moved((first - vanishing..first).map(|zone| zone % count))?,
         })
     }
 
@@ -250,14 +254,34 @@ impl OrbitAt<'_> {
             z,
             phase,
             joined: true,
+            moved: Vec::new(),
         })
     }
 
-    /// Whether z has these states.
-    fn agree(&self, z: &Vector, state: &[f64]) -> bool {
+    /// Whether z has these states, but for what they have moved by.
+    fn agree(&self, z: &Vector, state: &[f64], moved: &[f64]) -> bool {
         let units = &self.orbit.setting.scales.states;
-        let mut pairs = z.iter().zip(state).zip(units);
-        pairs.all(|((one, other), unit)| (one - other).abs() <= NEAR * unit)
+        let moved = moved.iter().chain(std::iter::repeat(&0.0));
+        let mut pairs = z.iter().zip(state).zip(units).zip(moved);
+        pairs.all(|(((one, other), unit), moved)| (one - other).abs() <= NEAR * unit + moved)
+    }
+
+    /// How far the states move in zones that are left out since they have come to no length.
+    fn moved(&self, zones: impl Iterator<Item = usize>) -> Result<Vec<f64>, OrbitFailure> {
+        let mut moved = vec![0.0; self.orbit.states()];
+        for zone in zones {
+            let Some(ZonePoint {
+                state, duration, ..
+            }) = self.zones.get(zone)
+            else {
+                continue;
+            };
+            let end = self.passage(zone, *duration)?.end;
+            for (moved, (end, begun)) in moved.iter_mut().zip(end.iter().zip(state)) {
+                *moved += (end - begun).abs();
+            }
+        }
+        Ok(moved)
     }
 
     /// A form in its own units.
@@ -285,7 +309,7 @@ impl OrbitAt<'_> {
                     let mut chain = chain.clone();
                     chain.push(stage.clone());
                     let there = Vector::from_column_slice(&stage.state);
-                    if stage.mode == to && self.agree(&there, state) {
+                    if stage.mode == to && self.agree(&there, state, &opened.moved) {
                         found.push(chain.clone());
                     }
                     longer.push(chain);
