@@ -813,7 +813,7 @@ fn an_impact_that_presses_on_a_closed_stop_is_refused() {
             panic!("{halt}");
         };
         assert!((time - 2.0_f64.sqrt()).abs() < 1e-14, "{time}");
-        assert_eq!(mistake, pressed);
+        assert_eq!(*mistake, pressed);
     }
     // it leaves the table instead where the impulse opens that gap
     let opens = text("x + y - 0.1", "-1 + p2").replace("p1 - p2", "p1 + p2");
@@ -1153,5 +1153,31 @@ fn a_damped_spring_is_left_by_a_graze() {
         assert_eq!(last.orbit.sequence.switches(), 0, "w = {w}");
         let (seen, _) = follow(&last.orbit, &last.node.point, true, range, 2000);
         at_graze(&seen, "up");
+    }
+}
+
+/// A guess beside an orbit along which an element only sticks slips a little, and an orbit that slips one way alone drifts: what is found is
+/// the orbit within `stick` with the offset of the guess, of the amplitude a/|1 + k - w² + icw|.
+#[test]
+fn a_guess_that_slips_leads_to_the_orbit_that_sticks() {
+    let text = r#"(states: ["x", "v"], parameters: {"a": 0.5, "w": 0.6, "c": 0.05, "k": 0.8, "B": 0.3}, forcing: "w",
+        contacts: {"q": Jenkins(slip: "v", stiffness: "k", bound: "B")},
+        rates: {"x": "v", "v": "a*cos(phase) - x - c*v + q"})"#;
+    let wanted = Wanted::new(system(text), "w", (0.6, 0.601)).unwrap();
+    let amplitude = 0.5 / (1.8_f64 - 0.36).hypot(0.05 * 0.6);
+    for guess in [0.3, 0.32, 0.34] {
+        let beginning = Beginning {
+            mode: wanted.system.mode("stick").unwrap(),
+            state: vec![guess, 0.0, guess],
+            phase: 0.0,
+        };
+        let search = Search::Guess(std::f64::consts::TAU / 0.6);
+        let (orbit, point) = first(&wanted, &beginning, search).unwrap();
+        assert_eq!(orbit.cycle(&point).unwrap().names, ["stick"], "{guess}");
+        let (low, high) = orbit.extremes(&point).unwrap()[0];
+        assert!((high - amplitude).abs() < 1e-13, "{guess}: {high}");
+        assert!((low + amplitude).abs() < 1e-13, "{guess}: {low}");
+        let multipliers = orbit.multipliers(&point).unwrap();
+        assert!(multipliers[0].trivial && multipliers[0].value.re == 1.0);
     }
 }

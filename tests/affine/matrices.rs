@@ -105,7 +105,7 @@ fn affine_systems_are_led_to_other_values_of_a_parameter() {
 fn modes_of_contacts_are_led_to_other_values_of_a_parameter() {
     const TEXT: &str = r#"(
         states: ["x", "v", "y", "u"],
-        parameters: {"A": 1.0, "w": 1.1, "m": 2.0, "k": 1.5, "c": 0.2, "F": 0.4, "G": 0.6, "mu": 0.3, "d": 1.0, "K": 30.0, "D": 0.5, "e": 0.7},
+        parameters: {"A": 1.0, "w": 1.1, "m": 2.0, "k": 1.5, "c": 0.2, "F": 0.4, "G": 0.6, "mu": 0.3, "d": 1.0, "K": 30.0, "D": 0.5, "e": 0.5},
         forcing: "w",
         contacts: {
             "q": Friction(slip: "v - 0.1", bound: "F", static: "F + G"),

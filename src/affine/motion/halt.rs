@@ -121,7 +121,7 @@ pub enum Halt {
         /// The guard that is zero.
         guard: usize,
         /// Why not.
-        mistake: ContactMistake,
+        mistake: Box<ContactMistake>,
     },
     /// The bound of friction is negative where it slips.
     NegativeBound {

@@ -475,7 +475,7 @@ impl<'a> Motion<'a> {
                 time,
                 mode,
                 guard,
-                mistake,
+                mistake: Box::new(mistake),
             });
         }
         let lasted = time - self.entered;

@@ -107,7 +107,7 @@ pub enum OrbitStop {
         /// The guard that is zero there, as the file has it.
         guard: String,
         /// Why not.
-        mistake: ContactMistake,
+        mistake: Box<ContactMistake>,
     },
     /// The motion only just reaches a guard: beyond it, it misses the switch, and no orbit is near.
     Misses {

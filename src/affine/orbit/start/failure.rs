@@ -102,6 +102,14 @@ pub enum NoStart {
         /// Name of that which goes on.
         to: String,
     },
+    /// A zone of the guess has no length in the solution: its sequence is not that of an orbit.
+    #[error(
+        "no orbit has the zones of the guess: one of `{mode}` shrinks to nothing as the equations are solved"
+    )]
+    Shrinks {
+        /// Name of its mode.
+        mode: String,
+    },
     /// The system does not have these zones.
     #[error("the motion has zones that no orbit has")]
     NoZones,

@@ -21,7 +21,7 @@ use crate::affine::motion::Place;
 use crate::affine::system::System;
 use crate::linalg::Vector;
 use approach::Approach;
-use guess::FROM_A_GUESS;
+use guess::{FROM_A_GUESS, OrbitGuess};
 use unknowns::pose;
 
 /// Where a motion begins.
@@ -123,20 +123,31 @@ fn found(
     let system = wanted.system.at(&wanted.values, &[wanted.parameter]);
     let system = system.map_err(NoStart::System)?;
     let mut approach = Approach::settled(wanted, &system, beginning, search)?;
+    let begin = approach.motion.place().clone();
     let guess = match (search, approach.forcing) {
         (Search::Guess(time), _) if approach.is_on_guard() => approach.begun_at_switch(time)?,
         (_, Some(period)) => approach.over_periods(period, search)?,
-        (Search::Guess(time), None) => {
-            let begin = approach.motion.place().clone();
-            match approach.over_time(time)? {
-                Some(guess) => guess,
-                None => return approach.unswitched(begin, time),
-            }
-        }
+        (Search::Guess(time), None) => match approach.over_time(time)? {
+            Some(guess) => guess,
+            None => return approach.unswitched(begin, time),
+        },
         (Search::Settles(_), None) => approach.over_returns()?,
     };
     approach.admit(&guess)?;
-    guess.attracting(wanted)
+    guess.attracting(wanted).or_else(|reason| {
+        // a switch on the way to an orbit within one mode
+        let whole = approach
+            .forcing
+            .filter(|_| matches!(reason, NoStart::Shrinks { .. }));
+        let whole = whole.map(|period| OrbitGuess {
+            periods: guess.periods,
+            ..OrbitGuess::unswitched(begin, f64::from(guess.periods) * period)
+        });
+        match whole.map(|guess| guess.orbit(wanted, &FROM_A_GUESS)) {
+            Some(Ok(found)) => Ok(found),
+            _ => Err(reason),
+        }
+    })
 }
 
 /// The orbit that was saved, at the values wanted.

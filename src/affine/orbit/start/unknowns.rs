@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::Wanted;
 use super::failure::NoStart;
+use crate::affine::orbit::CLOSING;
 use crate::affine::orbit::layout::{AffineOrbit, ZonePoint};
 use crate::affine::orbit::row::first_of;
 use crate::affine::orbit::section::of_orbit;
@@ -11,6 +12,7 @@ use crate::affine::orbit::setting::{OrbitFailure, Scales, Setting};
 use crate::affine::orbit::signature::{Sequence, Zone};
 use crate::continuation::newton::{self, Fixed, Settings};
 use crate::linalg::Vector;
+use crate::orbit::Orbit as _;
 use crate::orbit::special::NoFollower;
 use crate::orbit::switch::{admitted, is_in_family};
 
@@ -38,6 +40,9 @@ pub(super) fn pose(
         }
     })?;
     let point = solution.point;
+    if let Some(mode) = collapsed(&orbit, &guess, &point) {
+        return Err(NoStart::Shrinks { mode });
+    }
     let rests = !orbit.is_forced() && orbit.sequence.switches() == 0;
     if rests && orbit.varies_within(&point, SAME) {
         return Err(NoStart::Equilibrium);
@@ -54,6 +59,18 @@ pub(super) fn pose(
     }
     admitted(&orbit, &point)?;
     Ok((orbit, point))
+}
+
+/// The mode of a zone that has lasted in a guess and lasts no more in its solution.
+fn collapsed(orbit: &AffineOrbit, guess: &Vector, point: &Vector) -> Option<String> {
+    /// Part of a duration to which Newton's method leads no zone that lasts.
+    const LITTLE: f64 = 1e-3;
+    let collapses = |zone: &usize| {
+        let [before, after] = [guess, point].map(|at| at[orbit.duration_index(*zone)].abs());
+        after <= CLOSING && after < LITTLE * before
+    };
+    let zone = (0..orbit.sequence.len()).find(collapses)?;
+    Some(orbit.sequence.zone(zone).name.clone())
 }
 
 fn failed(failure: OrbitFailure) -> NoStart {
