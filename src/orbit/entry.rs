@@ -1,7 +1,7 @@
 //! The first step of a branch into a candidate for what lies beyond a change of regime.
 
 use super::special::{OrbitRefusal, StepRefused};
-use super::{Candidate, Examined, Orbit, SignVerdict, events};
+use super::{Candidate, Examined, Orbit, SignVerdict, dip};
 use crate::continuation::branching::Branching;
 use crate::continuation::walk::{self, Refused};
 use crate::continuation::{Node, arclength, newton};
@@ -272,7 +272,7 @@ fn is_admissible<O: Orbit>(
         margins.all(|margin| O::value(margin) > orbit.reach(margin, &unknowns))
     };
     examination.verdict() == SignVerdict::Positive
-        && events::rounding_of_unknowns(orbit, tangent, &to.point).is_some_and(holds)
+        && dip::rounding_of_unknowns(orbit, tangent, &to.point).is_some_and(holds)
 }
 
 /// A direction that a matrix shrinks below this part of its norm is one of its null space, at an event that is known

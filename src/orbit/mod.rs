@@ -18,6 +18,7 @@
 pub mod cascade;
 pub mod change;
 mod crossings;
+mod dip;
 pub mod entry;
 pub mod event;
 mod events;

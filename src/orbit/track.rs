@@ -3,12 +3,12 @@
 use std::sync::Arc;
 
 use super::crossings::OutsideCount;
-use super::events;
 use super::follow::{LocatedPoint, Track};
 use super::located::{BranchEvent, LocatedEvent};
 use super::monitor::MonitorStop;
 use super::special::{BranchFailure, BranchStop, Close, Ending, OrbitRefusal, Special};
 use super::{Examined, Orbit, retrace};
+use super::{dip, events};
 use crate::continuation::Node;
 use crate::continuation::locate::{Place, node_at, retangent};
 use crate::continuation::walk::{self, Curve, Outcome, Segment, Within};
@@ -48,7 +48,7 @@ impl<O: Orbit> Curve for Track<O> {
     }
 
     fn may_hide_a_pair(&self, step: &Segment<O::Examination>) -> bool {
-        events::may_hide_a_pair(self.orbit.as_ref(), step)
+        dip::may_hide_a_pair(self.orbit.as_ref(), step)
     }
 
     fn within(
@@ -56,7 +56,7 @@ impl<O: Orbit> Curve for Track<O> {
         step: &Segment<O::Examination>,
         located: &[(Place, LocatedEvent<O>)],
     ) -> Within<Close<O::Held>> {
-        events::within(self.orbit.as_ref(), step, located)
+        dip::within(self.orbit.as_ref(), step, located)
     }
 
     fn doubted(&self, found: LocatedPoint<O>, close: Close<O::Held>) -> LocatedPoint<O> {
