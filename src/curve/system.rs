@@ -358,7 +358,8 @@ impl<P: ParameterPlane> EventSystem<P> {
             Vector::from_vec(all)
         };
         let nothing = vec![0.0; further.len()];
-        let along = point(&tangent.tangent, &nothing, &node.tangent);
+        // where shots begin a tangent of the orbit alone, at fixed parameters, goes another way than one of the curve
+        let along = point(&renewed.tangent_of_zones(&tangent), &nothing, &node.tangent);
         let point = point(&tangent.point, &further, &node.point);
         let node = retangent(&system, &point, &along, node.newton)?;
         Some((system, node))

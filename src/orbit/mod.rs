@@ -283,6 +283,11 @@ pub trait Orbit: System<Failure: Data> + Clone + Debug + PartialEq {
         None
     }
 
+    /// A tangent in those unknowns alone that all of them share.
+    fn tangent_of_zones(&self, node: &Node) -> Vector {
+        node.tangent.clone()
+    }
+
     /// Error of the parameter at a point where the last equation, a border of `matrix`, is known to `last`.
     fn rounding(&self, matrix: &Matrix, point: &Vector, last: f64) -> Option<f64>;
 

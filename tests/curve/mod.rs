@@ -14,6 +14,7 @@ mod meeting;
 mod monitors;
 mod regions;
 mod resume;
+mod shots;
 mod shrinking;
 mod systems;
 

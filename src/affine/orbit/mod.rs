@@ -364,6 +364,10 @@ impl Orbit for AffineOrbit {
         self.carried_to(renewed, node)
     }
 
+    fn tangent_of_zones(&self, node: &Node) -> Vector {
+        AffineOrbit::tangent_of_zones(self, node)
+    }
+
     fn gives_out(&self, node: &Node) -> Option<OrbitStop> {
         self.nearly_ends(node)
     }
