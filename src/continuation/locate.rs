@@ -285,17 +285,22 @@ impl Target {
                 index: self.index,
                 value: self.value,
             };
-            let near = |place: &Place| (&place.node.point - &guess).norm() <= (other - one).norm();
-            let solved = solve(system, from, &guess, &mut fixed, tolerance).filter(near);
+            let mut near = |guess: &Vector| {
+                let solved = solve(system, from, guess, &mut fixed, tolerance)?;
+                let off = (&solved.node.point - guess).norm();
+                (off <= (other - one).norm()).then_some(solved)
+            };
             // where a family of solutions has the value that is asked for, others than the one of the step have it as well
-            let mut place = match solved {
+            let mut place = match near(&guess) {
                 Some(place) => place,
                 None => {
                     let along = |point: &Vector| from.tangent.dot(&(point - &from.point));
                     let ends = ((along(one), before), (along(other), after));
                     let rounding = ON_TARGET * self.value.abs().max(1.0);
                     let value = |node: &Node| Some(node.point[self.index] - self.value);
-                    zero_along(system, from, ends, (rounding, 0.0), tolerance, value)?.0
+                    let (place, _) =
+                        zero_along(system, from, ends, (rounding, 0.0), tolerance, value)?;
+                    near(&place.node.point).unwrap_or(place)
                 }
             };
             // exactly the value that was asked for, not the next number

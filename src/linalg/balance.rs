@@ -72,7 +72,8 @@ pub fn acts(matrix: &Matrix) -> Acts {
 /// Osborne's method: rows and columns of one index get the same size. Units as different as volts and seconds
 /// would otherwise make pieces a hundred times too short. It tells nothing of a coordinate that acts on others which do
 /// not act back, as a constant or a speed that stays do: what goes one way could be made as small as one likes. It is made
-/// as large as the rates of what it acts on, or as `slow`, a rate that counts for nothing: then scales follow units.
+/// no larger than what goes round, or than `slow`, a rate that counts for nothing, and not much smaller than the rates of what it
+/// acts on: then scales follow units.
 pub fn balance(matrix: &Matrix, slow: f64) -> (Vector, f64) {
     let size = matrix.nrows();
     let mut scales = Vector::repeat(size, 1.0);
@@ -112,9 +113,11 @@ pub fn balance(matrix: &Matrix, slow: f64) -> (Vector, f64) {
     (scales, norm)
 }
 
-/// Scales what acts on others that do not act back so that this has the size of the rates of what it acts on: that follows it
-/// then with the size 1. What is acted on comes first.
+/// Scales what acts on others that do not act back, where that is next to nothing beside the rates of what it acts on, so that it
+/// is this part of them. What is acted on comes first.
 fn lead(matrix: &Matrix, acts: &Acts, scales: &mut Vector, rates: &[f64]) {
+    /// It adds little to the norm, and what follows is as small as this at least.
+    const LEAST: f64 = 1.0 / 64.0;
     let size = matrix.nrows();
     let mut order: Vec<usize> = (0..size).collect();
     order.sort_by_key(|j| acts.count(*j));
@@ -130,10 +133,10 @@ fn lead(matrix: &Matrix, acts: &Acts, scales: &mut Vector, rates: &[f64]) {
             sizes.fold(0.0, f64::max)
         };
         let largest = group.iter().map(leads).fold(0.0, f64::max);
-        let exponent = -largest.log2().ceil();
+        let exponent = (LEAST / largest).log2().floor();
         for j in group {
             led[j] = true;
-            if exponent.abs() < 100.0 {
+            if exponent > 0.0 && exponent < 100.0 {
                 scales[j] *= exponent.exp2();
             }
         }
@@ -250,7 +253,7 @@ mod tests {
                 let ratios: Vec<f64> = ratios.collect();
                 let [least, largest] =
                     [f64::min, f64::max].map(|of| ratios.iter().copied().reduce(of).unwrap());
-                assert!(largest <= 16.0 * least, "{state} {large}: {ratios:?}");
+                assert!(largest <= 256.0 * least, "{state} {large}: {ratios:?}");
             }
         }
     }
