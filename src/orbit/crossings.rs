@@ -11,6 +11,17 @@ use crate::continuation::Node;
 use crate::continuation::locate::{self, Place};
 use crate::continuation::newton::Plane;
 
+/// Whether a test that changes its sign at a node is what makes it special.
+pub(super) fn is_crossing<O: Orbit>(
+    orbit: &O,
+    test: usize,
+    node: &Node,
+    special: &O::Special,
+) -> bool {
+    let crossing = orbit.crossing(test, node);
+    crossing.is_some_and(|crossing| O::kind(&crossing) == O::kind(special))
+}
+
 /// How many multipliers are outside the unit circle; `None` where that is not told.
 pub(super) fn outside(examination: &impl Examined) -> Option<usize> {
     let growths = examination.growths()?;

@@ -1,6 +1,6 @@
 //! What happens within a step of a branch: where it is, and how well that is known.
 
-use super::crossings::{OutsideCount, crossings};
+use super::crossings::{OutsideCount, crossings, is_crossing};
 use super::located::{AT_ZERO, BranchEvent, LocatedEvent, Step};
 use super::monitor::{self, MonitorStop};
 use super::special::OrbitRefusal;
@@ -96,10 +96,7 @@ pub(super) fn located<O: Orbit>(
                 },
             )),
             BranchEvent::Crossing(test),
-        ) => {
-            let crossing = orbit.crossing(*test, &place.node);
-            crossing.is_some_and(|crossing| O::kind(&crossing) == O::kind(special))
-        }
+        ) => is_crossing(orbit, *test, &place.node, special),
         _ => false,
     };
     let crossings: Vec<_> = crossings

@@ -5,6 +5,7 @@
 //! image of the other: seen from it the parameter turns back. What a symmetry leaves alone is then the same on both
 //! sides of the fold, as it is not at any other fold, where a multiplier passes 1.
 
+use super::crossings::is_crossing;
 use super::{Examined, Orbit, uncertainty};
 use crate::continuation::Node;
 use crate::continuation::locate::{self, Place};
@@ -115,9 +116,8 @@ pub(super) fn symmetric<O: Orbit>(
             tests(&locate::node_at(&tested, &begin, far, tolerance)?)?,
         ];
         let crosses = |test: &usize| {
-            let crossing = tested.crossing(*test, &begin);
             values[0][*test] * values[1][*test] < 0.0
-                && crossing.is_some_and(|crossing| O::kind(&crossing) == O::kind(special))
+                && is_crossing(&tested, *test, &begin, special)
         };
         let test = (0..values[0].len()).find(crosses)?;
         let [first, second] = [(0.0, values[0][test]), (far, values[1][test])];

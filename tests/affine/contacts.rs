@@ -76,6 +76,16 @@ const TWO_BLOCKS: &str = r#"(
     rates: {"x1": "v1", "v1": "-x1 - k*(x1 - x2) - c*v1 + q1", "x2": "v2", "v2": "-x2 - k*(x2 - x1) - c*v2 + q2"},
 )"#;
 
+/// Where a motion halts, which it does before this time.
+fn halt(motion: &mut Motion, until: f64) -> Halt {
+    loop {
+        match motion.step(until) {
+            Ok(step) => assert_ne!(step, Step::Reached),
+            Err(halt) => break halt,
+        }
+    }
+}
+
 /// Two blocks on a belt, their friction at rest above that of slip: up and down in the velocity of the belt.
 #[test]
 fn two_blocks_on_a_belt() {
@@ -803,12 +813,7 @@ fn an_impact_that_presses_on_a_closed_stop_is_refused() {
     for (mode, y) in [("closed.open", 0.0), ("open.open", 0.2)] {
         let begin = place(&falls, mode, &[1.0, 0.0, y, 0.0], 0.0);
         let mut motion = Motion::new(&at, begin, 5.0);
-        let halt = loop {
-            match motion.step(5.0) {
-                Ok(step) => assert_ne!(step, Step::Reached),
-                Err(halt) => break halt,
-            }
-        };
+        let halt = halt(&mut motion, 5.0);
         let Halt::Refused { time, mistake, .. } = halt else {
             panic!("{halt}");
         };
@@ -906,12 +911,7 @@ fn a_bound_that_another_friction_makes_negative_is_told() {
     };
     let begin = place(&both, "backward.forward", &[0.5, -0.5, 0.0, 0.1], 2.0);
     let mut motion = Motion::new(&other, begin, 5.0);
-    let halt = loop {
-        match motion.step(20.0) {
-            Ok(step) => assert_ne!(step, Step::Reached),
-            Err(halt) => break halt,
-        }
-    };
+    let halt = halt(&mut motion, 20.0);
     let Halt::NegativeBound { time, value, .. } = halt else {
         panic!("{halt}");
     };

@@ -2,9 +2,8 @@
 
 use brakewave::EventType::{BP, GR, LP, PD};
 use brakewave::curve::{OrbitsInPlane, PointType, WholeCurve};
-use brakewave::problem::{Any, parse_any};
 
-use crate::curve::systems::curve;
+use crate::curve::systems::whole;
 
 /// An oscillator that bounces from a stop, with its states in an order, in a unit of length and from an origin of its own.
 fn oscillator(
@@ -30,15 +29,6 @@ fn oscillator(
     )
 }
 
-fn of(text: &str) -> WholeCurve<OrbitsInPlane> {
-    let Ok(Any::System(problem)) = parse_any(text, "test") else {
-        panic!("a system: {text}");
-    };
-    let found = curve(&problem);
-    assert!(!found.failed, "{} | {}", found.end(0), found.end(1));
-    found
-}
-
 /// The second parameter at all points of codimension two, sorted, with their types.
 fn double(found: &WholeCurve<OrbitsInPlane>) -> Vec<(f64, PointType)> {
     let points = found.points.iter();
@@ -60,7 +50,7 @@ fn folds_and_doublings_at_the_graze_of_an_oscillator() {
     for (order, unit, shift) in variants {
         let range = "((0.01, 2.0), (0.45, 0.85))";
         let one = oscillator(order, unit, shift, "0.8", &[1.0], range);
-        let met = double(&of(&one));
+        let met = double(&whole(&one));
 
         let expected = (3..=4).rev().map(|n| 2.0 * free / f64::from(n));
         let expected: Vec<f64> = expected.flat_map(|w| [w, w]).collect();
@@ -88,7 +78,7 @@ fn folds_and_doublings_at_the_graze_of_an_oscillator() {
             &[1.0, -1.0],
             "((0.01, 2.0), (0.75, 1.1))",
         );
-        let met = double(&of(&both));
+        let met = double(&whole(&both));
         assert_eq!(met.len(), 2, "{order} {unit}: {met:?}");
         for (pair, n) in met.chunks(2).zip([1.0]) {
             assert!(
@@ -125,7 +115,7 @@ fn one_doubling_at_the_graze_of_two_masses() {
         (r#""u", "y", "v", "x""#, 1e-3, 1.7),
     ];
     for (order, unit, shift) in variants {
-        let met = double(&of(&masses(order, unit, shift)));
+        let met = double(&whole(&masses(order, unit, shift)));
         assert_eq!(met.len(), 1, "{order} {unit} {shift}: {met:?}");
         assert_eq!(met[0].1, PointType::Two(GR, PD));
         assert!((met[0].0 - 1.421_017_492_169).abs() < 1e-9, "{met:?}");

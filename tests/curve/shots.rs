@@ -1,8 +1,6 @@
 //! Curves of events of orbits along which a motion grows by much: they take new unknowns on their way.
 
-use brakewave::problem::{Any, parse_any};
-
-use crate::curve::systems::curve;
+use crate::curve::systems::whole;
 
 /// The fold of Rayleigh's oscillator with dry friction, which becomes a canard: the curve keeps its direction as zones are parted into
 /// more shots. Its place at the edge is that of an independent integration of half a period, whose map has the slope 1 there.
@@ -16,11 +14,7 @@ fn a_curve_keeps_its_direction_in_more_shots() {
         orbit: (start: Simulate(mode: "pos", state: {"x": 0.0, "v": 1.5}, settle: 200)),
         continuation: (parameter: "f", range: (0.0, 2.0)),
         curve: (event: LP, parameters: ("f", "mu"), range: ((0.0, 2.0), (2.45, 2.535))))"#;
-    let Ok(Any::System(problem)) = parse_any(text, "test") else {
-        panic!("a system: {text}");
-    };
-    let found = curve(&problem);
-    assert!(!found.failed, "{} | {}", found.end(0), found.end(1));
+    let found = whole(text);
     let points = found.points.iter().map(|point| point.parameters);
     let points: Vec<_> = points.collect();
     let falls = points.windows(2).filter(|pair| pair[1][1] < pair[0][1]);

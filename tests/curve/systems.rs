@@ -79,6 +79,16 @@ fn of(curve: &WholeCurve<OrbitsInPlane>, kind: PointType) -> Vec<&CurvePoint> {
     points.filter(|point| point.kind == Some(kind)).collect()
 }
 
+/// The whole curve of the problem of a system.
+pub fn whole(text: &str) -> WholeCurve<OrbitsInPlane> {
+    let Ok(Any::System(problem)) = parse_any(text, "test") else {
+        panic!("a system: {text}");
+    };
+    let found = curve(&problem);
+    assert!(!found.failed, "{} | {}", found.end(0), found.end(1));
+    found
+}
+
 /// An oscillator below a stop beside two equal maps p → 0.1 − a p e^(−bT) at every period.
 const MAPS_BESIDE: &str = r#"(
     system: (

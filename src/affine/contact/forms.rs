@@ -170,11 +170,8 @@ impl<C: Measured> ContactForms<C> {
                 bound, stiffness, ..
             } => vec![bound.clone(), stiffness.clone()],
             Law::Stop { restitution, .. } => {
-                let lost = Form::number(1.0).minus(restitution.clone());
-                [Ok(restitution.clone()), lost]
-                    .into_iter()
-                    .flatten()
-                    .collect()
+                let lost = Form::number(1.0).minus(restitution.clone()).ok();
+                std::iter::once(restitution.clone()).chain(lost).collect()
             }
             Law::Spring {
                 stiffness, damping, ..

@@ -44,9 +44,10 @@ impl AffineOrbit {
         let setting = &self.setting;
         let mut values = self.values_at(point);
         values[setting.parameter] += by * setting.scales.parameter;
-        let period: f64 = at.zones.iter().map(|zone| zone.duration).sum();
+        let period = at.period();
+        let longest = self.longest(point)?;
         let posed = setting.system.at(&values, &[setting.parameter]).ok()?;
-        let mut motion = Motion::new(&posed, at.middle()?, period);
+        let mut motion = Motion::new(&posed, at.middle(longest)?, period);
         let wanted = Wanted {
             system: setting.system.clone(),
             values,
@@ -64,7 +65,7 @@ impl AffineOrbit {
                 return None;
             }
             let there = found.at(&solution).ok()?;
-            let off = at.off_entry(&there)?;
+            let off = at.off_entry(longest, &there)?;
             let orbit = self.with_sequence(found.sequence.clone())?;
             let point = orbit.pack(&there.zones, &there.values);
             let nascent = Vec::new();
@@ -79,10 +80,9 @@ impl AffineOrbit {
 }
 
 impl OrbitAt<'_> {
-    /// How far the entry of the longest zone is off the nearest one into its mode of another orbit, in units of each state.
-    fn off_entry(&self, other: &OrbitAt) -> Option<f64> {
+    /// How far the entry of a zone is off the nearest one into its mode of another orbit, in units of each state.
+    fn off_entry(&self, zone: usize, other: &OrbitAt) -> Option<f64> {
         let units = &self.orbit.setting.scales.states;
-        let zone = self.longest()?;
         let mode = self.orbit.sequence.zone(zone).mode;
         let offs = (0..other.zones.len())
             .filter(|index| other.orbit.sequence.zone(*index).mode == mode)

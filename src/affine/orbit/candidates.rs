@@ -270,12 +270,9 @@ impl OrbitAt<'_> {
     fn moved(&self, zones: impl Iterator<Item = usize>) -> Result<Vec<f64>, OrbitFailure> {
         let mut moved = vec![0.0; self.orbit.states()];
         for zone in zones {
-            let Some(ZonePoint {
+            let ZonePoint {
                 state, duration, ..
-            }) = self.zones.get(zone)
-            else {
-                continue;
-            };
+            } = &self.zones[zone];
             let end = self.passage(zone, *duration)?.end;
             for (moved, (end, begun)) in moved.iter_mut().zip(end.iter().zip(state)) {
                 *moved += (end - begun).abs();

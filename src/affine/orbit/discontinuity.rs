@@ -138,23 +138,23 @@ impl AffineOrbit {
         by: f64,
     ) -> Option<Result<PeriodEnd, Halt>> {
         let at = self.at(point).ok()?;
-        let zone = at.longest()?;
+        let zone = self.longest(point)?;
         let setting = &self.setting;
         let units = &setting.scales.states;
         if axis.is_some() && at.mode(zone).surface.is_some() {
             return None;
         }
-        let mut begin = at.middle()?;
+        let mut begin = at.middle(zone)?;
         let mut values = self.values_at(point);
         match axis {
             None => values[setting.parameter] += by * self.unit(),
             Some(axis) => begin.state[axis] += by * units[axis],
         }
         let system = setting.system.at(&values, &[setting.parameter]).ok()?;
-        let period: f64 = at.zones.iter().map(|zone| zone.duration).sum();
+        let period = at.period();
         let mut motion = Motion::new(&system, begin.clone(), period);
-        let extremes = self.extremes(point).ok()?;
         let off = |motion: &Motion| {
+            let extremes = self.extremes(point).ok()?;
             let states = begin.state.iter().zip(&motion.place().state);
             let offs = states.zip(&extremes).zip(units);
             let offs = offs.map(|(((one, other), (low, high)), unit)| {
@@ -163,7 +163,7 @@ impl AffineOrbit {
                 let size = if range > NEAR * unit { range } else { *unit };
                 (one - other).abs() / size
             });
-            offs.fold(0.0, f64::max)
+            Some(offs.fold(0.0, f64::max))
         };
         let ended = |off, stays| Some(Ok(PeriodEnd { off, stays }));
         // how far it was off after a period without a switch
@@ -174,8 +174,8 @@ impl AffineOrbit {
             match (motion.step(until), without_switch) {
                 (Ok(Step::Section), _) => {}
                 (Ok(Step::Reached), Some(off)) => return ended(off, Some(begin.mode)),
-                (Ok(Step::Reached), None) if switched => return ended(off(&motion), None),
-                (Ok(Step::Reached), None) => without_switch = Some(off(&motion)),
+                (Ok(Step::Reached), None) if switched => return ended(off(&motion)?, None),
+                (Ok(Step::Reached), None) => without_switch = Some(off(&motion)?),
                 (_, Some(off)) => return ended(off, None),
                 (Ok(Step::Switched(_)), None) => switched = true,
                 (Err(halt), None) => {
@@ -205,16 +205,8 @@ impl AffineOrbit {
 }
 
 impl OrbitAt<'_> {
-    /// The longest zone.
-    pub(super) fn longest(&self) -> Option<usize> {
-        let zones = self.zones.iter().enumerate();
-        let longest = zones.max_by(|(_, one), (_, other)| one.duration.total_cmp(&other.duration));
-        longest.map(|(zone, _)| zone)
-    }
-
-    /// The place in the middle of it.
-    pub(super) fn middle(&self) -> Option<Place> {
-        let zone = self.longest()?;
+    /// The place in the middle of a zone.
+    pub(super) fn middle(&self, zone: usize) -> Option<Place> {
         let half = 0.5 * self.zones[zone].duration;
         let z = self.along(zone, std::iter::once(half)).ok()?.pop()?;
         Some(Place {

@@ -126,7 +126,7 @@ impl AffineOrbit {
             return None;
         }
         let at = self.at(point).ok()?;
-        let period: f64 = at.zones.iter().map(|zone| zone.duration).sum();
+        let period = at.period();
         let state = &at.zones.first()?.state;
         let hopf = self.hopf_point(self.parameter_at(point), state, TAU / period)?;
         self.is_smooth_at(&hopf)?.then_some(hopf)
@@ -247,7 +247,7 @@ impl AffineOrbit {
         /// How large it is.
         const TINY: f64 = 1e-8;
         let at = self.at(point).ok()?;
-        let period: f64 = at.zones.iter().map(|zone| zone.duration).sum();
+        let period = at.period();
         let zones = at.zones.iter().map(|zone| {
             let places = zone.state.iter().zip(rest).zip(&hopf.state);
             let places = places.map(|((x, rest), here)| here + (x - rest) * TINY / size);

@@ -55,6 +55,11 @@ enum Earlier {
 }
 
 impl OrbitAt<'_> {
+    /// How long the orbit is.
+    pub(super) fn period(&self) -> f64 {
+        self.zones.iter().map(|zone| zone.duration).sum()
+    }
+
     /// Mode of a zone.
     pub(super) fn mode(&self, zone: usize) -> &AffineMode {
         &self.posed.system.modes[self.orbit.sequence.zone(zone).mode]

@@ -117,7 +117,7 @@ impl Observer<'_> {
             MonitorSource::Integral(_) => Some(self.integral(number)?),
             MonitorSource::Mean(_) => {
                 let integral = self.integral(number)?;
-                let period: f64 = self.at.zones.iter().map(|zone| zone.duration).sum();
+                let period = self.at.period();
                 let mean = integral.value / period;
                 let mut gradient = integral.gradient;
                 gradient.iter_mut().for_each(|by| *by /= period);

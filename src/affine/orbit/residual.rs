@@ -117,7 +117,7 @@ impl Equations<'_> {
         }
         let omega = self.at.posed.system.omega;
         let turns = f64::from(orbit.setting.periods);
-        let total: f64 = self.at.zones.iter().map(|zone| zone.duration).sum();
+        let total = self.at.period();
         self.residual[row] = total * omega.value / TAU - turns;
         for zone in 0..orbit.zones() {
             self.jacobian[(row, width * zone + n)] = time * omega.value / TAU;
@@ -142,7 +142,7 @@ impl Equations<'_> {
         let row = orbit.unknowns_of_zones();
         let period = prescribed.period(&self.at.values, &orbit.setting.varying());
         let period = period.map_err(OrbitFailure::System)?;
-        let total: f64 = self.at.zones.iter().map(|zone| zone.duration).sum();
+        let total = self.at.period();
         self.residual[row] = (total - period.value) / time;
         for zone in 0..orbit.zones() {
             self.jacobian[(row, width * zone + n)] = 1.0;
