@@ -250,6 +250,7 @@ fn check<C: Measured>(
 ) -> Result<(), ContactMistake> {
     let force_in = |form: &Form<C>| form.has_from(states);
     let number = |form: &Form<C>| form.is_constant().then_some(form.constant.certain());
+    let is_none = |restitution: f64| !(0.0..=1.0).contains(&restitution);
     let bounds: Vec<&Form<C>> = match law {
         Law::Friction { slip, bound, hold } => {
             if force_in(slip) {
@@ -266,9 +267,7 @@ fn check<C: Measured>(
             }
             vec![bound]
         }
-        Law::Stop { restitution, .. }
-            if number(restitution).is_some_and(|value| !(0.0..=1.0).contains(&value)) =>
-        {
+        Law::Stop { restitution, .. } if number(restitution).is_some_and(is_none) => {
             return Err(ContactMistake::Restitution(restitution.constant.certain()));
         }
         Law::Stop { .. } | Law::Spring { .. } => {

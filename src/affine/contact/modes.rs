@@ -198,9 +198,7 @@ impl<C: Measured> ContactForms<C> {
             (Law::Friction { slip, .. }, BACKWARD) => vec![plain(slip.clone().negative(), STICK)],
             (Law::Friction { hold, .. }, STICK) => {
                 let zeros = if hold.is_none() { 2 } else { 0 };
-                let (most, force) = (self.hold(law, forces)?, &forces[contact]);
-                let upper = most.clone().minus(force.clone())?.trimmed();
-                let lower = most.plus(force.clone())?.trimmed();
+                let [upper, lower] = left(self.hold(law, forces)?, &forces[contact])?;
                 [(upper, BACKWARD), (lower, FORWARD)]
                     .map(|(guard, to)| Ending {
                         zeros,
@@ -244,9 +242,7 @@ impl<C: Measured> ContactForms<C> {
             }
             (Law::Jenkins { slip, bound, .. }, HELD) => {
                 let keeps = self.is_held(own, digits, slip);
-                let force = &forces[contact];
-                let lower = bound.clone().plus(force.clone())?.trimmed();
-                let upper = bound.clone().minus(force.clone())?.trimmed();
+                let [upper, lower] = left(bound.clone(), &forces[contact])?;
                 [(lower, GIVES_FORWARD), (upper, GIVES_BACKWARD)]
                     .map(|(guard, to)| Ending {
                         keeps,
@@ -400,4 +396,11 @@ impl<C: Measured> Ends<C> {
         }
         found
     }
+}
+
+/// What a bound leaves of a force, above it and below.
+fn left<C: Measured>(bound: Form<C>, force: &Form<C>) -> Result<[Form<C>; 2], Obstacle> {
+    let above = bound.clone().minus(force.clone())?.trimmed();
+    let below = bound.plus(force.clone())?.trimmed();
+    Ok([above, below])
 }
