@@ -70,7 +70,8 @@ impl<P: ParameterPlane> EventCurve<P> {
         Ok(Change::new(&orbit, after, here))
     }
 
-    /// The same event of the orbit beyond a change of regime, a step into it being admissible.
+    /// The same event of the orbit beyond a change of regime, a step into it being admissible. Where several sequences have it,
+    /// one in whose zone it keeps its name comes first.
     pub(super) fn enter(
         &self,
         step: &Stage<P>,
@@ -80,10 +81,11 @@ impl<P: ParameterPlane> EventCurve<P> {
         let EventCondition::Margin(first) = &self.system.condition else {
             return None;
         };
-        let first_key = P::key(first);
         let (orbit, unknowns) = self.system.orbit(&node.point, 0).ok()?;
-        let zone = P::zone(orbit.signature(), first_key.1);
+        let unknowns = self.lasting(&orbit, unknowns)?;
         let here = orbit.margin_at(second, &unknowns).ok()?;
+        let event = Identity::<P>::of(&orbit, first);
+        let mut entries = Vec::new();
         for candidate in orbit.candidates(&unknowns, &here).ok()? {
             let Ok(examination) = candidate.orbit.examination(&candidate.point) else {
                 continue;
@@ -93,29 +95,53 @@ impl<P: ParameterPlane> EventCurve<P> {
                 .filter(|margin| P::Orbit::value(margin).abs() < AT_SECOND)
                 .cloned()
                 .collect();
-            let same = |margin: &&MarginOf<P>| {
-                let key = P::key(margin);
-                key.0 == first_key.0
-                    && P::zone(candidate.orbit.signature(), key.1) == zone
-                    && !(is_duration::<P>(margin) && candidate.nascent.contains(&key.1))
+            let is_nascent = |margin: &MarginOf<P>| {
+                is_duration::<P>(margin) && candidate.nascent.contains(&P::key(margin).1)
             };
-            for margin in vanish.iter().filter(same) {
-                let entered = self.enter_candidate(step, node, &candidate, margin, &vanish);
-                if let Some((system, node, ds, own)) = entered {
-                    let next =
-                        EventCurve::new(system, self.event, &node.point, self.limits).ok()?;
-                    let curve = EventCurve { own, ..next };
-                    let watched = curve.tests(&node, None).ok()?;
-                    return Some(CurveBeginning {
-                        curve,
-                        node,
-                        watched,
-                        ds,
-                    });
-                }
+            let known = vanish.iter().filter_map(|margin| {
+                let is_renamed = event.is_renamed(&Identity::of(&candidate.orbit, margin))?;
+                Some((is_nascent(margin), is_renamed, margin.clone()))
+            });
+            let mut known: Vec<_> = known.collect();
+            // its zone may be another one beyond, but none that opens beside it
+            let lasts = known.iter().any(|(is_nascent, ..)| !is_nascent);
+            known.retain(|(is_nascent, ..)| !is_nascent || !lasts && event.guards.is_some());
+            entries.extend(known.into_iter().map(|(is_nascent, is_renamed, margin)| {
+                let entry = (candidate.clone(), margin, vanish.clone());
+                ((is_nascent, is_renamed), entry)
+            }));
+        }
+        entries.sort_by_key(|(order, _)| *order);
+        entries.iter().find_map(|(_, (candidate, margin, vanish))| {
+            let (system, node, ds, own) =
+                self.enter_candidate(step, node, candidate, margin, vanish)?;
+            let next = EventCurve::new(system, self.event, &node.point, self.limits).ok()?;
+            let curve = EventCurve { own, ..next };
+            let watched = curve.tests(&node, None).ok()?;
+            Some(CurveBeginning {
+                curve,
+                node,
+                watched,
+                ds,
+            })
+        })
+    }
+
+    /// Unknowns in which zones that have no length along the whole curve have one: those of exactly none are taken for zones
+    /// that open.
+    fn lasting(&self, orbit: &P::Orbit, mut unknowns: Vector) -> Option<Vector> {
+        /// In units of time; far below rounding.
+        const LEAST: f64 = 1e-200;
+        let examination = orbit.examination(&unknowns).ok()?;
+        let own =
+            |margin: &&MarginOf<P>| is_duration::<P>(margin) && self.own.contains(&P::key(margin));
+        for margin in examination.margins().iter().filter(own) {
+            let duration = &mut unknowns[orbit.duration_index(P::key(margin).1)];
+            if *duration == 0.0 {
+                *duration = LEAST;
             }
         }
-        None
+        Some(unknowns)
     }
 
     /// The first admissible step into the curve on which a margin of a candidate vanishes: its equations,
@@ -149,20 +175,55 @@ impl<P: ParameterPlane> EventCurve<P> {
             tolerance,
             |_, to| {
                 let own = vanishing(&system, &to.ok()?, vanish)?;
+                let event = P::key(margin);
                 let nascent = |margin: &MarginOf<P>| {
                     let key = P::key(margin);
                     is_duration::<P>(margin)
                         && candidate.nascent.contains(&key.1)
+                        && key != event
                         && own.contains(&key)
                 };
                 // the event itself goes on, alone as before, and new zones do grow
-                let admitted = own.contains(&P::key(margin))
+                let admitted = own.contains(&event)
                     && own.len() <= self.own.len()
                     && !vanish.iter().any(nascent);
                 admitted.then_some(own)
             },
         )?;
         Some((system, node, ds, own))
+    }
+}
+
+/// What tells an event from others at one point.
+struct Identity<P: ParameterPlane> {
+    /// What its margin measures.
+    watch: P::Watch,
+    /// Name of the zone.
+    zone: String,
+    /// The guards whose zeros meet, where these tell.
+    guards: Option<[String; 2]>,
+}
+
+impl<P: ParameterPlane> Identity<P> {
+    fn of(orbit: &P::Orbit, margin: &MarginOf<P>) -> Identity<P> {
+        let (watch, zone) = P::key(margin);
+        Identity {
+            watch,
+            zone: P::zone(orbit.signature(), zone),
+            guards: P::guards_of_duration(orbit, margin),
+        }
+    }
+
+    /// Whether the zone has another name in another orbit; `None` where the event is not the same. Where two zeros swap their
+    /// order, the zone between them may be any.
+    fn is_renamed(&self, other: &Identity<P>) -> Option<bool> {
+        let is_renamed = self.zone != other.zone;
+        let is_same = match (&self.guards, &other.guards) {
+            (Some(guards), Some(of_other)) => guards == of_other,
+            (None, None) => !is_renamed,
+            _ => false,
+        };
+        (is_same && self.watch == other.watch).then_some(is_renamed)
     }
 }
 

@@ -199,9 +199,7 @@ impl ParameterPlane for OrbitsInPlane {
     type Spectral = MultiplierEvent;
     type NotLinearised = NoMultipliers;
     type NoBranch = crate::hybrid::NoFirstPoint;
-
     type Beside = ();
-
     const ORBIT: &'static str = "orbit";
     const ORBITS: &'static str = "orbits";
     const ALL_STEPS: usize = 1800;
@@ -303,6 +301,10 @@ impl ParameterPlane for OrbitsInPlane {
 
     fn zone(sequence: &Sequence, zone: usize) -> String {
         format!("`{}`", sequence.zone(zone).name)
+    }
+
+    fn guards_of_duration(orbit: &AffineOrbit, margin: &Margin) -> Option<[String; 2]> {
+        orbit.guards_of_duration(margin)
     }
 
     fn length(orbit: &AffineOrbit, point: &Vector, zone: usize) -> f64 {

@@ -147,6 +147,12 @@ pub trait ParameterPlane: Data {
     /// Name of a zone.
     fn zone(signature: &SignatureOf<Self>, zone: usize) -> String;
 
+    /// The two guards, in the order of their names, whose zeros meet where the duration of a zone vanishes; `None` for other
+    /// margins, and where the name of the zone tells.
+    fn guards_of_duration(_: &Self::Orbit, _: &MarginOf<Self>) -> Option<[String; 2]> {
+        None
+    }
+
     /// Length of a zone.
     fn length(orbit: &Self::Orbit, point: &Vector, zone: usize) -> f64;
 

@@ -127,3 +127,57 @@ fn a_guard_that_has_no_rate_where_a_zone_begins() {
         assert!((one - other).abs() < 1e-10, "{ends:?}");
     }
 }
+
+/// Two blocks with friction, one of them on a belt: at one instant the first comes to the belt and the second turns (CO), or the
+/// second turns and its stick just holds (SL).
+const TWO_BLOCKS: &str = r#"(
+    system: (
+        states: ["x1", "v1", "x2", "v2"],
+        parameters: {"a": 1.0, "vb": 0.06, "w": 0.48, "k": 0.6, "F1": 0.2, "F2": 0.25, "c": 0.1, "m": 1.5},
+        forcing: "w",
+        contacts: {"q1": Friction(slip: "v1 - vb", bound: "F1"), "q2": Friction(slip: "v2", bound: "F2")},
+        rates: {
+            "x1": "v1", "v1": "a*cos(phase) - (x1 - 0) - k*((x1 - 0) - x2) - c*v1 + q1",
+            "x2": "v2", "v2": "(-x2 - k*(x2 - (x1 - 0)) - c*v2 + q2)/m",
+        },
+    ),
+    orbit: (start: Simulate(mode: "forward.forward", state: {"x1": 0, "v1": 0.1, "x2": 0, "v2": 0.1}, settle: 300)),
+    continuation: (parameter: "w", range: (0.46, 0.53), toward: Up),
+    stability: (),
+    curve: (event: CO, parameters: ("w", "F2"), range: ((0.485, 0.51), (0.24, 0.275))),
+)"#;
+
+/// Where three zeros come to one instant, each of the curves on which two of them meet goes on through it: whichever of the zones
+/// without length it is that the event has beyond, in any order of the contacts, and wherever a coordinate has its zero. Beyond, the
+/// events are those of the branch at F2 = 0.24.
+#[test]
+fn an_event_goes_on_through_a_third_zero() {
+    let turned: [(&str, &str); 3] = [
+        (r#"["x1", "v1", "x2", "v2"]"#, r#"["v2", "x2", "v1", "x1"]"#),
+        (
+            r#""q1": Friction(slip: "v1 - vb", bound: "F1"), "q2": Friction(slip: "v2", bound: "F2")"#,
+            r#""q2": Friction(slip: "v2", bound: "F2"), "q1": Friction(slip: "v1 - vb", bound: "F1")"#,
+        ),
+        (r#""x1": 0,"#, r#""x1": 0.0,"#),
+    ];
+    let shifted: [(&str, &str); 2] = [("(x1 - 0)", "(x1 - 1.7)"), (r#""x1": 0,"#, r#""x1": 1.7,"#)];
+    let events = [
+        ("CO", 2, 0.496_843_844_032_566),
+        ("SL", 1, 0.486_330_892_595_566),
+    ];
+    for (event, seconds, below) in events {
+        let followed = format!("event: {event}");
+        let followed = ("event: CO", followed.as_str());
+        for replaced in [&[][..], &turned, &shifted] {
+            let special = special(&curve(TWO_BLOCKS, &[&[followed], replaced].concat()));
+            let count = |kind: &str| special.iter().filter(|(one, _)| one == kind).count();
+            assert_eq!(count(&format!("{event}+CO")), seconds, "{special:?}");
+            assert_eq!(count("EP"), 2, "{special:?}");
+            let (_, [w, f2]) = special[0];
+            assert!(
+                (f2 - 0.24).abs() < 1e-15 && (w - below).abs() < 1e-11,
+                "{special:?}"
+            );
+        }
+    }
+}

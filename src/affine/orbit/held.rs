@@ -4,7 +4,8 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use super::margin::Watch;
+use super::layout::AffineOrbit;
+use super::margin::{Margin, Watch};
 
 /// What a margin measures, and where.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -81,4 +82,20 @@ pub enum Inadmissible {
     /// An inequality holds or fails by no more than rounding.
     #[error("rounding decides whether an inequality holds")]
     Undecided,
+}
+
+impl AffineOrbit {
+    /// The guards, in the order of their names, that begin and end a zone where a margin is its duration.
+    pub fn guards_of_duration(&self, margin: &Margin) -> Option<[String; 2]> {
+        let at_end = |zone: usize| {
+            let zone = self.sequence.zone(zone);
+            let system = &self.setting.system;
+            zone.way.map(|way| system.guard_name(zone.mode, way.guard))
+        };
+        let is_duration = margin.watch == Watch::Duration;
+        let before = is_duration.then_some(margin.zone + self.sequence.len() - 1)?;
+        let mut guards = [at_end(before)?, at_end(margin.zone)?];
+        guards.sort_unstable();
+        Some(guards)
+    }
 }
