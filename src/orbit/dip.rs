@@ -1,8 +1,9 @@
-//! What comes close to zero within a step and is positive at both of its ends: a margin, or the slope of the parameter.
+//! What comes close to zero within a step and has one sign at both of its ends: a margin, the slope of the parameter, or the growth of
+//! a multiplier.
 
 use super::located::{AT_ZERO, BranchEvent, LocatedEvent, Step};
 use super::special::Close;
-use super::{AtZero, Orbit, events, paired};
+use super::{AtZero, Examined, Orbit, crossings, events, paired};
 use crate::continuation::arclength::Node;
 use crate::continuation::locate::{self, LeastWithin, Place};
 use crate::continuation::newton::{self, Plane};
@@ -101,6 +102,9 @@ pub(super) fn within<O: Orbit>(
         take(least, &what, &rounding);
     }
     take(folds(orbit, step), &|| Close::Fold, &|_| locate::FOLD_SLOPE);
+    if let Some(s) = passing_twice(orbit, step, located) {
+        pair = pair.min(s);
+    }
     if pair.is_finite() {
         return Within::Pair(pair);
     }
@@ -158,5 +162,54 @@ fn folds<O: Orbit>(orbit: &O, step: &Step<O>) -> LeastWithin {
     let ends = [(t0.abs(), d0), (t1.abs(), d1)];
     locate::least(orbit, step.from, step.ds, ends, tolerance, |node| {
         Some((t0.signum() * node.tangent[last], slope(node, 1.0)?))
+    })
+}
+
+/// A multiplier may come to the unit circle and leave it within a step where the logarithm of its modulus is less than this at one
+/// end: elsewhere nothing is looked for.
+const NEAR_CIRCLE: f64 = 1e-2;
+
+/// Where a multiplier, or a pair, is on the other side of the unit circle than at both ends of a step in which nothing is known to
+/// happen.
+fn passing_twice<O: Orbit>(
+    orbit: &O,
+    step: &Step<O>,
+    located: &[(Place, LocatedEvent<O>)],
+) -> Option<f64> {
+    let [before, after] = [step.before, step.after].map(crossings::outside);
+    let count = before.filter(|count| after == Some(*count) && located.is_empty())?;
+    let [first, last] = [step.before, step.after].map(Examined::growths);
+    let (first, last) = (first?, last?);
+    let beside = DIFFERENCE * step.ds;
+    // the least that is outside, and the largest that is inside
+    let ranks = count.checked_sub(1).into_iter().chain([count]);
+    ranks.into_iter().find_map(|rank| {
+        let (g0, g1) = (first.get(rank)?.log, last.get(rank)?.log);
+        if g0.abs().min(g1.abs()) > NEAR_CIRCLE {
+            return None;
+        }
+        let side = g0.signum();
+        let growth = |point: &Vector| {
+            let growths = orbit.examination(point).ok()?.growths()?;
+            growths.get(rank).map(|one| (side * one.log, one.error))
+        };
+        let slope = |node: &Node, known: f64, way: f64| {
+            let (value, _) = growth(&(&node.point + &node.tangent * (way * beside)))?;
+            Some(way * (value - known) / beside)
+        };
+        let d0 = slope(step.from, side * g0, 1.0).filter(|d0| *d0 < 0.0)?;
+        let d1 = slope(step.to, side * g1, -1.0)?;
+        let ends = [(side * g0, d0), (side * g1, d1)];
+        let mut blur = f64::INFINITY;
+        let tolerance = step.steps.tolerance;
+        let least = locate::least(orbit, step.from, step.ds, ends, tolerance, |node| {
+            let (value, error) = growth(&node.point)?;
+            blur = error;
+            Some((value, slope(node, value, 1.0)?))
+        });
+        match least {
+            LeastWithin::Found(place, value) if value < -BELOW_ROUNDING * blur => Some(place.s),
+            _ => None,
+        }
     })
 }

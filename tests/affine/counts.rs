@@ -185,6 +185,64 @@ fn two_pairs_pass_the_circle_together() {
     has_no_silent_change(&items, "two pairs");
 }
 
+/// A multiplier that comes to the unit circle and leaves it again within a step has two events there: of an oscillator whose damping is
+/// (p − 0.3)² − e², a pair, and of a map x → −(1 + e² − (p − 0.3)²)x + 0.1 at every tick of a clock, −1.
+#[test]
+fn what_passes_twice_within_a_step_has_two_events() {
+    let oscillator = r#"(
+        states: ["x", "v"],
+        parameters: {"p": 0.0, "w": 2.3, "e": 1e-3},
+        forcing: "w",
+        modes: {"free": (
+            rates: {"x": "v", "v": "cos(phase) - ((p - 0.3)^2 - e^2)*v - x"},
+            until: [(zero: "100 - x", to: "free", reset: {"v": "-v"})],
+        )},
+    )"#;
+    let map = r#"(
+        states: ["s", "x"],
+        parameters: {"p": 0.0, "e": 1e-3},
+        modes: {"m": (
+            rates: {"s": "1", "x": "0"},
+            until: [(zero: "1 - s", to: "m", reset: {"s": "0", "x": "-(1 + e^2 - (p - 0.3)^2)*x + 0.1"})],
+        )},
+    )"#;
+    let cases = [
+        (
+            oscillator,
+            "free",
+            r#"{"x": -0.23, "v": 0.0}"#,
+            EventType::NS,
+        ),
+        (map, "m", r#"{"s": 0.0, "x": 0.05}"#, EventType::PD),
+    ];
+    for (system, mode, state, kind) in cases {
+        let period = if kind == EventType::NS {
+            "2.7318"
+        } else {
+            "1.0"
+        };
+        let orbit = format!(r#"(start: Given(mode: "{mode}", state: {state}, period: {period}))"#);
+        let continuation = r#"(parameter: "p", range: (0.0, 0.7), toward: Up)"#;
+        for (written, e) in [("1e-3", 1e-3), ("1e-4", 1e-4)] {
+            let system = system.replace("1e-3", written);
+            let items = rows(&problem(&system, &orbit, continuation));
+            let seen = events(&items, "p");
+            assert_eq!(seen.len(), 2, "{seen:?}");
+            for ((seen, p, _), expected) in seen.iter().zip([0.3 - e, 0.3 + e]) {
+                // what rounding leaves of a modulus of 1, over its slope
+                assert_eq!(*seen, kind);
+                assert!((p - expected).abs() < 1e-14 / e, "{p}");
+            }
+            has_no_silent_change(&items, "twice");
+        }
+        // where it comes near and does not pass there is none
+        let system = system.replace("- e^2", "+ 1e-6").replace("+ e^2", "- 1e-6");
+        let system = system.replace(r#", "e": 1e-3"#, "");
+        let items = rows(&problem(&system, &orbit, continuation));
+        assert!(events(&items, "p").is_empty());
+    }
+}
+
 /// Three oscillators with cubic springs, all coupled alike and in phase: multipliers across that are double.
 fn three(amplitude: f64, coupling: f64) -> String {
     let force = |x: &str, v: &str| format!("A*cos(phase) - c*{v} - {x} - {x}^3 - k*(3*{x} - m)");
