@@ -163,21 +163,30 @@ impl<C: Measured> FormMode<C> {
             positive: Vec::new(),
             zero: self.held.clone(),
         };
+        // a mode of contacts may have thousands of switches of few guards
+        let places = self.guards();
+        let mut guards = self.guards_once(&places);
         let mut known = HashMap::new();
-        for switch in &mut self.switches {
-            switch.guard = switch.guard.where_signed(&held, &mut known)?;
+        for guard in &mut guards {
+            *guard = guard.where_signed(&held, &mut known)?;
         }
-        let signs = self.signs();
-        for switch in &mut self.switches {
-            if switch.guard.beyond.is_empty() {
+        let signs = Signs {
+            positive: guards.clone(),
+            zero: self.held.clone(),
+        };
+        for guard in &mut guards {
+            if guard.beyond.is_empty() {
                 continue;
             }
-            let others = signs.positive.iter().filter(|one| **one != switch.guard);
+            let others = signs.positive.iter().filter(|one| *one != guard);
             let others = Signs {
                 positive: others.cloned().collect(),
                 zero: Vec::new(),
             };
-            switch.guard = switch.guard.where_signed(&others, &mut HashMap::new())?;
+            *guard = guard.where_signed(&others, &mut HashMap::new())?;
+        }
+        for (switch, place) in self.switches.iter_mut().zip(places) {
+            switch.guard = guards[place].clone();
         }
         let mut known = HashMap::new();
         let mut resolve = |form: &mut Form<C>| {
@@ -209,11 +218,21 @@ impl<C: Measured> FormMode<C> {
         form.where_signed(&self.signs(), &mut HashMap::new())
     }
 
+    /// Its guards, each once, by the numbers that switches have of them.
+    fn guards_once(&self, numbers: &[usize]) -> Vec<Form<C>> {
+        let mut guards: Vec<Form<C>> = Vec::new();
+        for (switch, number) in self.switches.iter().zip(numbers) {
+            if *number == guards.len() {
+                guards.push(switch.guard.clone());
+            }
+        }
+        guards
+    }
+
     /// Its guards, which are not negative within it, and what it holds at zero.
     fn signs(&self) -> Signs<C> {
-        let guards = self.switches.iter().map(|one| one.guard.clone());
         Signs {
-            positive: guards.collect(),
+            positive: self.guards_once(&self.guards()),
             zero: self.held.clone(),
         }
     }

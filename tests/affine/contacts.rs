@@ -1181,3 +1181,58 @@ fn a_guess_that_slips_leads_to_the_orbit_that_sticks() {
         assert!(multipliers[0].trivial && multipliers[0].value.re == 1.0);
     }
 }
+
+/// Two blocks with friction on the ground and between them: two of the three slips give the third, and a mode in which two stick and it
+/// slips has no chains of changes, of which there were thousands. Where the bounds do not fall, D = 0, switches are those of constant
+/// bounds.
+#[test]
+fn three_slips_of_two_blocks() {
+    let text = |fall: &str, given: &str| {
+        let bound = |slip: &str| match fall {
+            "" => "F".to_owned(),
+            fall => format!("F/(1 + {fall}*abs({slip}))"),
+        };
+        let [q1, q2, q3] = ["v", "u", "v - u"].map(bound);
+        format!(
+            r#"(states: ["x", "v", "y", "u"], parameters: {{"A": 1.5, "w": 0.9, "F": 0.2{given}}}, forcing: "w",
+            contacts: {{"q1": Friction(slip: "v", bound: "{q1}"), "q2": Friction(slip: "u", bound: "{q2}"),
+            "q3": Friction(slip: "v - u", bound: "{q3}")}},
+            rates: {{"x": "v", "v": "A*cos(phase) - x - 0.1*v + q1 + q3", "y": "u", "u": "-y - 0.1*u + q2 - q3"}})"#
+        )
+    };
+    let falls = system(&text("D", r#", "D": 0.3"#));
+    let at = falls.at(&falls.values(), &[]).unwrap();
+    let exits = (0..at.modes.len()).map(|mode| {
+        let guards = at.modes[mode].guards.iter();
+        guards.map(|guard| guard.exits.len()).sum::<usize>()
+    });
+    let most = exits.max().unwrap();
+    assert!(most < 100, "{most}");
+    let switches = |system: &System| {
+        let at = system.at(&system.values(), &[]).unwrap();
+        let begin = place(
+            system,
+            "forward.forward.forward",
+            &[0.0, 0.6, 0.0, 0.5],
+            0.0,
+        );
+        let mut motion = Motion::new(&at, begin, 7.0);
+        let mut all = Vec::new();
+        while let Step::Switched(one) = motion.step(40.0).unwrap() {
+            all.push((one.time, system.mode_name(one.to).into_owned()));
+        }
+        all
+    };
+    let level = switches(&system(&text("D", r#", "D": 0.0"#)));
+    let constant = switches(&system(&text("", "")));
+    assert!(
+        constant.len() > 20 && level.len() == constant.len(),
+        "{level:?}"
+    );
+    for (one, other) in level.iter().zip(&constant) {
+        assert!(
+            (one.0 - other.0).abs() < 1e-10 && one.1 == other.1,
+            "{one:?} {other:?}"
+        );
+    }
+}

@@ -87,28 +87,7 @@ impl<C: Measured> Instant<'_, C> {
     /// # Errors
     /// Forces that are not determined.
     pub fn arrivals(&self) -> Result<Vec<Arrival<C>>, ContactMistake> {
-        let mut digits = self.before.to_vec();
-        let mut seen = vec![false; digits.len()];
-        if let Some((contact, ending)) = self.contact {
-            digits[contact] = ending.to;
-            // what is released leaves by the sign of what was too much, as long as nothing else changes
-            seen[contact] = self.is_friction(contact) && self.before[contact] == STICK;
-        }
-        for (contact, to) in self.together {
-            digits[*contact] = *to;
-        }
-        // after an impact the sign of the slip tells
-        let released = |contact: &usize| !self.is_impact() || self.is_friction(*contact);
-        for contact in self.ended().filter(released) {
-            self.follow(contact, &mut digits);
-        }
-        let trial = Trial {
-            seen,
-            conditions: Vec::new(),
-            passed: Vec::new(),
-            pressed: None,
-            digits,
-        };
+        let trial = self.first();
         let mut ends = Vec::new();
         let mut open = match self.contact {
             Some((contact, _)) => self.turned(contact, trial)?,
@@ -130,6 +109,41 @@ impl<C: Measured> Instant<'_, C> {
             }
         }
         Ok(ends)
+    }
+
+    /// The states that the contacts which end lead to, whatever these change.
+    pub fn direct(&self) -> Arrival<C> {
+        Arrival {
+            digits: self.first().digits,
+            conditions: Vec::new(),
+            pressed: None,
+        }
+    }
+
+    /// The first trial: what ends has ended.
+    fn first(&self) -> Trial<C> {
+        let mut digits = self.before.to_vec();
+        let mut seen = vec![false; digits.len()];
+        if let Some((contact, ending)) = self.contact {
+            digits[contact] = ending.to;
+            // what is released leaves by the sign of what was too much, as long as nothing else changes
+            seen[contact] = self.is_friction(contact) && self.before[contact] == STICK;
+        }
+        for (contact, to) in self.together {
+            digits[*contact] = *to;
+        }
+        // after an impact the sign of the slip tells
+        let released = |contact: &usize| !self.is_impact() || self.is_friction(*contact);
+        for contact in self.ended().filter(released) {
+            self.follow(contact, &mut digits);
+        }
+        Trial {
+            seen,
+            conditions: Vec::new(),
+            passed: Vec::new(),
+            pressed: None,
+            digits,
+        }
     }
 
     /// A form after the jump.

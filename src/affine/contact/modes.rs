@@ -28,6 +28,7 @@ impl<C: Measured> ContactForms<C> {
             .map_err(failed)?;
         let mut switches = Vec::new();
         let ends = Ends::new(&endings, &self.reduced(own, &digits));
+        let holds_what_slips = self.holds_what_slips(own, &digits);
         let all = endings.iter().enumerate();
         let all = all.flat_map(|(contact, own)| own.iter().map(move |one| (contact, one)));
         for (group, (contact, ending)) in all.enumerate() {
@@ -46,7 +47,11 @@ impl<C: Measured> ContactForms<C> {
                 together: &together,
                 jump: &jump,
             };
-            for arrival in instant.arrivals()? {
+            let arrivals = match holds_what_slips {
+                true => vec![instant.direct()],
+                false => instant.arrivals()?,
+            };
+            for arrival in arrivals {
                 switches.push(self.switch(&instant, (contact, ending), arrival, group));
             }
         }
@@ -154,6 +159,16 @@ impl<C: Measured> ContactForms<C> {
     fn is_held(&self, own: usize, digits: &[usize], slip: &Form<C>) -> bool {
         let held = self.reduced(own, digits);
         slip.clone().where_zero(&held).is_zero()
+    }
+
+    /// Whether what sticks or is closed holds at zero the slip of friction that slips in a mode, as the third of three slips of two
+    /// blocks: no motion gets on in it, and of the chains of changes that would leave it there are thousands.
+    fn holds_what_slips(&self, own: usize, digits: &[usize]) -> bool {
+        let mut laws = self.laws.iter().zip(digits);
+        laws.any(|(law, digit)| match (law, *digit) {
+            (Law::Friction { slip, .. }, FORWARD | BACKWARD) => self.is_held(own, digits, slip),
+            _ => false,
+        })
     }
 
     /// Other contacts that end by the same guard as one, with their states beyond. Those whose guard is the same by what others hold
