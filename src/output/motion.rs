@@ -91,8 +91,12 @@ impl<'a> MotionFolder<'a> {
                 section.push(row(first, place).as_bytes())
             }
             Seen::Switch(switching) => {
-                self.switched += 1;
                 let names = [switching.from, switching.to].map(mode);
+                // between two modes of one name nothing changes: a damped spring that parts is open, before its gap is and after it
+                if switching.from != switching.to && names[0] == names[1] {
+                    return Ok(());
+                }
+                self.switched += 1;
                 let line = line_of(
                     &[
                         vec![number(switching.time)],

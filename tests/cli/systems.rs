@@ -537,3 +537,36 @@ fn a_curve_of_an_event_of_a_system() {
         assert!(outcome.stderr.contains(message), "{}", outcome.stderr);
     }
 }
+
+/// A mass that falls on a damped spring leaves it before the spring is as long as before: `open` until it falls again, which is no
+/// switch.
+#[test]
+fn a_damped_spring_that_parts_is_open() {
+    let bench = Bench::new();
+    let text = r#"(
+        system: (
+            states: ["y", "u"], parameters: {"k": 40.0, "c": 2.0},
+            contacts: {"p": Spring(gap: "y", stiffness: "k", damping: "c")},
+            rates: {"y": "u", "u": "-1 + p"},
+        ),
+        orbit: (start: Simulate(mode: "open", state: {"y": 0.5, "u": 0.0}, settle: 1)),
+        simulation: (duration: 4.0, samples: 4),
+    )"#;
+    bench.put("fall.ron", text);
+    let outcome = bench
+        .run(&["simulate", "fall.ron", "--out", "out"])
+        .expect(0);
+    let switches = Table::read(&bench.path("out/switches.csv"));
+    let rows = std::fs::read_to_string(bench.path("out/switches.csv")).unwrap();
+    let count = rows.lines().count() - 1;
+    assert!(count > 2);
+    let told = format!("{count} switches by t = 4");
+    assert!(outcome.stdout.contains(&told), "{}", outcome.stdout);
+    for row in 0..count {
+        let expected = [["open", "closed"], ["closed", "open"]][row % 2];
+        assert_eq!(
+            ["from", "to"].map(|name| switches.text(row, name)),
+            expected
+        );
+    }
+}
