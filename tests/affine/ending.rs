@@ -4,8 +4,8 @@
 use std::f64::consts::TAU;
 
 use brakewave::EventType::{CO, EP, GR, HC, LP, MX, SL};
-use brakewave::affine::orbit::AffineOrbit;
 use brakewave::affine::orbit::start::{Beginning, Search, Wanted, first};
+use brakewave::affine::orbit::{AffineOrbit, OrbitStop};
 use brakewave::orbit::follow::LocatedPoint;
 use brakewave::orbit::special::Special;
 
@@ -470,4 +470,20 @@ fn only_a_centre_has_a_family_of_orbits() {
         assert!((point.parameters[0] - at).abs() < 1e-11, "{point:?}");
         assert!(!event.what.contains("family"), "{}", event.what);
     }
+}
+
+/// Where the laws of contacts do not say what follows, no modes by hand are missed.
+#[test]
+fn a_stop_of_contacts_speaks_of_their_laws() {
+    let stop = |by_contacts| OrbitStop::Halts {
+        mode: "stick.open".to_owned(),
+        guard: "the gap of `p`".to_owned(),
+        by_contacts,
+    };
+    assert!(stop(false).to_string().contains("`sliding`"));
+    let words = stop(true).to_string();
+    assert!(
+        words.contains("laws of contacts") && !words.contains("sliding"),
+        "{words}"
+    );
 }

@@ -93,7 +93,11 @@ impl AffineOrbit {
                         guard,
                         mistake,
                     },
-                    _ => OrbitStop::Halts { mode, guard },
+                    _ => OrbitStop::Halts {
+                        mode,
+                        guard,
+                        by_contacts: !system.source.contacts.is_empty(),
+                    },
                 })
             }
         }

@@ -99,6 +99,9 @@ pub enum OrbitStop {
         mode: String,
         /// The guard that is zero there, as the file has it.
         guard: String,
+        /// Whether contacts make the modes.
+        #[serde(default)]
+        by_contacts: bool,
     },
     /// On the other side motions come to where nothing follows by the laws of contacts.
     Refused {
@@ -224,12 +227,27 @@ impl fmt::Display for OrbitStop {
                 "what a motion is off grows {growth:.0e} times within a zone of `{mode}`, since it follows what repels it \
                  for long (as a canard does): too few digits are left to go on"
             ),
-            OrbitStop::Halts { mode, guard } => write!(
-                formatter,
-                "beyond it motions beside its orbit stop where {guard} of `{mode}` is zero: no mode of the system goes on \
-                 from there. Where the rates on both sides push back at that surface, the motion would stick or slide in it: \
-                 an entry of `sliding` for the two modes is missing, or a mode or a switch"
-            ),
+            OrbitStop::Halts {
+                mode,
+                guard,
+                by_contacts,
+            } => {
+                write!(
+                    formatter,
+                    "beyond it motions beside its orbit stop where {guard} of `{mode}` is zero: "
+                )?;
+                formatter.write_str(match by_contacts {
+                    true => {
+                        "by the laws of contacts nothing goes on from there, or more of them hold there than their forces are \
+                         determined for"
+                    }
+                    false => {
+                        "no mode of the system goes on from there. Where the rates on both sides push back at that surface, the \
+                         motion would stick or slide in it: an entry of `sliding` for the two modes is missing, or a mode or a \
+                         switch"
+                    }
+                })
+            }
             OrbitStop::Refused {
                 mode,
                 guard,
