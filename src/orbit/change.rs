@@ -3,10 +3,12 @@
 use super::entry::{
     Beyond, Entry, NotEntered, RESIDUAL_AT_EVENT, TRIES, enter, enter_along, solved,
 };
+use super::located::LocatedEvent;
 use super::special::{BranchStop, OrbitRefusal, Tried};
-use super::{AtZero, Candidate, Examined, Orbit};
-use crate::continuation::Node;
-use crate::continuation::walk::{self, Refused};
+use super::{AtZero, Candidate, Examined, Orbit, events};
+use crate::continuation::locate::Place;
+use crate::continuation::walk::{self, Refused, Segment};
+use crate::continuation::{Node, Steps, arclength};
 use crate::linalg::Vector;
 
 /// The result of looking for the branch beyond an event.
@@ -219,6 +221,35 @@ pub fn beyond_by_motion<O: Orbit>(
         }
         enter_along(&beside.orbit, (&node, &[1.0]), ds, TRIES, tolerance).ok()
     })
+}
+
+/// The event at which a branch begins that motions beside it have found: the first change on the way back, to this scaled parameter and
+/// as far again.
+pub(super) fn begins<O: Orbit>(
+    beyond: &Beyond<O>,
+    parameter: f64,
+    steps: &Steps,
+) -> Option<(Place, LocatedEvent<O>)> {
+    let Beyond { orbit, node, .. } = beyond;
+    let from = Node {
+        tangent: -&node.tangent,
+        ..node.clone()
+    };
+    let last = from.point.len() - 1;
+    let ds = 2.0 * (parameter - from.point[last]) / from.tangent[last];
+    let before = orbit.examination(&from.point).ok()?;
+    let to = arclength::advance(orbit, &from, &[], ds, steps.tolerance).ok()?;
+    let after = orbit.examination(&to.node.point).ok()?;
+    let step = Segment {
+        from: &from,
+        before: &before,
+        to: &to.node,
+        after: &after,
+        ds,
+        steps,
+    };
+    let changes = events::changes(orbit, &step).ok()?.into_iter();
+    changes.min_by(|(one, _), (other, _)| one.s.total_cmp(&other.s))
 }
 
 /// Two changes of regime at one place: within rounding neither of them comes first.

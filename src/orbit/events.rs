@@ -356,7 +356,7 @@ fn at_monitors<O: Orbit>(
 }
 
 /// Margins that vanish within a step.
-fn changes<O: Orbit>(
+pub(super) fn changes<O: Orbit>(
     orbit: &O,
     step: &Step<O>,
 ) -> Result<Vec<(Place, LocatedEvent<O>)>, OrbitRefusal<O>> {

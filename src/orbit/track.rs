@@ -172,6 +172,10 @@ impl<O: Orbit> Curve for Track<O> {
         Ok(Outcome::Passed(found))
     }
 
+    fn leads_on(&self, node: &Node, examination: &O::Examination) -> Option<Outcome<Track<O>>> {
+        self.change_from_beyond(node, examination)
+    }
+
     fn stretch(&self, node: &Node) -> f64 {
         self.orbit.stretch(&node.point)
     }

@@ -14,14 +14,17 @@ use super::located::{BranchEvent, LocatedEvent};
 use super::special::{BranchStop, Change, Special, Tried};
 use super::together::together;
 use super::track::failed;
-use super::{Examined, Orbit, events, find, retrace};
-use crate::continuation::Node;
+use super::{EventType, Examined, Orbit, events, find, retrace};
 use crate::continuation::locate::Place;
 use crate::continuation::walk::{self, CurveBeginning, Outcome, Segment};
+use crate::continuation::{Node, Steps};
 
 /// The first step tried into a new wave is at least this part of the first step of all, however close two
 /// events lie: what opens like the square of a duration is lost in rounding where that is 1e-8.
 const INTO: f64 = 1e-2;
+
+/// What vanishes like a square root is zero to this beside its zero: the root of rounding, at most, in units of a margin.
+const NEARLY: f64 = 1e-6;
 
 /// A change of signature, and the search for the branch beyond it.
 struct Transition<O: Orbit> {
@@ -31,8 +34,8 @@ struct Transition<O: Orbit> {
     passed: Vec<LocatedPoint<O>>,
     /// The margin that vanishes.
     margin: O::Margin,
-    /// The signature between the first and the second of changes at several instants: the first names the event.
-    between: Option<O::Signature>,
+    /// Its type and what vanishes, where these are not told by the margin and what lies beyond.
+    told: Option<(EventType, O::Held)>,
     search: BeyondSearch<O>,
 }
 
@@ -45,8 +48,8 @@ impl<O: Orbit> Transition<O> {
             others: self.search.others.clone(),
             ..Change::new(self.found.orbit.as_ref(), after, self.margin.clone())
         };
-        if let Some(between) = &self.between {
-            change.kind = O::classify(&change.before, Some(between), &change.margin);
+        if let Some((kind, held)) = &self.told {
+            (change.kind, change.held) = (*kind, held.clone());
         }
         change
     }
@@ -84,8 +87,6 @@ impl<O: Orbit> Track<O> {
         place: &Place,
         examination: &O::Examination,
     ) -> Option<(Place, f64)> {
-        /// The square root of rounding, at most, in units of a margin.
-        const NEARLY: f64 = 1e-6;
         let orbit = self.orbit.as_ref();
         let near = (examination.margins().iter())
             .filter(|margin| O::value(margin).abs() <= NEARLY && fails_beyond::<O>(step, margin));
@@ -108,7 +109,59 @@ impl<O: Orbit> Track<O> {
     ) -> Outcome<Track<O>> {
         let tolerance = step.steps.tolerance;
         let ds = step.ds.clamp(INTO * step.steps.ds, step.steps.ds);
-        let transition = self.searched(found, margins, ds, tolerance);
+        self.across(self.searched(found, margins, ds, tolerance))
+    }
+
+    /// The change at a node from which no step leads on, as the branch beyond has it: where zones of both halves of an orbit
+    /// close at once the equations are singular there on this side, and regular on the other.
+    pub(super) fn change_from_beyond(
+        &self,
+        node: &Node,
+        examination: &O::Examination,
+    ) -> Option<Outcome<Track<O>>> {
+        /// The change is that of the node where their parameters agree to this, relative to its unit.
+        const SAME: f64 = 1e-9;
+        let orbit = self.orbit.as_ref();
+        let near = examination.margins().iter();
+        let near = near.filter(|margin| O::value(margin).abs() <= NEARLY);
+        let margin = near.min_by_key(|margin| O::precedence(margin))?;
+        let steps = &self.limits.steps;
+        let (point, heading) = (&node.point, self.heading);
+        let beyond = change::beyond_by_motion(orbit, point, heading, steps.ds, steps.tolerance)?;
+        let (place, event) = change::begins(&beyond, point[point.len() - 1], steps)?;
+        let BranchEvent::Change(seen) = event.event else {
+            return None;
+        };
+        let here = LocatedPoint::new(&self.orbit, 0.0, node, examination);
+        let parameter = orbit.value_at(&place.node.point);
+        let off = (parameter - here.parameter).abs();
+        let (from, into) = (beyond.orbit.signature(), orbit.signature());
+        let kind = O::classify(from, Some(into), &seen);
+        let told = Some((kind, beyond.orbit.held(&seen)));
+        (off <= SAME * orbit.unit()).then(|| {
+            self.across(Transition {
+                found: LocatedPoint {
+                    parameter,
+                    uncertainty: event.uncertainty.max(off),
+                    ..here
+                },
+                passed: Vec::new(),
+                margin: margin.clone(),
+                told,
+                search: BeyondSearch {
+                    beyond: Some(beyond),
+                    refused: Vec::new(),
+                    others: Vec::new(),
+                },
+            })
+        })
+    }
+
+    /// What comes of a change with what lies beyond it.
+    fn across(&self, transition: Transition<O>) -> Outcome<Track<O>> {
+        let Steps {
+            ds_min, tolerance, ..
+        } = self.limits.steps;
         let mut change = transition.change();
         let Transition {
             mut found,
@@ -165,7 +218,7 @@ impl<O: Orbit> Track<O> {
             curve,
             node,
             watched,
-            ds: step_in.max(step.steps.ds_min),
+            ds: step_in.max(ds_min),
         };
         Outcome::Entered(passed, entry)
     }
@@ -184,8 +237,13 @@ impl<O: Orbit> Track<O> {
         let instants = change::instants(orbit, point, margins);
         let together = (instants.len() > 1)
             .then(|| change::beyond_together(orbit, point, &instants, ds, tolerance));
-        let (mut margin, mut search, between) = match together.flatten() {
-            Some(all) => (all.margin, all.search, Some(all.between)),
+        let (mut margin, mut search, told) = match together.flatten() {
+            Some(all) => {
+                // the first of them names the event
+                let kind = O::classify(orbit.signature(), Some(&all.between), &all.margin);
+                let held = orbit.held(&all.margin);
+                (all.margin, all.search, Some((kind, held)))
+            }
             None => (margins[0].clone(), behind(&margins[0]), None),
         };
         for other in &margins[1..] {
@@ -216,7 +274,7 @@ impl<O: Orbit> Track<O> {
             found,
             passed,
             margin,
-            between,
+            told,
             search,
         }
     }

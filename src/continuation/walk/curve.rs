@@ -121,6 +121,11 @@ pub trait Curve: Sized {
         None
     }
 
+    /// An event at a node from which no step succeeds, where it is known otherwise than by steps.
+    fn leads_on(&self, _node: &Node, _watched: &Self::Watched) -> Option<Outcome<Self>> {
+        None
+    }
+
     /// Whether a curve that finds no step from a node ends there for a reason of its own.
     fn ends_at(&self, _node: &Node) -> Option<Self::End> {
         None

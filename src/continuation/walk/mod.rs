@@ -110,6 +110,9 @@ impl<C: Curve> Walker<C> {
                 Err(refusal) => refusal,
             };
             if ds <= ds_min {
+                if let Some(outcome) = self.curve.leads_on(&self.node, &self.watched) {
+                    return self.taken(outcome);
+                }
                 let own = match &refusal {
                     Refused::Curve(reason) => self.curve.ends_with(reason),
                     _ => None,
@@ -127,6 +130,18 @@ impl<C: Curve> Walker<C> {
             }
             halvings += u32::from(matches!(refusal, Refused::Pair));
             ds = (0.5 * ds).max(ds_min);
+        }
+    }
+
+    /// Goes on beyond an event at the node itself.
+    fn taken(&mut self, outcome: Outcome<C>) -> (Vec<C::Found>, Option<EndOf<C>>) {
+        match outcome {
+            Outcome::Passed(point) => (vec![point], None),
+            Outcome::Entered(points, entry) => {
+                self.enter(0.0, entry);
+                (points, None)
+            }
+            Outcome::Ended(points, end) => (points, Some(end)),
         }
     }
 
