@@ -15,6 +15,7 @@ use crate::branch::Event;
 use crate::certify::{CertifiedPoint, certify, equilibrium, orbit};
 use crate::hybrid::OrbitEvent;
 use crate::hybrid::equilibrium::EquilibriumEvent;
+use crate::messages::figures;
 use crate::orbit::legs::Run;
 use crate::output::certify::Certified;
 use crate::output::store::Offers;
@@ -245,7 +246,8 @@ fn found(compared: &Compared, column: &str) -> CheckedExpectation {
         )),
         Some(event) => {
             let value = event.number(column).unwrap_or(f64::NAN);
-            let _ = write!(title, " at {column} = {value:.12}");
+            let value = figures::significant(value, 12);
+            let _ = write!(title, " at {column} = {value}");
             compared.regimes.as_ref().map(ToString::to_string)
         }
     };

@@ -8,6 +8,7 @@ use super::sequences;
 use crate::affine::mode::AffineSystem;
 use crate::affine::system::System;
 use crate::curve::{CurvePoint, ParameterPlane, WholeCurve};
+use crate::messages::figures;
 use crate::orbit::EventType;
 use crate::orbit::Orbit as _;
 use crate::output::curve::words;
@@ -32,6 +33,9 @@ fn figure(value: f64) -> String {
         format!("{value:>18.*}", 12 - before.min(11))
     }
 }
+
+/// Digits of the points of a curve, whose errors are not told.
+const CURVE_DIGITS: usize = 13;
 
 /// The columns of a branch that its summary shows: the parameter, and a number of the orbit.
 struct SummaryColumns<'a> {
@@ -100,19 +104,19 @@ fn event_line(events: &Table, row: usize, shown: &SummaryColumns) -> String {
     let mut report = String::new();
     let _ = write!(
         report,
-        "  {} at {} = {:.15} ± {:.0e}, {} = {:.15}",
+        "  {} at {} = {}, {} = {}",
         events.text(row, "type"),
         shown.symbol,
-        number(shown.parameter),
-        number("uncertainty"),
+        figures::with_error(number(shown.parameter), number("uncertainty")),
         shown.number_symbol,
-        number(shown.number)
+        figures::significant(number(shown.number), figures::ALL)
     );
     let pair = events
         .field::<f64>(row, "omega")
         .zip(events.field::<usize>(row, "sector"));
     if let Some((omega, sector)) = pair {
-        let _ = write!(report, ", ω = {omega:.12} in sector {sector}");
+        let omega = figures::significant(omega, CURVE_DIGITS);
+        let _ = write!(report, ", ω = {omega} in sector {sector}");
     }
     let [before, after] =
         ["regimes_before", "regimes_after"].map(|column| events.text(row, column));
@@ -371,12 +375,13 @@ pub(crate) fn curve<P: ParameterPlane>(curve: &WholeCurve<P>) -> String {
             continue;
         };
         let [one, other] = point.parameters;
-        let _ = write!(text, "  {kind:<6} {one:.12}  {other:.12}");
+        let shown = |value: f64| figures::significant(value, CURVE_DIGITS);
+        let _ = write!(text, "  {kind:<6} {}  {}", shown(one), shown(other));
         if P::MEASURE.is_some() {
-            let _ = write!(text, "  {:.12}", point.measure);
+            let _ = write!(text, "  {}", shown(point.measure));
         }
         if let Some(angular) = point.angular {
-            let _ = write!(text, "  {} {angular:.12}", P::SYMBOL);
+            let _ = write!(text, "  {} {}", P::SYMBOL, shown(angular));
         }
         let _ = writeln!(text, "  {}", words(curve, index));
     }

@@ -104,7 +104,8 @@ fn node_beside<S: System>(
 
 /// The zero of a function along a step, from places s with values of different signs, and the value
 /// found. `size` is a value that is zero but for rounding; from a bracket as narrow as `width` one more
-/// value is taken. `None` where no point is found on the way.
+/// value is taken. Where no point is found, as where branches cross at the very zero, one beside it is taken, on either side.
+/// `None` where there is none, either.
 pub fn zero_along<S: System>(
     system: &S,
     from: &Node,
@@ -117,7 +118,10 @@ pub fn zero_along<S: System>(
     let mut last = (0.0, from.clone());
     let at = |s: f64| {
         let near = (last.0, &last.1);
-        let node = node_beside(system, from, near, s, tolerance).ok_or(())?;
+        let node_at = |s: f64| Some((s, node_beside(system, from, near, s, tolerance)?));
+        // two of them are a bracket that is narrow enough
+        let aside = || node_at(s + (0.25 * width).copysign(0.5 * (ends.0 + ends.1) - s));
+        let (s, node) = node_at(s).or_else(aside).ok_or(())?;
         last = (s, node.clone());
         let here = value(&node).ok_or(())?;
         let vanishes = here.abs() <= size || (ends.1 - ends.0).abs() <= width;
@@ -127,11 +131,10 @@ pub fn zero_along<S: System>(
             &mut ends.1
         };
         *end = s;
-        Ok::<_, ()>((if vanishes { 0.0 } else { here }, (node, here)))
+        Ok::<_, ()>((if vanishes { 0.0 } else { here }, (s, node, here)))
     };
     let zero = zero(Bracket::new(low, high), 0.0, at).ok()?;
-    let (node, here) = zero.found;
-    let s = zero.place;
+    let (s, node, here) = zero.found;
     Some((Place { s, node, blur: 0.0 }, here))
 }
 

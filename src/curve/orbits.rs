@@ -82,7 +82,7 @@ pub enum MultiplierEvent {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, thiserror::Error)]
 pub enum NoMultipliers {
     /// They are infinite.
-    #[error("the multipliers have no limit: a guard is met at no speed")]
+    #[error("the multipliers have no limit: a guard is met at zero speed")]
     Infinite,
 }
 

@@ -67,6 +67,39 @@ pub fn acts(matrix: &Matrix) -> Acts {
     acts
 }
 
+/// A matrix without entries that close loops which are rounding: where the entries of a loop are below ε of the matrix in the scales
+/// that balance it, no eigenvalue is changed by what goes round there, and the smallest of them in the units of the matrix goes. A
+/// state that stays zero acts on others by what rounding has left of it; balanced, both sides of such a loop would be alike, and
+/// vectors of the matrix would have no digits.
+pub fn without_noise(matrix: &Matrix) -> Matrix {
+    /// An entry this small beside the largest one may be rounding times rounding.
+    const SMALL: f64 = f64::EPSILON;
+    let mut left = matrix.clone();
+    loop {
+        let largest = left.amax();
+        let is_small = |x: f64| x != 0.0 && x.abs() < SMALL * largest;
+        if !left.iter().any(|x| is_small(*x)) {
+            return left;
+        }
+        let (scales, norm) = balance(&left, 0.0);
+        let acts = acts(&left);
+        let size = left.nrows();
+        let places = (0..size * size).map(|index| (index / size, index % size));
+        let noise = places.filter(|(i, j)| {
+            let balanced = left[(*i, *j)] * scales[*j] / scales[*i];
+            i != j
+                && is_small(left[(*i, *j)])
+                && acts.goes_round(*i, *j)
+                && balanced.abs() < f64::EPSILON * norm
+        });
+        let least = noise.min_by(|one, other| left[*one].abs().total_cmp(&left[*other].abs()));
+        match least {
+            Some(place) => left[place] = 0.0,
+            None => return left,
+        }
+    }
+}
+
 /// Powers of two d for which the largest column sum of D⁻¹MD is small, and that sum.
 ///
 /// Osborne's method: rows and columns of one index get the same size. Units as different as volts and seconds

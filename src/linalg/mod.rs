@@ -15,7 +15,7 @@ mod solve;
 use faer::traits::ComplexField;
 use nalgebra::{DMatrix, DVector};
 
-pub use balance::{acts, balance};
+pub use balance::{acts, balance, without_noise};
 pub use eigenvalues::{Eigenvalue, eigenvalues, known_eigenvalues};
 pub use factors::Factors;
 pub use solve::{condition, pseudo_inverse, solve};

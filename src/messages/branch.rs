@@ -2,6 +2,7 @@
 
 use std::fmt::{self, Display, Formatter};
 
+use super::figures::with_error;
 use super::list;
 use crate::continuation::walk::End;
 use crate::orbit::{self, Orbit};
@@ -130,8 +131,9 @@ impl<O: Orbit> Display for orbit::special::BranchStop<O> {
             } => write!(
                 f,
                 "a sequence without end: {changes} events {kind} in a row add the same zones each, and the distances of \
-                 their values fall by {ratio:.3} from one to the next; they converge at {} = {limit:.9} ± {error:.0e}",
-                O::column(parameter)
+                 their values fall by {ratio:.3} from one to the next; they converge at {} = {}",
+                O::column(parameter),
+                with_error(*limit, *error)
             ),
             BranchStop::Flow(error) => error.fmt(f),
             BranchStop::Own(stop) => stop.fmt(f),

@@ -2,6 +2,7 @@
 
 mod branch;
 mod curve;
+pub(crate) mod figures;
 mod system;
 mod wave;
 
@@ -9,6 +10,8 @@ mod wave;
 pub(crate) use system::{AWAY, halt, lack};
 
 use std::fmt::{self, Display, Formatter};
+
+use figures::significant;
 
 use crate::map::Missing;
 use crate::problem::{Doubt, Rotation};
@@ -55,12 +58,16 @@ impl Display for Doubt {
     }
 }
 
+/// Digits that tell a place along a branch from others.
+const PLACE: usize = 12;
+
 /// Something that comes so close to zero on a branch that its sign is not known.
 fn near_zero(f: &mut Formatter<'_>, column: &str, value: f64, what: &impl Display) -> fmt::Result {
     write!(
         f,
-        "{column} = {value:.12}: here, or since the point before, {what} comes so close to zero that \
-         rounding decides: two events may be missing, or the regimes may be others"
+        "{column} = {}: here, or since the point before, {what} comes so close to zero that \
+         rounding decides: two events may be missing, or the regimes may be others",
+        significant(value, PLACE)
     )
 }
 

@@ -58,7 +58,7 @@ impl Told for AffineOrbit {
                 format!("{guard} of `{mode}` touches zero from inside: grazing")
             }
             (affine::Watch::Speed | affine::Watch::Onset(_), EventType::GR) => {
-                format!("{guard} of `{mode}` is met at no speed: grazing")
+                format!("{guard} of `{mode}` is met at zero speed: grazing")
             }
             (_, EventType::SL) => {
                 format!(

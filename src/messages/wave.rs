@@ -3,7 +3,8 @@
 use std::fmt::{self, Display, Formatter};
 
 use super::branch::Told;
-use super::{list, near_zero};
+use super::figures::significant;
+use super::{PLACE, list, near_zero};
 use crate::branch::VerdictReason;
 use crate::branch::special::{Change, InadmissibleWave, OfWaves, WaveMargin, WaveNote, WaveStop};
 use crate::orbit::EventType;
@@ -229,15 +230,19 @@ impl Display for WaveNote {
         match self {
             WaveNote::CrossingLeftOut { parameter, value } => write!(
                 f,
-                "{} = {value:.12}: the wave at a crossing of the imaginary axis before this point could \
+                "{} = {}: the wave at a crossing of the imaginary axis before this point could \
                  not be examined, and the crossing is left out",
-                parameter.column()
+                parameter.column(),
+                significant(*value, PLACE)
             ),
             WaveNote::Spectrum {
                 parameter,
                 value,
                 remark,
-            } => write!(f, "{} = {value:.12}: {remark}", parameter.column()),
+            } => {
+                let value = significant(*value, PLACE);
+                write!(f, "{} = {value}: {remark}", parameter.column())
+            }
             WaveNote::Spent { points, allowance } => write!(
                 f,
                 "after point {points}: {} at {:.0e} a run; take a smaller `max_frequency`, fewer \
@@ -263,8 +268,9 @@ impl Display for WaveNote {
             } => {
                 write!(
                     f,
-                    "point {point}, {} = {value:.12}: not converged to the tolerance {tolerance:.0e}; ",
-                    parameter.column()
+                    "point {point}, {} = {}: not converged to the tolerance {tolerance:.0e}; ",
+                    parameter.column(),
+                    significant(*value, PLACE)
                 )?;
                 if known.expected_error.is_nan() {
                     return f.write_str("its equations are singular to rounding");

@@ -63,7 +63,7 @@ pub(super) fn located<O: Orbit>(
     };
     let targets =
         targets(orbit, range, stop_at, step, fold.as_ref()).ok_or(OrbitRefusal::NotFound)?;
-    // where a zone closes, or a guard is met at no speed that is squared in the equations, the parameter is stationary
+    // where a zone closes, or a guard is met at zero speed that is squared in the equations, the parameter is stationary
     // along the arc: that is the event itself
     let apart = |fold: &(Place, LocatedEvent<O>)| {
         let value = |place: &Place| orbit.value_at(&place.node.point);

@@ -244,7 +244,7 @@ pub trait Orbit: System<Failure: Data> + Clone + Debug + PartialEq {
         false
     }
 
-    /// Whether the parameter may be stationary where a margin vanishes, since a guard is met at no speed there.
+    /// Whether the parameter may be stationary where a margin vanishes, since a guard is met at zero speed there.
     fn grazes(_margin: &Self::Margin) -> bool {
         false
     }

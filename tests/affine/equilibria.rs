@@ -60,6 +60,38 @@ fn hopf_points_have_their_frequency_and_first_lyapunov_coefficient() {
         let numbers = [("omega", a), ("lyapunov", lyapunov), ("x", a), ("z", 0.0)];
         meets(&course.events(), HB, "B", 1.0 + square, &numbers);
     }
+    // states that stay zero leave rounding of rounding in the slopes, by which no vector may be told: in every order of the states
+    let rates = [
+        ("x", "0.3*mu + x^2 - 0.25 - y^2 - z^2 + 0.2*x*y"),
+        ("y", "(mu + x)*y - 1.7*z"),
+        ("z", "(mu + x)*z + 1.7*y"),
+    ];
+    for order in [
+        [0, 1, 2],
+        [0, 2, 1],
+        [1, 0, 2],
+        [1, 2, 0],
+        [2, 0, 1],
+        [2, 1, 0],
+    ] {
+        let list = |of: &dyn Fn(usize) -> String| order.map(of).join(", ");
+        let text = format!(
+            r#"(states: [{}], parameters: {{"mu": 0.1}}, modes: {{"flow": (rates: {{{}}})}})"#,
+            list(&|index| format!("\"{}\"", rates[index].0)),
+            list(&|index| format!("\"{}\": \"{}\"", rates[index].0, rates[index].1)),
+        );
+        let course = Course {
+            system: &text,
+            parameter: "mu",
+            state: &order.map(|index| [-0.469, 0.0, 0.0][index]),
+            range: (-0.5, 1.5),
+            ..STARTS[0]
+        };
+        // 40 digits
+        let numbers = [("omega", 1.7), ("lyapunov", -1.582_482_468_655_640_77)];
+        let mu = 0.5 * (1.09_f64.sqrt() - 0.3);
+        meets(&course.events(), HB, "mu", mu, &numbers);
+    }
     let predators = STARTS[1].events();
     let omega = 0.414_039_335_605_412_530_68;
     let lyapunov = -1.199_286_351_408_781_123_3;

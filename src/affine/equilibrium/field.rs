@@ -11,7 +11,7 @@ use crate::affine::monitored::MonitoredSystem;
 use crate::affine::series::Field;
 use crate::affine::surfaces::Surfaces;
 use crate::affine::system::{System, SystemError};
-use crate::linalg::{Matrix, Vector};
+use crate::linalg::{Matrix, Vector, without_noise};
 
 /// A system whose parameters with these indices are its last states.
 ///
@@ -104,10 +104,12 @@ pub(super) struct Linearised {
 }
 
 impl Linearised {
-    /// ∂f/∂x.
+    /// ∂f/∂x, without what is rounding.
     pub fn slopes(&self) -> Matrix {
         let n = self.rates.len();
-        Matrix::from_fn(n, n, |row, column| self.rates[row].by[column])
+        without_noise(&Matrix::from_fn(n, n, |row, column| {
+            self.rates[row].by[column]
+        }))
     }
 
     /// The surfaces that the motion does not leave, in these units of the states.

@@ -391,7 +391,11 @@ impl DrawnPlane {
         let none = blank(false).map(|_| (Key::Area(WHITE), none.to_owned()));
         let cut = blank(true).map(|_| (cut, not_reached.to_owned()));
         let mut legend = Legend::default().with("", coloured.chain(none).chain(cut));
-        if waves.iter().any(|wave| !wave.stable.is_empty()) {
+        // the full colour alone tells nothing
+        if waves
+            .iter()
+            .any(|wave| !["", "yes"].contains(&&*wave.stable))
+        {
             legend = legend.with("stable", shades);
         }
         legend

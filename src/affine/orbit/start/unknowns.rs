@@ -11,7 +11,8 @@ use crate::affine::orbit::section::of_orbit;
 use crate::affine::orbit::setting::{OrbitFailure, Scales, Setting};
 use crate::affine::orbit::signature::{Sequence, Zone};
 use crate::continuation::newton::{self, Fixed, Settings};
-use crate::linalg::Vector;
+use crate::linalg::periodic_schur::balance;
+use crate::linalg::{Matrix, Vector};
 use crate::orbit::Orbit as _;
 use crate::orbit::special::NoFollower;
 use crate::orbit::switch::{admitted, is_in_family};
@@ -77,14 +78,43 @@ fn failed(failure: OrbitFailure) -> NoStart {
     NoStart::Newton(newton::Failure::System(failure))
 }
 
+/// A size, or 1 where there is none.
+fn unit(size: f64) -> f64 {
+    if size > 0.0 && size.is_finite() {
+        size
+    } else {
+        1.0
+    }
+}
+
+/// Units of the states from their sizes along an orbit. A state that is zero along it but for rounding has no size of its own: it is
+/// measured by how it acts on others, and they on it, from zone to zone.
+fn units(orbit: &AffineOrbit, point: &Vector, sizes: Vec<f64>) -> Result<Vec<f64>, OrbitFailure> {
+    /// A state that never exceeds this part of what the others make of it is rounding.
+    const NOTHING: f64 = 1e-12;
+    let states = sizes.len();
+    let at = orbit.at(point)?;
+    let passages = at.passages()?;
+    let flows = passages
+        .iter()
+        .map(|passage| passage.flow.view((0, 0), (states, states)).into_owned());
+    let flows: Vec<Matrix> = flows.collect();
+    let alike = balance(&flows.iter().collect::<Vec<_>>());
+    let pairs = || sizes.iter().zip(&alike);
+    let largest = pairs().fold(0.0, |most: f64, (size, alike)| most.max(size / alike));
+    let units = pairs().map(|(size, alike)| match *size > NOTHING * largest * alike {
+        true => unit(*size),
+        false => unit(largest * alike),
+    });
+    Ok(units.collect())
+}
+
 /// The orbits with these zones, in units of these places, and the places in those.
 pub(in crate::affine::orbit) fn scaled(
     wanted: &Wanted,
     parts: Vec<(Zone, ZonePoint)>,
     periods: u32,
 ) -> Result<(AffineOrbit, Vector), NoStart> {
-    /// A state that never exceeds this is zero but for rounding.
-    const NOTHING: f64 = 1e-15;
     let (zones, points): (Vec<Zone>, Vec<ZonePoint>) = parts.into_iter().unzip();
     if wanted.values.len() != wanted.system.source.parameters.0.len() {
         return Err(NoStart::NoZones);
@@ -93,13 +123,6 @@ pub(in crate::affine::orbit) fn scaled(
     if points.is_empty() || points.iter().any(|point| point.state.len() != states) {
         return Err(NoStart::NoZones);
     }
-    let unit = |size: f64| {
-        if size > NOTHING && size.is_finite() {
-            size
-        } else {
-            1.0
-        }
-    };
     let scales = Scales {
         states: vec![1.0; states],
         time: unit(points.iter().map(|point| point.duration).sum()),
@@ -127,13 +150,10 @@ pub(in crate::affine::orbit) fn scaled(
     };
     // a state may be zero at all of the switches: its size is that between them
     let bare = posed(scales.clone())?;
-    let extremes = bare
-        .extremes(&bare.pack(&points, &wanted.values))
-        .map_err(failed)?;
-    let units: Vec<f64> = extremes
-        .iter()
-        .map(|(low, high)| unit(low.abs().max(high.abs())))
-        .collect();
+    let guess = bare.pack(&points, &wanted.values);
+    let extremes = bare.extremes(&guess).map_err(failed)?;
+    let sizes = extremes.iter().map(|(low, high)| low.abs().max(high.abs()));
+    let units = units(&bare, &guess, sizes.collect()).map_err(failed)?;
     let free = wanted.system.source.forcing.is_none();
     let orbit = posed(Scales {
         section: free.then(|| of_orbit(&extremes, &units)).flatten(),
