@@ -9,8 +9,19 @@ use super::layout::AffineOrbit;
 use super::row::{SavedOrbit, twice};
 use super::setting::Setting;
 use super::start::{NoStart, Wanted, restart, scaled};
+use crate::continuation::Node;
 use crate::linalg::Vector;
+use crate::orbit::Orbit as _;
 use crate::orbit::switch::other;
+
+/// The same orbit in as many shots as its growth asks for, where these are others: traversed twice the square of it.
+fn parted(orbit: &AffineOrbit, at: &Vector) -> Option<(AffineOrbit, Vector)> {
+    let examination = orbit.examination(at).ok()?;
+    let parted = orbit.renewed(at, &examination, false)?;
+    let node = Node::at(at.clone(), Vector::zeros(at.len()));
+    let Node { point, .. } = orbit.carried(&parted, &node)?;
+    Some((parted, point))
+}
 
 /// The first orbit of the other branch at a saved event, at a multiplier −1 where it is `doubled`, and the ways that
 /// it goes, of those asked for where it goes both. Where the saved orbit is itself one of a part of its period,
@@ -39,6 +50,7 @@ pub fn switch(
     } else {
         (own, at)
     };
+    let (orbit, at) = parted(&orbit, &at).unwrap_or((orbit, at));
     let (point, ways) = other(&orbit, &at, directions)?;
     let setting = Setting {
         values: orbit.values_at(&point),

@@ -90,8 +90,10 @@ fn unit(size: f64) -> f64 {
 /// Units of the states from their sizes along an orbit. A state that is zero along it but for rounding has no size of its own: it is
 /// measured by how it acts on others, and they on it, from zone to zone.
 fn units(orbit: &AffineOrbit, point: &Vector, sizes: Vec<f64>) -> Result<Vec<f64>, OrbitFailure> {
-    /// A state that never exceeds this part of what the others make of it is rounding.
+    /// A state that never exceeds this part of what the others make of it is rounding, and more where that grows along the orbit: by
+    /// no more than the second part.
     const NOTHING: f64 = 1e-12;
+    const GROWN: f64 = 1e-3;
     let states = sizes.len();
     let at = orbit.at(point)?;
     let passages = at.passages()?;
@@ -100,9 +102,19 @@ fn units(orbit: &AffineOrbit, point: &Vector, sizes: Vec<f64>) -> Result<Vec<f64
         .map(|passage| passage.flow.view((0, 0), (states, states)).into_owned());
     let flows: Vec<Matrix> = flows.collect();
     let alike = balance(&flows.iter().collect::<Vec<_>>());
+    let growth = flows.iter().flat_map(|flow| {
+        let columns = flow.column_iter().zip(&alike);
+        columns.flat_map(|(column, from)| {
+            let entries = column.iter().zip(&alike);
+            entries
+                .map(move |(entry, to)| (entry * from / to).abs())
+                .collect::<Vec<_>>()
+        })
+    });
+    let nothing = (NOTHING * growth.fold(1.0, f64::max)).min(GROWN);
     let pairs = || sizes.iter().zip(&alike);
     let largest = pairs().fold(0.0, |most: f64, (size, alike)| most.max(size / alike));
-    let units = pairs().map(|(size, alike)| match *size > NOTHING * largest * alike {
+    let units = pairs().map(|(size, alike)| match *size > nothing * largest * alike {
         true => unit(*size),
         false => unit(largest * alike),
     });
