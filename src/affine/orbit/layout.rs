@@ -196,7 +196,8 @@ impl AffineOrbit {
 
     /// The state that is greatest where an orbit of this mode begins that neither switches nor is forced.
     pub(super) fn section(&self, mode: &AffineMode) -> usize {
-        let known = self.setting.scales.section;
+        let known = self.sequence.zone(0).section();
+        let known = known.or(self.setting.scales.section);
         known.unwrap_or_else(|| section(mode))
     }
 

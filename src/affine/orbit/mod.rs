@@ -250,12 +250,16 @@ impl Orbit for AffineOrbit {
             let count = self.zones();
             let shots = (0..count).map(|zone| self.shots((zone + count - shift) % count));
             let shots: Vec<usize> = shots.collect();
-            let is_own = (0..count).all(|zone| signature.zone(zone).shots() == shots[zone]);
+            let is_own = (0..count).all(|zone| signature.zone(zone).shots() == shots[zone])
+                && signature.zone(0).section() == self.sequence.zone(0).section();
             if is_own {
                 return self.rotated(node, shift);
             }
             let own = self.with_sequence(signature.clone())?;
-            let mut node = own.carried_to(&own.in_shots(&shots)?, node)?;
+            let mut node = match count {
+                1 => own.carried_to(self, node)?,
+                _ => own.carried_to(&own.in_shots(&shots)?, node)?,
+            };
             node.tangent.normalize_mut();
             self.rotated(&node, shift)
         };
@@ -357,7 +361,8 @@ impl Orbit for AffineOrbit {
         examination: &Examination,
         creeps: bool,
     ) -> Option<AffineOrbit> {
-        self.in_shots_for_growth(point, &examination.growths, creeps)
+        let parted = self.in_shots_for_growth(point, &examination.growths, creeps);
+        parted.or_else(|| self.in_sharper_section(point, examination))
     }
 
     fn carried(&self, renewed: &AffineOrbit, node: &Node) -> Option<Node> {

@@ -123,8 +123,11 @@ impl AffineOrbit {
         (1.0 - inner).max(0.0).sqrt()
     }
 
-    /// A point and a direction there in the unknowns of the same orbits in other shots.
+    /// A point and a direction there in the unknowns of the same orbits in other shots, or begun elsewhere.
     pub(super) fn carried_to(&self, other: &AffineOrbit, node: &Node) -> Option<Node> {
+        if self.sequence.zone(0).section() != other.sequence.zone(0).section() {
+            return self.carried_to_section(other, node);
+        }
         let at = self.at(&node.point).ok()?;
         let count = other.count();
         let mut moved = Node::at(Vector::zeros(count), Vector::zeros(count));

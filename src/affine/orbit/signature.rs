@@ -72,6 +72,10 @@ pub struct Zone {
     /// How many shots it is gone through in beyond the first: see [`super::shots`].
     #[serde(default, skip_serializing_if = "Carried::is_default")]
     pub further: Carried<usize>,
+    /// Of an orbit that neither switches nor is forced: the state that is greatest where it begins, where that is no more the one of the
+    /// first orbit.
+    #[serde(default, skip_serializing_if = "Carried::is_default")]
+    pub section: Carried<Option<usize>>,
 }
 
 impl Zone {
@@ -84,6 +88,7 @@ impl Zone {
             label: Carried::default(),
             kept: Carried::default(),
             further: Carried::default(),
+            section: Carried::default(),
         }
     }
 
@@ -95,6 +100,17 @@ impl Zone {
     /// The same zone gone through in so many shots, one at least.
     pub fn in_shots(mut self, shots: usize) -> Zone {
         self.further = Carried(shots.saturating_sub(1));
+        self
+    }
+
+    /// The state that is greatest where it begins, where another one was where the first orbit begins.
+    pub fn section(&self) -> Option<usize> {
+        self.section.0
+    }
+
+    /// The same zone begun where this state is greatest.
+    pub fn begun_where(mut self, state: usize) -> Zone {
+        self.section = Carried(Some(state));
         self
     }
 
