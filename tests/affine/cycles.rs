@@ -255,3 +255,56 @@ fn a_cycle_that_touches_a_guard_switches_from_there_on() {
         assert_eq!(all.last().unwrap().orbit.sequence.switches(), 0);
     }
 }
+
+/// The circle y² + z² = mu, with a third state X = 0.3y² + 0.2z along it that is greatest at one place or at two: that at which
+/// X is greatest becomes flat and vanishes at mu = 1/9, where the cycle does not change at all. In every order of the states.
+#[test]
+fn a_maximum_that_vanishes_is_no_event() {
+    let rates = [
+        ("X", "0.3*y^2 + 0.2*z - X + 0.6*y*f + 0.2*g"),
+        ("y", "f"),
+        ("z", "g"),
+    ];
+    for order in [[0, 1, 2], [1, 2, 0], [2, 0, 1]] {
+        let list = |of: &dyn Fn(usize) -> String| order.map(of).join(", ");
+        let text = format!(
+            r#"(states: [{}], parameters: {{"mu": 1.0}}, modes: {{"flow": (rates: {{{}}})}},
+                define: {{"f": "mu*y - z - y*(y^2 + z^2)", "g": "y + mu*z - z*(y^2 + z^2)"}})"#,
+            list(&|index| format!("\"{}\"", rates[index].0)),
+            list(&|index| format!("\"{}\": \"{}\"", rates[index].0, rates[index].1)),
+        );
+        let begin = order.map(|index| [0.0, 0.9, 0.0][index]);
+        let range = (0.02, 2.0);
+        let (orbit, point) =
+            started(&text, ("mu", range), &begin, Search::Settles(60.0)).unwrap();
+        let (seen, all) = follow(&orbit, &point, false, range, 1000);
+        meets(&seen, &[(EP, 0.02, "")], 0.0);
+        let last = all.last().unwrap();
+        let multipliers = last.orbit.multipliers(&last.node.point).unwrap();
+        for (found, expected) in multipliers[1..].iter().zip([-4.0 * PI * 0.02, -TAU]) {
+            let off = (found.value.re - expected.exp()).abs();
+            assert!(off <= found.error, "{order:?}: {off:e}");
+        }
+    }
+}
+
+/// A unit circle with what is across it turned by half a turn a period: multipliers −exp(2π(a ± √(b² − W²/4))/W), of which one is −1 at
+/// a = ∓√(b² − W²/4). The third state is zero all along: the unit that it has in the file is that of its action alone.
+#[test]
+fn a_state_that_stays_zero_may_have_any_unit() {
+    for unit in [1.0, 1e-6, 1e3, 1e6] {
+        let text = format!(
+            r#"(states: ["x", "y", "z"], parameters: {{"a": -2.5, "b": 2.2, "W": 3.1}},
+                modes: {{"flow": (rates: {{"x": "across*C - W*y", "y": "across*S + W*x", "z": "{unit:?}*(a*Z + b*(S*p - C*Z) - q*Z)"}})}},
+                define: {{"Z": "z/{unit:?}", "r": "sqrt(x^2 + y^2)", "p": "r - 1", "C": "x/r", "S": "y/r", "q": "p^2 + Z^2",
+                    "across": "a*p + b*(C*p + S*Z) - q*p"}})"#
+        );
+        let range = (-3.0, 2.0);
+        let search = Search::Guess(TAU / 3.1);
+        let (orbit, point) = started(&text, ("a", range), &[1.0, 0.0, 0.0], search).unwrap();
+        let (seen, _) = follow(&orbit, &point, true, range, 1000);
+        let half = (2.2_f64 * 2.2 - 0.25 * 3.1 * 3.1).sqrt();
+        let expected = [(PD, -half, ""), (PD, half, ""), (EP, 2.0, "")];
+        meets(&seen, &expected, 1e-12);
+    }
+}

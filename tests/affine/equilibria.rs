@@ -642,3 +642,52 @@ fn a_start_that_is_none_is_refused() {
         range: (0.5, 2.0),
     });
 }
+
+/// Two equal cells: both eigenvalues of the middle are mu, with one vector or with two.
+#[test]
+fn two_eigenvalues_pass_zero_together() {
+    for coupling in ["", " + y"] {
+        let text = format!(
+            r#"(states: ["x", "y"], parameters: {{"mu": -1.0}}, modes: {{"flow": (rates: {{"x": "mu*x{coupling} - x^3 - 0.3*x*y^2",
+                "y": "mu*y - y^3 - 0.3*y*x^2"}})}})"#
+        );
+        let course = Course {
+            system: &text,
+            state: &[0.0, 0.0],
+            parameter: "mu",
+            range: (-1.5, 1.0),
+            ..STARTS[0]
+        };
+        let all = course.events();
+        assert_eq!(all.len(), 1, "{all:#?}");
+        meets(&all, BP, "mu", 0.0, &[("x", 0.0), ("y", 0.0)]);
+        assert!(all[0].what.starts_with("2 eigenvalues"), "{}", all[0].what);
+    }
+}
+
+/// Of switches with one `zero` the first whose conditions hold leads on: x = (mu + s)/(1 + s) in the mode with s = 0.3, or 0.5.
+#[test]
+fn conditions_of_a_switch_tell_where_an_equilibrium_goes_on() {
+    for (least, slope) in [("0.5 - y", 0.5), ("y - 0.5", 0.3)] {
+        let text = format!(
+            r#"(states: ["x", "y"], parameters: {{"mu": 0.0}}, modes: {{
+                "flow": (rates: {{"x": "mu - x", "y": "x - y"}},
+                    until: [(zero: "1 - x", to: "B", if: ["{least}"]), (zero: "1 - x", to: "C")]),
+                "B": (rates: {{"x": "mu - x - 0.3*(x - 1)", "y": "x - y"}}, until: [(zero: "x - 1", to: "flow")]),
+                "C": (rates: {{"x": "mu - x - 0.5*(x - 1)", "y": "x - y"}}, until: [(zero: "x - 1", to: "flow")])}})"#
+        );
+        let course = Course {
+            system: &text,
+            state: &[0.0, 0.0],
+            parameter: "mu",
+            range: (-1.0, 2.0),
+            ..STARTS[0]
+        };
+        let all = course.all(&[1.0; 9], false);
+        meets(&events(&all), BE, "mu", 1.0, &[("x", 1.0), ("y", 1.0)]);
+        let mut points = all.iter().map(|item| &item.point);
+        let last = points.find(|point| point.parameters[0] == 2.0).unwrap();
+        let x = (2.0 + slope) / (1.0 + slope);
+        assert!((last.state[0] - x).abs() <= 1e-14, "{:?}", last.state);
+    }
+}

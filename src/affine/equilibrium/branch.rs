@@ -130,7 +130,10 @@ impl Orbit for EquilibriumCurve {
             .map_or(&[][..], |guard| &guard.exits);
         let mut found: Vec<Candidate<EquilibriumCurve>> = Vec::new();
         let leads = |exit: &Exit| std::iter::once(exit.to).chain(exit.rest);
-        let ways = exits.iter();
+        // the first whose conditions hold is taken, and any before it of which that is not told
+        let lead = exits.iter().position(|exit| self.least_condition(exit, point) > SAME);
+        let ways = exits[..lead.map_or(exits.len(), |lead| lead + 1)].iter();
+        let ways = ways.filter(|exit| self.least_condition(exit, point) >= -SAME);
         for (exit, to) in ways.flat_map(|exit| leads(exit).map(move |to| (exit, to))) {
             let known = |one: &Candidate<EquilibriumCurve>| one.orbit.signature.mode == to;
             if to == mode || found.iter().any(known) || !self.stays(exit, point) {
@@ -289,6 +292,18 @@ impl Orbit for EquilibriumCurve {
 }
 
 impl EquilibriumCurve {
+    /// The least of the conditions of a switch at an equilibrium, each beside the terms that it is made of.
+    fn least_condition(&self, exit: &Exit, point: &Vector) -> f64 {
+        let mode = self.signature.mode;
+        let mut z = self.lifted.lift(mode, &self.place(point), 0.0);
+        self.lifted.modes[mode].field.complete_at_switch(&mut z);
+        let conditions = exit.conditions.iter();
+        let values = conditions.map(|row| row.value(&z) / row.at.abs().dot(&z.abs()));
+        // where every term is zero so is the condition
+        let values = values.map(|value| if value.is_nan() { 0.0 } else { value });
+        values.fold(f64::INFINITY, f64::min)
+    }
+
     /// Whether a switch leaves the state of an equilibrium as it is.
     fn stays(&self, exit: &Exit, point: &Vector) -> bool {
         if exit.is_continuous() {
