@@ -88,9 +88,7 @@ impl<O: Orbit> Display for orbit::special::OrbitRefusal<O> {
                 O::column(parameter)
             ),
             OrbitRefusal::Order => f.write_str("the order of two events is not resolved"),
-            OrbitRefusal::NoSolution => {
-                f.write_str("the orbit of the event does not solve its equations")
-            }
+            OrbitRefusal::NoSolution => f.write_str("its equations do not hold at the event"),
         }
     }
 }
@@ -117,7 +115,7 @@ impl<O: Orbit> Display for orbit::special::BranchStop<O> {
                 let between = if refused.is_empty() { "" } else { "; " };
                 write!(
                     f,
-                    "{between}of {} the orbit of the event does not solve the equations",
+                    "{between}of {} the equations do not hold at the event",
                     list(&signatures, ", ")
                 )
             }

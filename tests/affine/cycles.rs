@@ -275,8 +275,7 @@ fn a_maximum_that_vanishes_is_no_event() {
         );
         let begin = order.map(|index| [0.0, 0.9, 0.0][index]);
         let range = (0.02, 2.0);
-        let (orbit, point) =
-            started(&text, ("mu", range), &begin, Search::Settles(60.0)).unwrap();
+        let (orbit, point) = started(&text, ("mu", range), &begin, Search::Settles(60.0)).unwrap();
         let (seen, all) = follow(&orbit, &point, false, range, 1000);
         meets(&seen, &[(EP, 0.02, "")], 0.0);
         let last = all.last().unwrap();

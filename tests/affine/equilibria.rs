@@ -363,6 +363,38 @@ fn a_branch_ends_at_a_wall() {
     );
 }
 
+/// Where the other field points away from the boundary motions leave it on both sides: the equilibria of the sliding field are none of a
+/// motion, however slowly that field leads away, and the branch ends as at a wall. Where it points at the boundary they go on.
+#[test]
+fn a_branch_ends_where_the_field_beyond_points_away() {
+    for push in [0.346, 1e-5, -0.346, -1e-5] {
+        let text = format!(
+            r#"(states: ["x", "y"], parameters: {{"mu": 0.2}}, modes: {{
+                "left": (rates: {{"x": "-2.765*x - 1.284*y + 0.172*mu", "y": "7.131*x + 2.042*y + 0.192*mu"}},
+                    until: [(zero: "-x", to: "right")]),
+                "right": (rates: {{"x": "{push:?} - 0.003*y", "y": "-0.289 - 0.032*x"}}, until: [(zero: "x", to: "left")]),
+            }}, sliding: {{"slide": ("left", "right")}})"#
+        );
+        let course = Course {
+            system: &text,
+            mode: "left",
+            state: &[-0.034, 0.1],
+            parameter: "mu",
+            range: (-0.3, 0.3),
+        };
+        for (units, reversed) in [([1.0; 2], false), ([1e4, 1e-3], true)] {
+            let found = events(&course.all(&units, reversed));
+            let [end] = &found[..] else {
+                panic!("{push}: {found:#?}");
+            };
+            assert_eq!(end.kind, BE);
+            assert!(number(end, "mu").abs() < 1e-12);
+            let ends = end.what.contains("the branch ends");
+            assert_eq!(ends, push > 0.0, "{push}: {}", end.what);
+        }
+    }
+}
+
 /// Where a relay leaves its sliding, no rate of the mode that it comes to has the state that slides: that mode is at rest at this value of
 /// the parameter alone, with any such state. Nothing goes on, as at a wall. There px + ry is the bound of the relay.
 #[test]

@@ -131,7 +131,9 @@ impl Orbit for EquilibriumCurve {
         let mut found: Vec<Candidate<EquilibriumCurve>> = Vec::new();
         let leads = |exit: &Exit| std::iter::once(exit.to).chain(exit.rest);
         // the first whose conditions hold is taken, and any before it of which that is not told
-        let lead = exits.iter().position(|exit| self.least_condition(exit, point) > SAME);
+        let lead = exits
+            .iter()
+            .position(|exit| self.least_condition(exit, point) > SAME);
         let ways = exits[..lead.map_or(exits.len(), |lead| lead + 1)].iter();
         let ways = ways.filter(|exit| self.least_condition(exit, point) >= -SAME);
         for (exit, to) in ways.flat_map(|exit| leads(exit).map(move |to| (exit, to))) {
@@ -174,10 +176,9 @@ impl Orbit for EquilibriumCurve {
 
     fn ends_at(&self, point: &Vector, margin: &EquilibriumMargin) -> Option<EquilibriumStop> {
         let candidates = self.candidates(point, margin).ok()?;
-        let rests = |one: &Candidate<EquilibriumCurve>| {
-            Node::within(&one.orbit, one.point.clone(), AT_REST).is_some()
-        };
-        let none = !candidates.iter().any(rests);
+        let none = !candidates
+            .iter()
+            .any(|one| one.orbit.goes_on_from(&one.point));
         none.then(|| EquilibriumStop::NoneBeyond {
             guard: self.guard_of(margin),
         })
@@ -298,10 +299,25 @@ impl EquilibriumCurve {
         let mut z = self.lifted.lift(mode, &self.place(point), 0.0);
         self.lifted.modes[mode].field.complete_at_switch(&mut z);
         let conditions = exit.conditions.iter();
-        let values = conditions.map(|row| row.value(&z) / row.at.abs().dot(&z.abs()));
-        // where every term is zero so is the condition
-        let values = values.map(|value| if value.is_nan() { 0.0 } else { value });
+        let values = conditions.map(|row| {
+            let terms = row.at.iter().zip(&z).filter(|(by, _)| **by != 0.0);
+            let size: f64 = terms.map(|(by, z)| (by * z).abs()).sum();
+            // where every term is zero so is the condition
+            if size > 0.0 {
+                row.value(&z) / size
+            } else {
+                0.0
+            }
+        });
         values.fold(f64::INFINITY, f64::min)
+    }
+
+    /// Whether equilibria of this mode may go on from an event of another one: it is one of them, and no guard is negative there, as
+    /// what holds a sliding mode is where one of the two fields points away from its surface. Such a guard is negative on both sides.
+    fn goes_on_from(&self, point: &Vector) -> bool {
+        let is_negative = |margin: &EquilibriumMargin| margin.value < -AT_REST;
+        let rests = Node::within(self, point.clone(), AT_REST).is_some();
+        rests && (self.examined(point)).is_ok_and(|at| !at.margins.iter().any(is_negative))
     }
 
     /// Whether a switch leaves the state of an equilibrium as it is.

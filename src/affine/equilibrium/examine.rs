@@ -130,7 +130,7 @@ impl EquilibriumCurve {
         match worst {
             Some(margin) if margin.value < -margin.error => VirtualEquilibrium::Guard {
                 guard: self.guard_of(margin),
-                value: margin.value,
+                value: margin.value / self.guards[margin.guard],
             },
             Some(margin) => VirtualEquilibrium::Zero {
                 guard: self.guard_of(margin),

@@ -60,7 +60,7 @@ pub enum VirtualEquilibrium {
     Guard {
         /// Which.
         guard: EquilibriumGuard,
-        /// Its value, scaled to order one.
+        /// Its value, in the units of the system.
         value: f64,
     },
     /// A guard is zero but for rounding.
