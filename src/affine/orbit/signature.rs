@@ -71,11 +71,11 @@ pub struct Zone {
     pub kept: Carried<Vec<f64>>,
     /// How many shots it is gone through in beyond the first: see [`super::shots`].
     #[serde(default, skip_serializing_if = "Carried::is_default")]
-    pub further: Carried<usize>,
+    pub further: Carried<u32>,
     /// Of an orbit that neither switches nor is forced: the state that is greatest where it begins, where that is no more the one of the
     /// first orbit.
     #[serde(default, skip_serializing_if = "Carried::is_default")]
-    pub section: Carried<Option<usize>>,
+    pub section: Carried<Option<u8>>,
 }
 
 impl Zone {
@@ -94,23 +94,23 @@ impl Zone {
 
     /// How many shots it is gone through in.
     pub fn shots(&self) -> usize {
-        1 + self.further.0
+        1 + self.further.0 as usize
     }
 
     /// The same zone gone through in so many shots, one at least.
     pub fn in_shots(mut self, shots: usize) -> Zone {
-        self.further = Carried(shots.saturating_sub(1));
+        self.further = Carried(u32::try_from(shots.saturating_sub(1)).unwrap_or(u32::MAX));
         self
     }
 
     /// The state that is greatest where it begins, where another one was where the first orbit begins.
     pub fn section(&self) -> Option<usize> {
-        self.section.0
+        self.section.0.map(usize::from)
     }
 
     /// The same zone begun where this state is greatest.
     pub fn begun_where(mut self, state: usize) -> Zone {
-        self.section = Carried(Some(state));
+        self.section = Carried(u8::try_from(state).ok());
         self
     }
 
