@@ -271,6 +271,7 @@ fn a_zone_of_some_length_comes_at_a_graze() {
 /// Two masses with friction, tied to one another: where both halves of their symmetric orbit change at once, four zones that
 /// open like roots take the place of two. The branch goes on there and back; an independent program has that place.
 #[test]
+#[allow(clippy::approx_constant)] // a frequency near π/6 is none of its multiples
 fn a_symmetric_orbit_changes_in_both_halves_by_several_zones() {
     let text = r#"(states: ["x1", "v1", "x2", "v2"], parameters: {"a": 1.0, "w": 0.5235, "k": 0.6, "F1": 0.2, "F2": 0.25, "c": 0.1, "m": 1.5},
         forcing: "w", contacts: {"q1": Friction(slip: "v1", bound: "F1"), "q2": Friction(slip: "v2", bound: "F2")},

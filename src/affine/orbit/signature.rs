@@ -193,7 +193,7 @@ impl Sequence {
 
     /// How many shots there are beyond the first ones.
     pub fn further_shots(&self) -> usize {
-        self.0.iter().map(|zone| zone.further.0).sum()
+        self.0.iter().map(|zone| zone.further.0 as usize).sum()
     }
 
     /// The same sequence with every zone in one shot.
