@@ -134,15 +134,24 @@ impl AffineOrbit {
     pub(super) fn carried_to_section(&self, other: &AffineOrbit, node: &Node) -> Option<Node> {
         /// Part of the direction that they must have.
         const TELLS: f64 = 1e-6;
-        let point = other.begun_at_section(&node.point).ok()?;
-        let mut tangent = node.tangent.clone();
-        tangent.rows_mut(0, self.states()).fill(0.0);
+        let point = other.begun_at_section(self, &node.point).ok()?;
+        let mut tangent = Vector::zeros(point.len());
+        tangent[self.states()] = node.tangent[self.states()];
+        let [own, others] = [self, other].map(AffineOrbit::unknowns_of_zones);
+        let parameters = node.tangent.rows(own, node.tangent.len() - own);
+        tangent
+            .rows_mut(others, parameters.len())
+            .copy_from(&parameters);
         (tangent.norm() > TELLS).then(|| Node::at(point, tangent.normalize()))
     }
 
-    /// The same orbit without switches and forcing, begun where its state is greatest.
-    pub(super) fn begun_at_section(&self, point: &Vector) -> Result<Vector, OrbitFailure> {
-        let at = self.at(point)?;
+    /// An orbit without switches and forcing, which other unknowns give, begun where its state is greatest.
+    pub(super) fn begun_at_section(
+        &self,
+        of: &AffineOrbit,
+        point: &Vector,
+    ) -> Result<Vector, OrbitFailure> {
+        let at = of.at(point)?;
         let mut zone = at.zones[0].clone();
         let mode = self.sequence.zone(0).mode;
         let section = self.section(&at.posed.system.modes[mode]);

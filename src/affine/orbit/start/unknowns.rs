@@ -93,7 +93,7 @@ fn units(orbit: &AffineOrbit, point: &Vector, sizes: Vec<f64>) -> Result<Vec<f64
     /// A state that never exceeds this part of what the others make of it is rounding, and more where that grows along the orbit: by
     /// no more than the second part.
     const NOTHING: f64 = 1e-12;
-    const GROWN: f64 = 1e-3;
+    const GROWN: f64 = 1e-9;
     let states = sizes.len();
     let at = orbit.at(point)?;
     let passages = at.passages()?;
@@ -176,7 +176,7 @@ pub(in crate::affine::orbit) fn scaled(
     let point = orbit.pack(&points, &wanted.values);
     let begun = free && orbit.sequence.switches() == 0;
     let point = match begun {
-        true => orbit.begun_at_section(&point).map_err(failed)?,
+        true => orbit.begun_at_section(&orbit, &point).map_err(failed)?,
         false => point,
     };
     Ok((orbit, point))
