@@ -94,6 +94,10 @@ fn units(orbit: &AffineOrbit, point: &Vector, sizes: Vec<f64>) -> Result<Vec<f64
     /// no more than the second part.
     const NOTHING: f64 = 1e-12;
     const GROWN: f64 = 1e-9;
+    /// A state that never exceeds this is zero where that does not tell.
+    const SMALL: f64 = 1e-15;
+    /// Units further apart are none: what acts on it is lost in what decays.
+    const APART: f64 = 1e12;
     let states = sizes.len();
     let at = orbit.at(point)?;
     let passages = at.passages()?;
@@ -114,9 +118,18 @@ fn units(orbit: &AffineOrbit, point: &Vector, sizes: Vec<f64>) -> Result<Vec<f64
     let nothing = (NOTHING * growth.fold(1.0, f64::max)).min(GROWN);
     let pairs = || sizes.iter().zip(&alike);
     let largest = pairs().fold(0.0, |most: f64, (size, alike)| most.max(size / alike));
-    let units = pairs().map(|(size, alike)| match *size > nothing * largest * alike {
-        true => unit(*size),
-        false => unit(largest * alike),
+    let spread = alike
+        .iter()
+        .fold((f64::INFINITY, 0.0_f64), |(low, high), alike| {
+            (low.min(*alike), high.max(*alike))
+        });
+    let units = pairs().map(|(size, alike)| {
+        let is_zero = *size <= nothing * largest * alike;
+        match is_zero && spread.1 <= APART * spread.0 {
+            true => unit(largest * alike),
+            false if *size > SMALL => unit(*size),
+            false => 1.0,
+        }
     });
     Ok(units.collect())
 }
