@@ -246,7 +246,7 @@ fn found(compared: &Compared, column: &str) -> CheckedExpectation {
         )),
         Some(event) => {
             let value = event.number(column).unwrap_or(f64::NAN);
-            let value = figures::significant(value, 12);
+            let value = figures::significant(value, figures::PLACE);
             let _ = write!(title, " at {column} = {value}");
             compared.regimes.as_ref().map(ToString::to_string)
         }

@@ -34,7 +34,7 @@ fn figure(value: f64) -> String {
     }
 }
 
-/// Digits of the points of a curve, whose errors are not told.
+/// Digits of the points of a curve, and of what stands beside an event, whose errors are not told.
 const CURVE_DIGITS: usize = 13;
 
 /// The columns of a branch that its summary shows: the parameter, and a number of the orbit.

@@ -71,13 +71,11 @@ pub fn acts(matrix: &Matrix) -> Acts {
 /// that balance it, no eigenvalue is changed by what goes round there, and the smallest of them in the units of the matrix goes. A
 /// state that stays zero acts on others by what rounding has left of it; balanced, both sides of such a loop would be alike, and
 /// vectors of the matrix would have no digits.
-pub fn without_noise(matrix: &Matrix) -> Matrix {
-    /// An entry this small beside the largest one may be rounding times rounding.
-    const SMALL: f64 = f64::EPSILON;
-    let mut left = matrix.clone();
+pub fn without_noise(mut left: Matrix) -> Matrix {
     loop {
         let largest = left.amax();
-        let is_small = |x: f64| x != 0.0 && x.abs() < SMALL * largest;
+        // it may be rounding times rounding
+        let is_small = |x: f64| x != 0.0 && x.abs() < f64::EPSILON * largest;
         if !left.iter().any(|x| is_small(*x)) {
             return left;
         }

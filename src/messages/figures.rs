@@ -12,6 +12,9 @@ const MOST_DIGITS: i32 = 15;
 /// Digits of a number whose error is not known: those that every double has.
 pub(crate) const ALL: usize = 15;
 
+/// Digits that tell a place along a branch from others.
+pub(crate) const PLACE: usize = 12;
+
 /// A number to so many significant digits.
 pub(crate) fn significant(value: f64, digits: usize) -> String {
     let size = value.abs();

@@ -11,7 +11,7 @@ pub(crate) use system::{AWAY, halt, lack};
 
 use std::fmt::{self, Display, Formatter};
 
-use figures::significant;
+use figures::{PLACE, significant};
 
 use crate::map::Missing;
 use crate::problem::{Doubt, Rotation};
@@ -57,9 +57,6 @@ impl Display for Doubt {
         }
     }
 }
-
-/// Digits that tell a place along a branch from others.
-const PLACE: usize = 12;
 
 /// Something that comes so close to zero on a branch that its sign is not known.
 fn near_zero(f: &mut Formatter<'_>, column: &str, value: f64, what: &impl Display) -> fmt::Result {

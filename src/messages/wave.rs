@@ -3,8 +3,8 @@
 use std::fmt::{self, Display, Formatter};
 
 use super::branch::Told;
-use super::figures::significant;
-use super::{PLACE, list, near_zero};
+use super::figures::{PLACE, significant};
+use super::{list, near_zero};
 use crate::branch::VerdictReason;
 use crate::branch::special::{Change, InadmissibleWave, OfWaves, WaveMargin, WaveNote, WaveStop};
 use crate::orbit::EventType;

@@ -30,11 +30,7 @@ pub fn beyond<O: Orbit>(
     ds: f64,
     tolerance: f64,
 ) -> BeyondSearch<O> {
-    let mut search = BeyondSearch {
-        beyond: None,
-        refused: Vec::new(),
-        others: Vec::new(),
-    };
+    let mut search = BeyondSearch::of(None);
     let list = match orbit.candidates(point, margin) {
         Ok(list) => list,
         Err(error) => {
@@ -73,6 +69,15 @@ pub fn beyond<O: Orbit>(
 }
 
 impl<O: Orbit> BeyondSearch<O> {
+    /// Nothing else found than this, and nothing refused.
+    pub(super) fn of(beyond: Option<Beyond<O>>) -> BeyondSearch<O> {
+        BeyondSearch {
+            beyond,
+            refused: Vec::new(),
+            others: Vec::new(),
+        }
+    }
+
     /// Adds signatures that were refused, each once: how near it came to an admissible one counts.
     pub(super) fn add_refused(&mut self, refused: impl IntoIterator<Item = Tried<O>>) {
         for one in refused {
@@ -192,11 +197,10 @@ pub fn beyond_together<O: Orbit>(
         margin: margin.clone(),
         between,
         search: BeyondSearch {
-            beyond: Some(beyond),
-            refused: Vec::new(),
             others: entered
                 .map(|(.., other)| other.orbit.signature().clone())
                 .collect(),
+            ..BeyondSearch::of(Some(beyond))
         },
     })
 }

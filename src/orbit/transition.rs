@@ -148,11 +148,7 @@ impl<O: Orbit> Track<O> {
                 passed: Vec::new(),
                 margin: margin.clone(),
                 told,
-                search: BeyondSearch {
-                    beyond: Some(beyond),
-                    refused: Vec::new(),
-                    others: Vec::new(),
-                },
+                search: BeyondSearch::of(Some(beyond)),
             })
         })
     }

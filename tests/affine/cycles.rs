@@ -8,7 +8,7 @@ use brakewave::affine::orbit::start::{Beginning, NoStart, Search, Wanted, first}
 use brakewave::linalg::Vector;
 
 use crate::affine::branches::{follow, meets};
-use crate::affine::systems::system;
+use crate::affine::systems::{in_order, system};
 use EventType::{BP, EP, GR, NS, PD};
 
 const VAN_DER_POL: &str = r#"(states: ["x", "v"], parameters: {"mu": 1.0}, modes: {"flow": (
@@ -266,12 +266,10 @@ fn a_maximum_that_vanishes_is_no_event() {
         ("z", "g"),
     ];
     for order in [[0, 1, 2], [1, 2, 0], [2, 0, 1]] {
-        let list = |of: &dyn Fn(usize) -> String| order.map(of).join(", ");
-        let text = format!(
-            r#"(states: [{}], parameters: {{"mu": 1.0}}, modes: {{"flow": (rates: {{{}}})}},
-                define: {{"f": "mu*y - z - y*(y^2 + z^2)", "g": "y + mu*z - z*(y^2 + z^2)"}})"#,
-            list(&|index| format!("\"{}\"", rates[index].0)),
-            list(&|index| format!("\"{}\": \"{}\"", rates[index].0, rates[index].1)),
+        let text = in_order(
+            &rates,
+            &order,
+            r#"parameters: {"mu": 1.0}, define: {"f": "mu*y - z - y*(y^2 + z^2)", "g": "y + mu*z - z*(y^2 + z^2)"}"#,
         );
         let begin = order.map(|index| [0.0, 0.9, 0.0][index]);
         let range = (0.02, 2.0);

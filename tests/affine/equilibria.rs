@@ -16,6 +16,7 @@ use crate::affine::rests::{
     BRUSSELATOR, CHUA, Course, FITZHUGH, HARVEST, PITCHFORK, STARTS, events, followed, meets,
     number, runner,
 };
+use crate::affine::systems::in_order;
 use EventType::{BE, BP, EP, HB, LP, MX};
 
 #[test]
@@ -74,12 +75,7 @@ fn hopf_points_have_their_frequency_and_first_lyapunov_coefficient() {
         [2, 0, 1],
         [2, 1, 0],
     ] {
-        let list = |of: &dyn Fn(usize) -> String| order.map(of).join(", ");
-        let text = format!(
-            r#"(states: [{}], parameters: {{"mu": 0.1}}, modes: {{"flow": (rates: {{{}}})}})"#,
-            list(&|index| format!("\"{}\"", rates[index].0)),
-            list(&|index| format!("\"{}\": \"{}\"", rates[index].0, rates[index].1)),
-        );
+        let text = in_order(&rates, &order, r#"parameters: {"mu": 0.1}"#);
         let course = Course {
             system: &text,
             parameter: "mu",

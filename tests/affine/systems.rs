@@ -5,6 +5,17 @@ use brakewave::affine::motion::Place;
 use brakewave::affine::system::{Source, System};
 use ron::extensions::Extensions;
 
+/// A system of one mode, its states in an order of these rates.
+pub fn in_order(rates: &[(&str, &str)], order: &[usize], more: &str) -> String {
+    let list = |of: &dyn Fn(&(&str, &str)) -> String| {
+        let all: Vec<String> = order.iter().map(|index| of(&rates[*index])).collect();
+        all.join(", ")
+    };
+    let names = list(&|(name, _)| format!("\"{name}\""));
+    let rates = list(&|(name, rate)| format!("\"{name}\": \"{rate}\""));
+    format!(r#"(states: [{names}], modes: {{"flow": (rates: {{{rates}}})}}, {more})"#)
+}
+
 /// COCO, hspo `demo_impact` (Dankowicz & Schilder, Recipes for Continuation, ex. 15.2).
 pub const IMPACT: &str = include_str!("../../problems/impact_oscillator.ron");
 

@@ -26,6 +26,32 @@ const AT_REST: f64 = 1e-8;
 /// Part of a step to which a change of stability is known before its extended system is solved.
 const NEAR: f64 = 1e-3;
 
+/// Of the exits of a guard the first whose conditions hold at z, and any before it of which that is not told.
+fn taken<'a>(exits: &'a [Exit], z: &Vector) -> Vec<&'a Exit> {
+    let mut taken = Vec::new();
+    for exit in exits {
+        let least = least_condition(exit, z);
+        if least >= -SAME {
+            taken.push(exit);
+        }
+        if least > SAME {
+            break;
+        }
+    }
+    taken
+}
+
+/// The least of the conditions of a switch, each beside the terms that it is made of.
+fn least_condition(exit: &Exit, z: &Vector) -> f64 {
+    let values = exit.conditions.iter().map(|row| {
+        let terms = row.at.iter().zip(z).filter(|(by, _)| **by != 0.0);
+        let size: f64 = terms.map(|(by, z)| (by * z).abs()).sum();
+        // where every term is zero so is the condition
+        if size > 0.0 { row.value(z) / size } else { 0.0 }
+    });
+    values.fold(f64::INFINITY, f64::min)
+}
+
 impl Orbit for EquilibriumCurve {
     type Signature = RestMode;
     type Parameter = String;
@@ -130,15 +156,11 @@ impl Orbit for EquilibriumCurve {
             .map_or(&[][..], |guard| &guard.exits);
         let mut found: Vec<Candidate<EquilibriumCurve>> = Vec::new();
         let leads = |exit: &Exit| std::iter::once(exit.to).chain(exit.rest);
-        // the first whose conditions hold is taken, and any before it of which that is not told
-        let lead = exits
-            .iter()
-            .position(|exit| self.least_condition(exit, point) > SAME);
-        let ways = exits[..lead.map_or(exits.len(), |lead| lead + 1)].iter();
-        let ways = ways.filter(|exit| self.least_condition(exit, point) >= -SAME);
+        let z = self.at_switch(point);
+        let ways = taken(exits, &z).into_iter();
         for (exit, to) in ways.flat_map(|exit| leads(exit).map(move |to| (exit, to))) {
             let known = |one: &Candidate<EquilibriumCurve>| one.orbit.signature.mode == to;
-            if to == mode || found.iter().any(known) || !self.stays(exit, point) {
+            if to == mode || found.iter().any(known) || !self.stays(exit, point, &z) {
                 continue;
             }
             // equilibria at this value of the parameter alone are no branch, as where no rate of a mode has some state
@@ -293,23 +315,12 @@ impl Orbit for EquilibriumCurve {
 }
 
 impl EquilibriumCurve {
-    /// The least of the conditions of a switch at an equilibrium, each beside the terms that it is made of.
-    fn least_condition(&self, exit: &Exit, point: &Vector) -> f64 {
+    /// z at an equilibrium, with what conditions and resets are made of.
+    fn at_switch(&self, point: &Vector) -> Vector {
         let mode = self.signature.mode;
         let mut z = self.lifted.lift(mode, &self.place(point), 0.0);
         self.lifted.modes[mode].field.complete_at_switch(&mut z);
-        let conditions = exit.conditions.iter();
-        let values = conditions.map(|row| {
-            let terms = row.at.iter().zip(&z).filter(|(by, _)| **by != 0.0);
-            let size: f64 = terms.map(|(by, z)| (by * z).abs()).sum();
-            // where every term is zero so is the condition
-            if size > 0.0 {
-                row.value(&z) / size
-            } else {
-                0.0
-            }
-        });
-        values.fold(f64::INFINITY, f64::min)
+        z
     }
 
     /// Whether equilibria of this mode may go on from an event of another one: it is one of them, and no guard is negative there, as
@@ -320,18 +331,15 @@ impl EquilibriumCurve {
         rests && (self.examined(point)).is_ok_and(|at| !at.margins.iter().any(is_negative))
     }
 
-    /// Whether a switch leaves the state of an equilibrium as it is.
-    fn stays(&self, exit: &Exit, point: &Vector) -> bool {
+    /// Whether a switch leaves the state of an equilibrium, with this z, as it is.
+    fn stays(&self, exit: &Exit, point: &Vector, z: &Vector) -> bool {
         if exit.is_continuous() {
             return true;
         }
         let place = self.place(point);
-        let mode = self.signature.mode;
-        let mut z = self.lifted.lift(mode, &place, 0.0);
-        self.lifted.modes[mode].field.complete_at_switch(&mut z);
         let units = &self.setting.scales.units;
         (0..self.states()).all(|state| {
-            let moved = exit.reset.value(state, &z) - place[state];
+            let moved = exit.reset.value(state, z) - place[state];
             moved.abs() <= SAME * units[state].max(place[state].abs())
         })
     }

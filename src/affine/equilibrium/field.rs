@@ -107,9 +107,8 @@ impl Linearised {
     /// ∂f/∂x, without what is rounding.
     pub fn slopes(&self) -> Matrix {
         let n = self.rates.len();
-        without_noise(&Matrix::from_fn(n, n, |row, column| {
-            self.rates[row].by[column]
-        }))
+        let slope = |row: usize, column: usize| self.rates[row].by[column];
+        without_noise(Matrix::from_fn(n, n, slope))
     }
 
     /// The surfaces that the motion does not leave, in these units of the states.

@@ -106,26 +106,21 @@ fn units(orbit: &AffineOrbit, point: &Vector, sizes: Vec<f64>) -> Result<Vec<f64
         .map(|passage| passage.flow.view((0, 0), (states, states)).into_owned());
     let flows: Vec<Matrix> = flows.collect();
     let alike = balance(&flows.iter().collect::<Vec<_>>());
-    let growth = flows.iter().flat_map(|flow| {
-        let columns = flow.column_iter().zip(&alike);
-        columns.flat_map(|(column, from)| {
-            let entries = column.iter().zip(&alike);
-            entries
-                .map(move |(entry, to)| (entry * from / to).abs())
-                .collect::<Vec<_>>()
+    let grown = |flow: &Matrix| {
+        Matrix::from_fn(states, states, |to, from| {
+            flow[(to, from)] * alike[from] / alike[to]
         })
-    });
-    let nothing = (NOTHING * growth.fold(1.0, f64::max)).min(GROWN);
+        .amax()
+    };
+    let growth = flows.iter().map(grown).fold(1.0, f64::max);
+    let nothing = (NOTHING * growth).min(GROWN);
     let pairs = || sizes.iter().zip(&alike);
     let largest = pairs().fold(0.0, |most: f64, (size, alike)| most.max(size / alike));
-    let spread = alike
-        .iter()
-        .fold((f64::INFINITY, 0.0_f64), |(low, high), alike| {
-            (low.min(*alike), high.max(*alike))
-        });
+    let least = alike.iter().copied().fold(f64::INFINITY, f64::min);
+    let tells = alike.iter().all(|alike| *alike <= APART * least);
     let units = pairs().map(|(size, alike)| {
         let is_zero = *size <= nothing * largest * alike;
-        match is_zero && spread.1 <= APART * spread.0 {
+        match is_zero && tells {
             true => unit(largest * alike),
             false if *size > SMALL => unit(*size),
             false => 1.0,
