@@ -719,3 +719,45 @@ fn conditions_of_a_switch_tell_where_an_equilibrium_goes_on() {
         assert!((last.state[0] - x).abs() <= 1e-14, "{:?}", last.state);
     }
 }
+
+/// A circle of radius √mu around the origin, with one of three states that only follows in a nonlinear coordinate; and one of
+/// radius √(1000 mu) in units of 1e-3 and 1e3.
+#[test]
+fn cycles_are_born_in_all_coordinates() {
+    let follower = r#"(states: ["X", "y", "z"], parameters: {"mu": -0.2}, modes: {"flow": (rates:
+        {"X": "-x + 0.6*y*f + 0.2*g", "y": "f", "z": "g"})}, define: {"x": "X - 0.3*y^2 - 0.2*z",
+        "f": "mu*y - z - y*(y^2 + z^2)", "g": "y + mu*z - z*(y^2 + z^2)"})"#;
+    let weak = r#"(states: ["u", "w"], parameters: {"mu": -0.2}, modes: {"flow": (rates:
+        {"u": "0.001*f", "w": "1000*g"})}, define: {"x": "u/0.001", "y": "w/1000",
+        "f": "mu*x - y - 0.001*x*(x^2 + y^2)", "g": "x + mu*y - 0.001*y*(x^2 + y^2)"})"#;
+    for (system, states) in [(follower, 3), (weak, 2)] {
+        let course = Course {
+            system,
+            mode: "flow",
+            state: &[0.0; 3][..states],
+            parameter: "mu",
+            range: (-0.2, 1.0),
+        };
+        let all = course.all(&[1.0; 3], false);
+        let at = all.iter().find(|item| item.point.kind == Some(HB)).unwrap();
+        let named = EarlierPoint::Equilibrium(NamedEquilibrium {
+            saved: at.saved.clone().unwrap(),
+            kind: Some(HB),
+        });
+        let mut problem = course.problem(&[1.0; 3], false, "stability: ()");
+        problem.equilibrium = None;
+        problem.orbit = ron::from_str(r#"(start: Switch(dir: "earlier", label: 2))"#).unwrap();
+        let section = problem.continuation.clone().unwrap();
+        let mut runner = OrbitRunner::begin(&problem, &section, Some(&named)).unwrap();
+        let first = runner.step().remove(0).point;
+        let mu = first.parameters[0];
+        assert!(mu > 0.0 && mu < 0.01, "{mu}");
+        let period = std::f64::consts::TAU;
+        assert!(
+            (first.period / period - 1.0).abs() <= 1e-10,
+            "{}",
+            first.period
+        );
+        assert_eq!(first.stable, Some(Stability::Yes));
+    }
+}

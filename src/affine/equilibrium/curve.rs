@@ -285,7 +285,8 @@ impl Equations for EquilibriumCurve {
 }
 
 /// Units in which an equilibrium is followed: the size of every state; of one that is zero but for rounding what it
-/// changes by over the range of the parameter; and of one that stays zero what makes the derivatives of the rates alike.
+/// changes by over the range of the parameter; and of one that stays zero what makes the derivatives of the rates alike. Where all
+/// states are rounding, none has a size: there the unit is how far rates are linear.
 pub(super) fn scales(
     system: &System,
     values: &[f64],
@@ -318,9 +319,17 @@ pub(super) fn scales(
     let largest = (0..n).fold(0.0, |most: f64, index| {
         most.max(size(index) / balanced[index])
     });
+    let is_rounding = |linear: &f64| largest.is_normal() && largest < NOTHING * linear;
+    let linear = linear_within(&field, &balanced, rate).filter(is_rounding);
+    let none = linear.is_some();
     let largest = if largest.is_normal() { largest } else { 1.0 };
+    let largest = linear.unwrap_or(largest);
     let unit = |index: usize| {
-        let least = NOTHING * largest * balanced[index];
+        let least = if none {
+            f64::INFINITY
+        } else {
+            NOTHING * largest * balanced[index]
+        };
         if size(index) > least {
             size(index)
         } else {
@@ -332,6 +341,33 @@ pub(super) fn scales(
         rate,
         first,
     })
+}
+
+/// How far from a place rates are linear, in these units of the states: where their second or third derivatives make as much of a
+/// change of state as the first. `None` where they have none.
+fn linear_within(field: &LocalField, units: &Vector, rate: f64) -> Option<f64> {
+    let n = field.states;
+    let functions: Vec<Of> = (0..n).map(Of::Rate).collect();
+    let along =
+        |index: usize| Vector::from_fn(n + 1, |i, _| if i == index { units[i] } else { 0.0 });
+    let along: Vec<Vector> = (0..n).map(along).collect();
+    let size = |row: usize, derivative: f64| (derivative / (units[row] * rate)).abs();
+    let mut least = f64::INFINITY;
+    for one in &along {
+        let second = field.second(&functions, one, &along);
+        for (column, other) in along.iter().enumerate() {
+            let third = field.third([one, one, other]);
+            for row in 0..n {
+                let by = [
+                    size(row, second[(row, column)]).recip(),
+                    size(row, third[row]).sqrt().recip(),
+                ];
+                // a kink has no derivatives
+                least = by.into_iter().fold(least, f64::min);
+            }
+        }
+    }
+    least.is_normal().then_some(least)
 }
 
 /// The geometric mean of the sizes of all eigenvalues that are not zero to rounding: a unit of rates.

@@ -59,9 +59,12 @@ pub struct CycleGuess {
     pub up: bool,
 }
 
-/// Amplitudes that are tried, relative to the units of the states: the normal form leaves out what is of third order, and
-/// next to the Hopf point the equations of a cycle are singular.
+/// Amplitudes that are tried, relative to the units of the states, then to the amplitude of the cycle that the normal form has at
+/// the width of the range: it leaves out what is of third order, and next to the Hopf point the equations of a cycle are singular.
 const AMPLITUDES: [f64; 6] = [0.03, 0.01, 0.1, 0.003, 0.001, 0.0003];
+
+/// A cycle that is nearer to the Hopf point than this part of the range is not told from the others of the linear rates.
+const NEAREST: f64 = 1e-8;
 
 impl EquilibriumCurve {
     /// Guesses of cycles of several amplitudes next to a Hopf point.
@@ -93,9 +96,12 @@ impl EquilibriumCurve {
         if !(speed.is_normal() && lyapunov.is_normal()) {
             return Err(NoCycle::Undecided);
         }
-        let largest = form.unit_amplitude(units);
-        let guess = |relative: &f64| {
-            let amplitude = relative * largest;
+        let width = units[n];
+        let sizes = [
+            form.unit_amplitude(units),
+            (width * speed / (omega * lyapunov)).abs().sqrt(),
+        ];
+        let guess = |amplitude: f64| {
             let shift = -omega * lyapunov * amplitude * amplitude / speed;
             let moved = form.displacement(amplitude);
             CycleGuess {
@@ -108,6 +114,10 @@ impl EquilibriumCurve {
                 up: shift > 0.0,
             }
         };
-        Ok(AMPLITUDES.iter().map(guess).collect())
+        let amplitudes = sizes
+            .into_iter()
+            .flat_map(|size| AMPLITUDES.map(|relative| relative * size));
+        let told = |guess: &CycleGuess| (guess.value - place[n]).abs() >= NEAREST * width;
+        Ok(amplitudes.map(guess).filter(told).collect())
     }
 }
