@@ -42,6 +42,12 @@ const SINGULAR: f64 = 1e-7;
 const AWAY: f64 = 3e-3;
 const TRIES: i32 = 5;
 
+/// Where the parameter moves by less of its unit, the branches are one but for rounding, as where the unit of a state is small: the
+/// branch begins so many times farther, so often at most.
+const MOVED: f64 = 1e-8;
+const FARTHER: f64 = 4.0;
+const FARTHEST: i32 = 16;
+
 /// Settings of Newton's method for an orbit beside an event.
 const BESIDE: Settings = Settings {
     tolerance: 1e-10,
@@ -156,27 +162,33 @@ pub fn admitted<O: Orbit>(orbit: &O, point: &Vector) -> Result<(), NoBranch<O>> 
 
 /// The branch that leaves a singular point along a null vector.
 fn side<O: Orbit>(orbit: &O, at: &Vector, along: &Vector) -> Result<BranchSide, NoBranch<O>> {
-    let mut refused = NoBranch::Newton(newton::Failure::Singular);
-    for exponent in 0..TRIES {
-        let guess = at + along * (AWAY * 0.25_f64.powi(exponent));
+    let last = at.len() - 1;
+    let begun = |away: f64| {
+        let guess = at + along * away;
         let mut plane = Plane {
             normal: along,
             through: &guess,
         };
         let corrected = correct(orbit, &mut plane, &guess, along, &BESIDE);
-        let found = corrected.map_err(NoBranch::Newton).and_then(|(node, _)| {
-            admitted(orbit, &node.point)?;
-            Ok(node)
-        });
-        match found {
-            Ok(Node { point, tangent, .. }) => {
-                return Ok(BranchSide {
-                    up: tangent[at.len() - 1] > 0.0,
-                    point,
-                });
-            }
-            Err(error) => refused = error,
+        let (node, _) = corrected.map_err(NoBranch::Newton)?;
+        admitted(orbit, &node.point)?;
+        Ok(node)
+    };
+    let is_apart = |node: &Node| (node.point[last] - at[last]).abs() >= MOVED;
+    let mut found = Err(NoBranch::Newton(newton::Failure::Singular));
+    for exponent in 0..TRIES {
+        found = begun(AWAY * 0.25_f64.powi(exponent));
+        if found.is_ok() {
+            break;
         }
     }
-    Err(refused)
+    let mut node = found?;
+    if !is_apart(&node) {
+        let farther = (1..=FARTHEST).map_while(|step| begun(AWAY * FARTHER.powi(step)).ok());
+        node = farther.into_iter().find(is_apart).unwrap_or(node);
+    }
+    Ok(BranchSide {
+        up: node.tangent[last] > 0.0,
+        point: node.point,
+    })
 }

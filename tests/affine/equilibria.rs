@@ -13,8 +13,8 @@ use brakewave::orbit::legs::Run as _;
 use brakewave::orbit::{Stability, special};
 
 use crate::affine::rests::{
-    BRUSSELATOR, CHUA, Course, FITZHUGH, HARVEST, PITCHFORK, STARTS, events, followed, meets,
-    number, runner,
+    BRUSSELATOR, CHUA, Course, FITZHUGH, HARVEST, LORENZ, PITCHFORK, STARTS, events, followed,
+    meets, number, runner,
 };
 use crate::affine::systems::in_order;
 use EventType::{BE, BP, EP, HB, LP, MX};
@@ -717,6 +717,46 @@ fn conditions_of_a_switch_tell_where_an_equilibrium_goes_on() {
         let last = points.find(|point| point.parameters[0] == 2.0).unwrap();
         let x = (2.0 + slope) / (1.0 + slope);
         assert!((last.state[0] - x).abs() <= 1e-14, "{:?}", last.state);
+    }
+}
+
+/// The equations of Lorenz leave the origin at r = 1 on a branch (x, x, r − 1), x² = 8(r − 1)/3, in whatever units.
+#[test]
+fn the_other_branch_is_found_in_all_units() {
+    let course = Course {
+        system: LORENZ,
+        mode: "flow",
+        state: &[0.0; 3],
+        parameter: "r",
+        range: (0.2, 30.0),
+    };
+    for units in [
+        [1.0; 3],
+        [1.0, 1e-3, 1.0],
+        [1e-3; 3],
+        [1e3; 3],
+        [1.0, 1.0, 1e3],
+    ] {
+        let all = course.all(&units, false);
+        let at = all.iter().find(|item| item.point.kind == Some(BP)).unwrap();
+        let named = NamedEquilibrium {
+            saved: at.saved.clone().unwrap(),
+            kind: Some(BP),
+        };
+        let mut problem = course.problem(&units, false, "");
+        problem.equilibrium = ron::from_str(r#"(start: Switch(dir: "earlier", label: 2))"#).ok();
+        let found = followed(runner(&problem, Some(&named)));
+        assert!(found.len() > 3, "{units:?}");
+        for item in &found {
+            let (state, r) = (&item.point.state, item.point.parameters[0]);
+            let [x, y, z] = [0, 1, 2].map(|index| state[index] * units[index]);
+            let size = (8.0 / 3.0 * (r - 1.0)).sqrt();
+            assert!(
+                (x.abs() - size).abs() <= 1e-9 * size.max(1e-3),
+                "{units:?} {r} {x}"
+            );
+            assert!((y - x).abs() <= 1e-12 * size && (z - (r - 1.0)).abs() <= 1e-12 * r);
+        }
     }
 }
 
