@@ -52,11 +52,23 @@ impl HyperDual {
         }
     }
 
+    fn is_smooth(&self) -> bool {
+        self.0.iter().all(|x| x.is_finite())
+    }
+
+    /// The product. A smooth factor that vanishes takes the kink of the other one away: where b = 0, (ab)′ = ab′ of any continuous a.
     fn times(&self, other: &HyperDual) -> HyperDual {
+        let smooth = [self, other].map(HyperDual::is_smooth);
         let of = |subset: usize| {
             let parts = (0..SUBSETS).filter(|part| part & !subset == 0);
             parts
-                .map(|part| self.0[part] * other.0[subset & !part])
+                .map(|part| {
+                    let (a, b) = (self.0[part], other.0[subset & !part]);
+                    let vanishes =
+                        smooth[0] && a == 0.0 && self.0[0] == 0.0 && other.0[0].is_finite()
+                            || smooth[1] && b == 0.0 && other.0[0] == 0.0 && self.0[0].is_finite();
+                    if vanishes { 0.0 } else { a * b }
+                })
                 .sum()
         };
         HyperDual(std::array::from_fn(of))
@@ -84,6 +96,18 @@ impl HyperDual {
         let falling = [1.0, r, r * (r - 1.0), r * (r - 1.0) * (r - 2.0)];
         let order = [0.0, 1.0, 2.0, 3.0];
         self.composed(std::array::from_fn(|k| falling[k] * x.powf(r - order[k])))
+    }
+
+    /// Its absolute value where it is zero: there it has no derivative but along directions that do not change it.
+    fn at_kink(&self) -> HyperDual {
+        let of = |subset: usize| {
+            let mut parts = (1..=subset).filter(|part| part & !subset == 0);
+            match parts.all(|part| self.0[part] == 0.0) {
+                true => 0.0,
+                false => f64::NAN,
+            }
+        };
+        HyperDual(std::array::from_fn(of))
     }
 
     fn function(&self, function: Function) -> HyperDual {
@@ -119,8 +143,7 @@ impl HyperDual {
             Function::Exp => [x.exp(); 4],
             Function::Ln => [x.ln(), 1.0 / x, -1.0 / (x * x), 2.0 / (x * x * x)],
             Function::Sqrt => return self.power(0.5),
-            // at its kink it has no derivative
-            Function::Abs if x == 0.0 => [0.0, f64::NAN, f64::NAN, f64::NAN],
+            Function::Abs if x == 0.0 => return self.at_kink(),
             Function::Abs => [x.abs(), x.signum(), 0.0, 0.0],
         })
     }
@@ -174,6 +197,41 @@ mod tests {
                 .function(Function::Abs)
                 .derivative(&[0])
                 .is_nan()
+        );
+    }
+    /// |v|v has the derivative 0 at rest and no second one, |v|v² both, |v| none but along what does not change it.
+    #[test]
+    fn a_factor_that_vanishes_takes_a_kink_away() {
+        let rule = |rule, a: &HyperDual, b: &HyperDual| HyperDual::by_rule(rule, a, b);
+        let v = HyperDual::along(0.0, [1.3, -0.4, 0.0]);
+        let size = v.function(Function::Abs);
+        let drag = rule(Rule::Product, &size, &v);
+        let [first, second, apart] = [&[0][..], &[0, 1], &[2]].map(|of| drag.derivative(of));
+        assert_eq!((drag.value(), first, apart), (0.0, 0.0, 0.0));
+        assert!(second.is_nan());
+        for cubic in [
+            rule(Rule::Product, &drag, &v),
+            rule(Rule::Product, &v, &drag),
+        ] {
+            assert_eq!(
+                (cubic.derivative(&[1]), cubic.derivative(&[0, 1])),
+                (0.0, 0.0)
+            );
+        }
+        assert_eq!(size.derivative(&[2]), 0.0);
+        // a factor that is 2 there leaves the kink, and so does one that has a kink itself
+        let mut beside = v;
+        beside.add(2.0, &HyperDual::constant(1.0));
+        assert!(
+            rule(Rule::Product, &size, &beside)
+                .derivative(&[0])
+                .is_nan()
+        );
+        let root = v.function(Function::Sqrt);
+        assert!(
+            !rule(Rule::Product, &root, &root)
+                .derivative(&[0])
+                .is_finite()
         );
     }
 }

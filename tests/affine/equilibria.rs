@@ -801,3 +801,24 @@ fn cycles_are_born_in_all_coordinates() {
         assert_eq!(first.stable, Some(Stability::Yes));
     }
 }
+
+/// A pendulum with drag |v|v rests at sin x = 0.2/k, down to the fold at k = 0.2; its eigenvalues know of no drag.
+#[test]
+fn drag_by_the_square_of_speed_is_smooth_at_rest() {
+    let course = Course {
+        system: r#"(states: ["x", "v"], parameters: {"k": 1.0}, modes: {"flow": (rates:
+            {"x": "v", "v": "-k*sin(x) + 0.2 - 0.3*abs(v)*v - 0.1*v"})})"#,
+        mode: "flow",
+        state: &[0.2, 0.0],
+        parameter: "k",
+        range: (0.15, 1.0),
+    };
+    let mut problem = course.problem(&[1.0; 2], false, "");
+    problem.continuation.as_mut().unwrap().toward = brakewave::problem::Toward::Down;
+    let found = followed(runner(&problem, None));
+    assert!(found.iter().any(|item| item.point.kind == Some(LP)));
+    for item in &found {
+        let k = item.point.parameters[0];
+        assert!((k * item.point.state[0].sin() - 0.2).abs() <= 1e-14, "{k}");
+    }
+}
