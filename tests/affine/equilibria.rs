@@ -822,3 +822,18 @@ fn drag_by_the_square_of_speed_is_smooth_at_rest() {
         assert!((k * item.point.state[0].sin() - 0.2).abs() <= 1e-14, "{k}");
     }
 }
+
+/// Where a double is further from the next than a sine is long, whatever Newton's method comes to is chance.
+#[test]
+fn an_equilibrium_beyond_the_digits_of_a_sine_is_refused() {
+    let course = Course {
+        system: r#"(states: ["x"], parameters: {"mu": 0.5}, modes: {"flow": (rates: {"x": "mu - sin(pi*x)"})})"#,
+        mode: "flow",
+        state: &[0.5],
+        parameter: "mu",
+        range: (0.4, 0.6),
+    };
+    let problem = course.problem(&[1.0], false, "");
+    let section = problem.continuation.as_ref().unwrap();
+    assert!(EquilibriumRunner::begin(&problem, section, None).is_err());
+}

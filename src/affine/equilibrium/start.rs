@@ -5,7 +5,7 @@ use super::{EquilibriumExamination, EquilibriumScales, VirtualEquilibrium};
 use crate::affine::steady::{Isolation, NoEquilibrium};
 use crate::affine::system::{System, SystemError};
 use crate::continuation::newton::{self, Settings};
-use crate::linalg::Vector;
+use crate::linalg::{Matrix, Vector};
 use crate::orbit::Examined;
 use crate::orbit::sign::SignVerdict;
 
@@ -135,8 +135,37 @@ fn settled(request: &EquilibriumRequest, guess: &[f64]) -> Result<Vec<f64>, NoFi
         value: point[index],
     };
     let solution = newton::solve(&curve, &mut fixed, &point, &NEWTON);
-    let solution = solution.map_err(|_| NoFirstEquilibrium::NotFound)?;
-    Ok(curve.state(&solution.point))
+    let found = solution
+        .ok()
+        .filter(|solution| is_told_apart(&curve, &solution.point));
+    let found = found.ok_or(NoFirstEquilibrium::NotFound)?;
+    Ok(curve.state(&found.point))
+}
+
+/// Whether derivatives stay what they are within a few roundings of the unknowns. Where they do not, as where a sine turns between
+/// one double and the next, what is found is chance.
+fn is_told_apart(curve: &EquilibriumCurve, point: &Vector) -> bool {
+    /// Roundings, and the part of derivatives that may change within them; below the last, derivatives in scaled unknowns are zero.
+    const ROUNDINGS: f64 = 4.0 * f64::EPSILON;
+    const CHANGED: f64 = 0.05;
+    const SINGULAR: f64 = 1e-9;
+    let states = point.len() - 1;
+    let slopes = |factor: f64| {
+        let mut beside = point * factor;
+        beside[states] = point[states];
+        let (matrix, _) = newton::evaluated(curve, &beside).ok()?;
+        Some(matrix.columns(0, states).clone_owned())
+    };
+    let Some(here) = slopes(1.0) else {
+        return false;
+    };
+    let stays = |beside: Matrix| {
+        let rows = beside.row_iter().zip(here.row_iter());
+        let mut changed = rows.map(|(beside, here)| ((beside - here).amax(), here.amax()));
+        changed.all(|(changed, size)| changed <= CHANGED * size.max(SINGULAR))
+    };
+    let mut beside = [1.0 + ROUNDINGS, 1.0 - ROUNDINGS].into_iter();
+    beside.all(|factor| slopes(factor).is_some_and(stays))
 }
 
 impl EquilibriumCurve {
