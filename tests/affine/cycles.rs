@@ -117,6 +117,14 @@ fn an_equilibrium_is_no_cycle() {
         );
         assert!(told, "{search:?}: {reason}");
     }
+    // a guess that rests is told from a family of orbits
+    let rests = started(
+        VAN_DER_POL,
+        ("mu", (0.5, 10.0)),
+        &[0.0; 2],
+        Search::Guess(6.3),
+    );
+    assert!(matches!(rests, Err(NoStart::Equilibrium)));
 }
 
 /// The Brusselator: the cycle shrinks to its equilibrium at B = 1 + A².

@@ -32,9 +32,13 @@ pub(super) fn pose(
         index,
         value: guess[index],
     };
+    let stays = !orbit.is_forced() && orbit.sequence.switches() == 0;
+    let rests = |point: &Vector| stays && orbit.varies_within(point, SAME);
     let solution = newton::solve(&orbit, &mut fixed, &guess, settings).map_err(|failure| {
         let singular = matches!(failure, newton::Failure::Singular);
-        if singular && is_in_family(&orbit, &guess) {
+        if singular && rests(&guess) {
+            NoStart::Equilibrium
+        } else if singular && is_in_family(&orbit, &guess) {
             NoStart::Family(NoFollower::Family)
         } else {
             NoStart::Newton(failure)
@@ -44,8 +48,7 @@ pub(super) fn pose(
     if let Some(mode) = collapsed(&orbit, &guess, &point) {
         return Err(NoStart::Shrinks { mode });
     }
-    let rests = !orbit.is_forced() && orbit.sequence.switches() == 0;
-    if rests && orbit.varies_within(&point, SAME) {
+    if rests(&point) {
         return Err(NoStart::Equilibrium);
     }
     let times = orbit.traversals_within(&point, SAME);
