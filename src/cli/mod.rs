@@ -59,12 +59,11 @@ enum Verb {
     Accuracy(accuracy::AccuracyArguments),
     /// Follow an event of the branch in two parameters
     Curve(curve::CurveArguments),
-    /// Which waves exist where in a plane of two parameters, and which of them are stable
+    /// Which waves exist where in a plane of two parameters and which of them are stable, or what motions of a system settle on there
     Map(rows::RowsArguments),
     /// What motions of a system settle on, for many values of a parameter
     Scan(rows::RowsArguments),
-    /// Stability of steady sliding, mode by mode, in the reduced model and in the tube itself, as CSV
-    /// on standard output
+    /// Equilibria of every mode of a system, or the stability of steady sliding of a tube, mode by mode, as CSV on standard output
     Steady(steady::SteadyArguments),
     /// Simulate the motion in time as the section `simulation` of a problem file says
     Simulate(simulate::SimulateArguments),
