@@ -58,18 +58,18 @@ impl HyperDual {
 
     /// The product. A smooth factor that vanishes takes the kink of the other one away: where b = 0, (ab)′ = ab′ of any continuous a.
     fn times(&self, other: &HyperDual) -> HyperDual {
-        let smooth = [self, other].map(HyperDual::is_smooth);
+        let vanishes = |one: &HyperDual, beside: &HyperDual| {
+            one.0[0] == 0.0 && one.is_smooth() && beside.0[0].is_finite()
+        };
+        let (own, others) = (vanishes(self, other), vanishes(other, self));
         let of = |subset: usize| {
             let parts = (0..SUBSETS).filter(|part| part & !subset == 0);
-            parts
-                .map(|part| {
-                    let (a, b) = (self.0[part], other.0[subset & !part]);
-                    let vanishes =
-                        smooth[0] && a == 0.0 && self.0[0] == 0.0 && other.0[0].is_finite()
-                            || smooth[1] && b == 0.0 && other.0[0] == 0.0 && self.0[0].is_finite();
-                    if vanishes { 0.0 } else { a * b }
-                })
-                .sum()
+            let pairs = parts.map(|part| (self.0[part], other.0[subset & !part]));
+            let product = |(a, b): (f64, f64)| match own && a == 0.0 || others && b == 0.0 {
+                true => 0.0,
+                false => a * b,
+            };
+            pairs.map(product).sum()
         };
         HyperDual(std::array::from_fn(of))
     }
@@ -199,6 +199,7 @@ mod tests {
                 .is_nan()
         );
     }
+
     /// |v|v has the derivative 0 at rest and no second one, |v|v² both, |v| none but along what does not change it.
     #[test]
     fn a_factor_that_vanishes_takes_a_kink_away() {

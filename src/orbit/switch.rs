@@ -175,12 +175,9 @@ fn side<O: Orbit>(orbit: &O, at: &Vector, along: &Vector) -> Result<BranchSide, 
         Ok(node)
     };
     let is_apart = |node: &Node| (node.point[last] - at[last]).abs() >= MOVED;
-    let mut found = Err(NoBranch::Newton(newton::Failure::Singular));
-    for exponent in 0..TRIES {
-        found = begun(AWAY * 0.25_f64.powi(exponent));
-        if found.is_ok() {
-            break;
-        }
+    let mut found = begun(AWAY);
+    for exponent in 1..TRIES {
+        found = found.or_else(|_| begun(AWAY * 0.25_f64.powi(exponent)));
     }
     let mut node = found?;
     if !is_apart(&node) {

@@ -319,18 +319,14 @@ pub(super) fn scales(
     let largest = (0..n).fold(0.0, |most: f64, index| {
         most.max(size(index) / balanced[index])
     });
-    let is_rounding = |linear: &f64| largest.is_normal() && largest < NOTHING * linear;
-    let linear = linear_within(&field, &balanced, rate).filter(is_rounding);
-    let none = linear.is_some();
-    let largest = if largest.is_normal() { largest } else { 1.0 };
-    let largest = linear.unwrap_or(largest);
+    let linear = || linear_within(&field, &balanced, rate);
+    let linear = largest.is_normal().then(linear).flatten();
+    let all_rounding = linear.filter(|linear| largest < NOTHING * linear);
+    let known = if largest.is_normal() { largest } else { 1.0 };
+    let largest = all_rounding.unwrap_or(known);
     let unit = |index: usize| {
-        let least = if none {
-            f64::INFINITY
-        } else {
-            NOTHING * largest * balanced[index]
-        };
-        if size(index) > least {
+        let least = NOTHING * largest * balanced[index];
+        if all_rounding.is_none() && size(index) > least {
             size(index)
         } else {
             largest * balanced[index]
