@@ -102,6 +102,14 @@ impl fmt::Display for Critical {
             Critical::Homoclinic {
                 mode,
                 next: Some(next),
+            } if mode == next => write!(
+                formatter,
+                "the period grows without bound: the orbit comes to a cycle of connections between saddles of `{mode}`, a \
+                 heteroclinic cycle"
+            ),
+            Critical::Homoclinic {
+                mode,
+                next: Some(next),
             } => write!(
                 formatter,
                 "the period grows without bound: the orbit comes to a cycle of connections between saddles, from that of \

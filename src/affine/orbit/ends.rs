@@ -85,7 +85,7 @@ impl AffineOrbit {
             });
         };
         // of a unit of the branch, of which a step is a small part; growth counts over one shot
-        let growth = stay.growth / self.shots(stay.zone) as f64;
+        let growth = stay.growth() / self.shots(stay.zone) as f64;
         let noise = 16.0 * f64::EPSILON * growth.exp();
         let lost = || along < noise && self.left_beside_a_saddle(node) < noise;
         (along < stationary || lost()).then(|| self.comes_to(stay, node))
@@ -348,10 +348,9 @@ impl AffineOrbit {
             .or_else(|| self.stalls(&node.point, NEARLY_AT_REST))
             .or_else(|| {
                 let stay = self.longest_stay(&node.point)?;
-                let stop = (stay.growth > DIGITS).then(|| self.comes_to(stay, node))?;
-                let is_located = matches!(&stop, OrbitStop::Homoclinic { limit: Some(_), .. });
+                let stop = (stay.growth() > DIGITS).then(|| self.comes_to(stay, node))?;
                 let is_near = || self.left_beside_a_saddle(node) < NEARLY_THERE;
-                (is_located || is_near()).then_some(stop)
+                (stop.is_located() || is_near()).then_some(stop)
             })
             .or_else(|| self.comes_slowly(node, DIGITS))
             .or_else(|| self.loses_digits(&node.point))
@@ -361,9 +360,9 @@ impl AffineOrbit {
     /// The homoclinic orbit to which an orbit comes that has lost its digits to this growth beside a saddle, as a power of e, before
     /// it comes near: where decay is much slower than growth. The orbit itself is computed and tells.
     fn comes_slowly(&self, node: &Node, growth: f64) -> Option<OrbitStop> {
-        let stay = self.stay_within(&node.point, self.longest(&node.point)?, FAR)?;
-        let stop = (stay.growth > growth).then(|| self.comes_to(stay, node))?;
-        matches!(&stop, OrbitStop::Homoclinic { limit: Some(_), .. }).then_some(stop)
+        let stay = self.longest_stay_within(&node.point, FAR)?;
+        let stop = (stay.growth() > growth).then(|| self.comes_to(stay, node))?;
+        stop.is_located().then_some(stop)
     }
 
     /// The same where nothing but the duration grows and the orbit has lost all digits: steps succeed beyond that, but by
@@ -377,7 +376,7 @@ impl AffineOrbit {
         let comes = self.has_own_period()
             && along < NEARLY_THERE
             && tangent[self.duration_index(zone)] > GROWING
-            && self.stay_within(point, zone, FAR)?.growth > ALL;
+            && self.longest_stay_within(point, FAR)?.growth() > ALL;
         comes.then(|| self.comes_slowly(node, DIGITS)).flatten()
     }
 

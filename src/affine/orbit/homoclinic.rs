@@ -4,7 +4,7 @@
 
 use super::Critical;
 use super::layout::AffineOrbit;
-use super::stay::{FAR, Stay};
+use super::stay::{FAR, NEAR, Stay};
 use super::stop::OrbitStop;
 use crate::affine::connection::{
     Connected, Connection, ConnectionScales, Passed, SaddleRest, connected,
@@ -12,6 +12,13 @@ use crate::affine::connection::{
 use crate::continuation::Node;
 use crate::linalg::Vector;
 use crate::orbit::Limit;
+
+/// A connection is that of the branch where its parameter is no farther than so many times what the last turn changed:
+/// what is left falls by a factor e at least in a turn, but for what is small beside that.
+const BESIDE: f64 = 3.0;
+
+/// Saddles of one mode that are no farther apart than this, in units of the states, are one.
+const ALIKE: f64 = 1e-6;
 
 impl AffineOrbit {
     /// The connection beside an orbit that is long at one saddle and then at another, or again at the same.
@@ -22,7 +29,7 @@ impl AffineOrbit {
             mode: self.sequence.zone(stay.zone).mode,
             state: stay.rest.clone(),
         };
-        let last = match to.zone > from.zone {
+        let last = match (to.zone, to.place) > (from.zone, from.place) {
             true => to.zone,
             false => to.zone + self.zones(),
         };
@@ -47,29 +54,55 @@ impl AffineOrbit {
 
     /// The homoclinic orbit of a stay, or the cycle of connections where there are others on the way round.
     pub(super) fn comes_to(&self, stay: Stay, node: &Node) -> OrbitStop {
-        /// A connection is that of the branch where its parameter is no farther than so many times what the last turn changed:
-        /// what is left falls by a factor e at least in a turn, but for what is small beside that.
-        const BESIDE: f64 = 3.0;
         let here = self.parameter_at(&node.point);
-        let next = self.next_stay(&stay, &node.point);
         let unit = self.setting.scales.parameter;
         let most = BESIDE * self.left_beside_a_saddle(node) * unit.abs();
-        let found = self.connection([&stay, next.as_ref().unwrap_or(&stay)], &node.point);
-        let found = found.map(|(_, connected)| connected);
-        let known = found.filter(|found| (found.value * unit - here).abs() <= most);
-        OrbitStop::Homoclinic {
-            limit: known.as_ref().map(|found| found.value * unit),
-            error: known.map_or(0.0, |found| found.error * unit.abs()),
-            next: next.map(|next| next.mode),
-            mode: stay.mode,
-        }
+        let is_known = |found: &Connected| {
+            (found.value * unit - here).abs() <= most + found.error * unit.abs()
+        };
+        let stop = |most: f64| {
+            let stays = self.stays_from(&node.point, &stay, most);
+            let known = self.connections(&stays, &node.point);
+            let known = known.map(|(_, found)| found).find(&is_known);
+            let mut others = stays.iter().filter(|other| self.is_another(other, &stay));
+            OrbitStop::Homoclinic {
+                limit: known.as_ref().map(|found| found.value * unit),
+                error: known.map_or(0.0, |found| found.error * unit.abs()),
+                next: others.next().map(|next| next.mode.clone()),
+                mode: stay.mode.clone(),
+            }
+        };
+        // a saddle that the orbit has come less near counts where a connection needs it
+        let near = stop(NEAR);
+        let far = (!near.is_located()).then(|| stop(FAR));
+        far.filter(OrbitStop::is_located).unwrap_or(near)
     }
 
-    /// The connection beside the longest stay of an orbit, and where it exists.
+    /// Whether two stays are beside different saddles.
+    fn is_another(&self, one: &Stay, other: &Stay) -> bool {
+        let modes = [one, other].map(|stay| self.sequence.zone(stay.zone).mode);
+        let states = one.rest.iter().zip(&other.rest);
+        let mut states = states.zip(&self.setting.scales.states);
+        modes[0] != modes[1]
+            || states.any(|((one, other), unit)| (one - other).abs() > ALIKE * unit)
+    }
+
+    /// The connections from each stay to the next, and where each exists.
+    fn connections<'a>(
+        &'a self,
+        stays: &'a [Stay],
+        point: &'a Vector,
+    ) -> impl Iterator<Item = (Connection, Connected)> + 'a {
+        let nexts = stays.iter().cycle().skip(1);
+        let pairs = stays.iter().zip(nexts);
+        pairs.filter_map(|(from, to)| self.connection([from, to], point))
+    }
+
+    /// The first connection beside the longest stay of an orbit and the others, and where it exists.
     pub fn homoclinic(&self, point: &Vector) -> Option<(Connection, Connected)> {
-        let stay = self.stay_within(point, self.longest(point)?, FAR)?;
-        let next = self.next_stay(&stay, point);
-        self.connection([&stay, next.as_ref().unwrap_or(&stay)], point)
+        let stay = self.longest_stay_within(point, FAR)?;
+        let stays = self.stays_from(point, &stay, NEAR);
+        self.connections(&stays, point).next()
     }
 
     /// What a branch comes to beside a saddle: the event, with its parameter and the error of that.
@@ -201,7 +234,10 @@ mod tests {
             mode: mode.to_owned(),
             rest: rest.to_vec(),
             leaving: out[0].as_slice()[..rest.len()].to_vec(),
-            growth: f64::NAN,
+            place: 0,
+            nearest: f64::NAN,
+            time: f64::NAN,
+            rate: f64::NAN,
             turn: f64::NAN,
         }
     }

@@ -24,18 +24,37 @@ pub(super) const FAR: f64 = 0.2;
 pub(super) struct Stay {
     /// Its zone.
     pub zone: usize,
+    /// The place of the zone at which it is next to the saddle.
+    pub place: usize,
     /// Name of its mode.
     pub mode: String,
     /// The saddle.
     pub rest: Vec<f64>,
     /// A state where it leaves, and what grows is most of what it is off.
     pub leaving: Vec<f64>,
-    /// How much a perturbation grows meanwhile, as a power of e.
-    pub growth: f64,
+    /// How near that is, in units of the orbit's own.
+    pub nearest: f64,
+    /// How long it lasts.
+    pub time: f64,
+    /// How fast a perturbation grows meanwhile.
+    pub rate: f64,
     /// Time in which the slowest decay and the slowest growth change by a factor e, or turn by half: what the parameter is off
     /// falls by that at least, for a longer period.
     pub turn: f64,
 }
+
+impl Stay {
+    /// How much a perturbation grows meanwhile, as a power of e.
+    pub fn growth(&self) -> f64 {
+        self.rate * self.time
+    }
+}
+
+/// A stay comes as near a saddle as this, in units of the orbit's own.
+pub(super) const NEAR: f64 = 1e-2;
+
+/// A motion that is farther has gone away.
+const BESIDE: f64 = 0.3;
 
 /// Places of a zone that are looked at.
 const PLACES: usize = 256;
@@ -101,38 +120,84 @@ impl AffineOrbit {
         slowest().is_some_and(|least| least * (PLACES as f64) < SLOW)
     }
 
-    /// The saddle beside which an orbit without forcing spends its longest zone.
+    /// The longest stay beside a saddle in the longest zone of an orbit without forcing.
     pub(super) fn longest_stay(&self, point: &Vector) -> Option<Stay> {
-        self.stay(point, self.longest(point)?)
-    }
-
-    /// The saddle beside which an orbit without forcing spends a zone.
-    pub(super) fn stay(&self, point: &Vector, zone: usize) -> Option<Stay> {
-        /// It comes as near as this.
-        const NEAR: f64 = 1e-2;
-        self.stay_within(point, zone, NEAR)
+        self.longest_stay_within(point, NEAR)
     }
 
     /// The same, where it comes so near, in units of its own.
-    pub(super) fn stay_within(&self, point: &Vector, zone: usize, most: f64) -> Option<Stay> {
+    pub(super) fn longest_stay_within(&self, point: &Vector, most: f64) -> Option<Stay> {
+        let stays = self.stays_in(point, self.longest(point)?, most).into_iter();
+        stays.reduce(|one, other| if other.time > one.time { other } else { one })
+    }
+
+    /// All stays of an orbit, in their order from one of them on: the others where it comes so near.
+    pub(super) fn stays_from(&self, point: &Vector, first: &Stay, most: f64) -> Vec<Stay> {
+        let is_first = |stay: &Stay| (stay.zone, stay.place) == (first.zone, first.place);
+        let all = (0..self.zones()).flat_map(|zone| self.stays_in(point, zone, FAR));
+        let mut stays: Vec<Stay> = all
+            .filter(|stay| stay.nearest < most || is_first(stay))
+            .collect();
+        let begins = stays.iter().position(is_first).unwrap_or(0);
+        stays.rotate_left(begins);
+        stays
+    }
+
+    /// The stays of a zone beside saddles, in their order, where it comes so near, in units of its own: each is about a place at
+    /// which the motion is slower than before and after. They share the time of the zone as they do that which is spent near.
+    fn stays_in(&self, point: &Vector, zone: usize, most: f64) -> Vec<Stay> {
+        if !self.has_own_period() {
+            return Vec::new();
+        }
+        let passed = || {
+            let at = self.at(point).ok()?;
+            let way = way(&at, zone)?;
+            Some((at, way))
+        };
+        let Some((at, way)) = passed() else {
+            return Vec::new();
+        };
+        let units = &self.extents(point)[..];
+        let moves = |pair: &[Vector]| apart(pair[0].as_slice(), pair[1].as_slice(), units);
+        let speeds: Vec<f64> = way.windows(2).map(moves).collect();
+        let is_slow = |place: &usize| {
+            let before = place
+                .checked_sub(1)
+                .map_or(f64::INFINITY, |one| speeds[one]);
+            let after = speeds.get(place + 1).copied().unwrap_or(f64::INFINITY);
+            speeds[*place] < before && speeds[*place] <= after
+        };
+        let slow = (0..speeds.len()).filter(is_slow);
+        let mut stays: Vec<Stay> = Vec::new();
+        for stay in slow.filter_map(|place| self.stay_at(&at, (zone, &way), place, units)) {
+            // rounding makes a motion slow several times, and so does a saddle about which it turns
+            if stay.nearest < most && !stays.iter().any(|known| known.place == stay.place) {
+                stays.push(stay);
+            }
+        }
+        let time = at.zones[zone].duration;
+        let all: f64 = stays.iter().map(|stay| stay.time).sum();
+        stays.iter_mut().for_each(|stay| stay.time *= time / all);
+        stays
+    }
+
+    /// The stay beside the saddle next to a place of the way of a zone.
+    fn stay_at(
+        &self,
+        at: &OrbitAt,
+        (zone, way): (usize, &[Vector]),
+        place: usize,
+        units: &[f64],
+    ) -> Option<Stay> {
         /// It leaves where it is so many times as far as next to the saddle, or as this.
         const LEAVES: f64 = 3.0;
         const LEAST: f64 = 1e-3;
-        if !self.has_own_period() {
-            return None;
-        }
-        let at = self.at(point).ok()?;
         let Zone { mode, name, .. } = self.sequence.zone(zone);
-        let units = &self.extents(point)[..];
-        let time = at.zones[zone].duration;
-        let way = way(&at, zone)?;
-        let far = |one: &[f64], other: &[f64]| apart(one, other, units);
-        // it moves least where it is next to the saddle
-        let near = &slowest(&way, units)?.as_slice()[..units.len()];
         let system = &at.posed.system;
-        let equilibrium = system.equilibrium_near(*mode, near)?;
+        let states = |place: usize| &way[place].as_slice()[..units.len()];
+        let equilibrium = system.equilibrium_near(*mode, states(place))?;
         let values = &equilibrium.eigenvalues;
-        let growth = values.first().filter(|value| value.re > 0.0)?.re;
+        let rate = values.first().filter(|value| value.re > 0.0)?.re;
         let turn = |value: &Complex<f64>| match value.im.abs() {
             0.0 => value.re.abs().recip(),
             turns => PI / turns,
@@ -143,20 +208,27 @@ impl AffineOrbit {
         let decaying = values.iter().find(|value| value.re < 0.0);
         let decaying = decaying.or(Some(growing).filter(|_| slides))?;
         let rest = &equilibrium.state;
-        let states = || way.iter().map(|z| &z.as_slice()[..units.len()]);
-        let (index, nearest) = states()
-            .map(|state| far(state, rest))
-            .enumerate()
-            .min_by(|(_, one), (_, other)| one.total_cmp(other))?;
-        let still_near = |state: &&[f64]| far(state, rest) <= LEAVES * nearest.max(LEAST);
-        let leaving = states().skip(index).take_while(still_near).last()?;
-        (nearest < most).then(|| Stay {
+        let far: Vec<f64> = (0..way.len())
+            .map(|place| apart(states(place), rest, units))
+            .collect();
+        // as long as the motion has not gone away, from there or from what is near
+        let beside = far[place].max(BESIDE);
+        let gone = |place: &usize| far[*place] > beside;
+        let first = (0..place).rfind(gone).map_or(0, |gone| gone + 1);
+        let end = (place..way.len()).find(gone).unwrap_or(way.len());
+        let next = (first..end).min_by(|one, other| far[*one].total_cmp(&far[*other]))?;
+        let still_near = |place: &usize| far[*place] <= LEAVES * far[next].max(LEAST);
+        let leaving = (next..way.len()).take_while(still_near).last()?;
+        Some(Stay {
             zone,
+            place: next,
             mode: name.clone(),
-            growth: growth * time,
+            nearest: far[next],
+            time: (end - first) as f64,
+            rate,
             turn: turn(decaying).max(turn(growing)),
-            leaving: leaving.to_vec(),
-            rest: equilibrium.state.clone(),
+            leaving: states(leaving).to_vec(),
+            rest: rest.clone(),
         })
     }
 
@@ -248,12 +320,6 @@ impl AffineOrbit {
                 rate: time.recip(),
             },
         }
-    }
-
-    /// The saddle that an orbit comes to after a stay, where that is another zone.
-    pub(super) fn next_stay(&self, stay: &Stay, point: &Vector) -> Option<Stay> {
-        let mut zones = (1..self.zones()).map(|zone| (stay.zone + zone) % self.zones());
-        zones.find_map(|zone| self.stay(point, zone))
     }
 
     /// What the parameter changed by, at most, while the period grew by the last turn beside a saddle.

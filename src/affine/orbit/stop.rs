@@ -157,6 +157,13 @@ pub enum OrbitStop {
     },
 }
 
+impl OrbitStop {
+    /// Whether it is an orbit of infinite period whose parameter is known.
+    pub(super) fn is_located(&self) -> bool {
+        matches!(self, OrbitStop::Homoclinic { limit: Some(_), .. })
+    }
+}
+
 /// Names in a row, as a sentence has them.
 pub(super) fn quoted(names: &[String]) -> String {
     let names: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
