@@ -58,7 +58,7 @@ pub(super) fn within<O: Orbit>(
             BranchEvent::Change(_)
                 | BranchEvent::Edge(_)
                 | BranchEvent::Image(..)
-                | BranchEvent::Shrinks(..)
+                | BranchEvent::End(..)
         )
     };
     let mut ends = located.iter().filter(|(_, located)| ends(&located.event));
@@ -137,6 +137,9 @@ pub(super) fn rounding_of_unknowns<O: Orbit>(
 fn folds<O: Orbit>(orbit: &O, step: &Step<O>) -> LeastWithin {
     let last = step.from.tangent.len() - 1;
     let (t0, t1) = (step.from.tangent[last], step.to.tangent[last]);
+    if !events::may_turn(orbit, step) {
+        return LeastWithin::Far;
+    }
     // the tangent turns little in a step: a component is not lost and found again that is larger
     let turn = (&step.to.tangent - &step.from.tangent).norm();
     if t0 * t1 <= 0.0 || t0.abs().min(t1.abs()) > turn || t0.abs() <= events::VERTICAL {

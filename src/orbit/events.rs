@@ -4,7 +4,7 @@ use super::crossings::{OutsideCount, crossings, is_crossing};
 use super::located::{AT_ZERO, BranchEvent, LocatedEvent, Step};
 use super::monitor::{self, MonitorStop};
 use super::special::OrbitRefusal;
-use super::{AtZero, Examined, Orbit, Shrinking, SignVerdict, find, retrace, uncertainty};
+use super::{AtZero, EndWithin, Examined, Orbit, SignVerdict, find, retrace, uncertainty};
 use crate::continuation::arclength::{self, Node};
 use crate::continuation::locate::{self, Place, Target};
 use crate::continuation::newton::{self, Plane};
@@ -52,8 +52,8 @@ pub(super) fn located<O: Orbit>(
     told: Option<OutsideCount>,
     step: &Step<O>,
 ) -> Result<Vec<(Place, LocatedEvent<O>)>, OrbitRefusal<O>> {
-    if let Some(shrinks) = shrinks(orbit, range, stop_at, step) {
-        return shrinks;
+    if let Some(ends) = ends(orbit, range, stop_at, step) {
+        return ends;
     }
     let changes = changes(orbit, step)?;
     // where zones of both halves of an orbit close at once the equations are singular, and no fold is found
@@ -198,19 +198,19 @@ fn is_turn<O: Orbit>(
     O::turns_at(test) && apart <= known && (place.s - fold.0.s).abs() <= TURN * step.ds
 }
 
-/// The end of a branch within a step, and user points and edges before it, where its orbits shrink to an equilibrium
-/// there. Beyond that every inequality has the other sign: nothing else is looked for.
+/// The end of a branch within a step, and user points and edges before it. Beyond an equilibrium to which orbits shrink every
+/// inequality has the other sign: nothing else is looked for.
 #[allow(clippy::type_complexity)] // what `located` gives, or none
-fn shrinks<O: Orbit>(
+fn ends<O: Orbit>(
     orbit: &O,
     range: (f64, f64),
     stop_at: &[f64],
     step: &Step<O>,
 ) -> Option<Result<Vec<(Place, LocatedEvent<O>)>, OrbitRefusal<O>>> {
-    match orbit.shrinks(step) {
-        Shrinking::Not => None,
-        Shrinking::Far => Some(Err(OrbitRefusal::NotFound)),
-        Shrinking::At {
+    match orbit.ends_within(step) {
+        EndWithin::Not => None,
+        EndWithin::Far => Some(Err(OrbitRefusal::NotFound)),
+        EndWithin::At {
             s,
             node,
             special,
@@ -218,7 +218,7 @@ fn shrinks<O: Orbit>(
             uncertainty,
         } => {
             let end = LocatedEvent {
-                event: BranchEvent::Shrinks(special, stop),
+                event: BranchEvent::End(special, stop),
                 uncertainty,
             };
             let to = Node {
@@ -242,6 +242,16 @@ fn shrinks<O: Orbit>(
     }
 }
 
+/// Whether a fold within a step is to be believed. Where the slope of the parameter is not much more than rounding, as beside a
+/// homoclinic orbit, the orbits tell.
+pub(super) fn may_turn<O: Orbit>(orbit: &O, step: &Step<O>) -> bool {
+    /// The slope at both ends, where it is not much more: rounding is magnified by what grows along an orbit.
+    const LITTLE: f64 = 1e-5;
+    let last = step.from.tangent.len() - 1;
+    let slopes = [step.from, step.to].map(|node| node.tangent[last].abs());
+    slopes.iter().any(|slope| *slope > LITTLE) || orbit.may_turn(step)
+}
+
 /// The fold inside a step at whose ends the parameter moves in opposite directions: a zero of the last
 /// component of the tangent. `None` if it is not found.
 #[allow(clippy::option_option)] // found or not, there or not
@@ -261,7 +271,7 @@ fn fold<O: Orbit>(orbit: &O, step: &Step<O>) -> Option<Option<(Place, LocatedEve
             Some((near, step.node.tangent[last]))
         })?;
     }
-    if low.1 * high.1 >= 0.0 {
+    if low.1 * high.1 >= 0.0 || !may_turn(orbit, step) {
         return Some(None);
     }
     let (place, slope) = locate::fold(orbit, step.from, (low, high), tolerance)?;

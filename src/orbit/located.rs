@@ -14,8 +14,8 @@ pub enum BranchEvent<O: Orbit> {
     Fold,
     /// A fold beyond which the branch retraces itself: what it is, and why the branch ends there.
     Image(O::Special, O::Stop),
-    /// The orbit shrinks to an equilibrium: what that is, and why the branch ends there.
-    Shrinks(O::Special, O::Stop),
+    /// The branch ends: at what, and why.
+    End(O::Special, O::Stop),
     /// A value that was asked for.
     User(f64),
     /// A monitor has a value that was asked for.

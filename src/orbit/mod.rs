@@ -105,18 +105,19 @@ pub struct Candidate<O> {
     pub nascent: Vec<usize>,
 }
 
-/// Whether an orbit shrinks to an equilibrium within a step.
+/// Whether a branch ends within a step: its orbits shrink to an equilibrium, or become those of a family at one value of the
+/// parameter.
 #[derive(Clone, Debug)]
-pub enum Shrinking<O: Orbit> {
+pub enum EndWithin<O: Orbit> {
     /// It does not.
     Not,
-    /// It does, and sets out so far from it that shorter steps are asked for.
+    /// It does, and sets out so far from there that shorter steps are asked for.
     Far,
     /// It does.
     At {
-        /// The arclength of the equilibrium from the beginning of the step.
+        /// The arclength of the end from the beginning of the step.
         s: f64,
-        /// An orbit of next to no size, at its parameter.
+        /// The orbit there, or one of next to no size at the parameter of the equilibrium.
         node: Box<Node>,
         /// What it is.
         special: O::Special,
@@ -404,9 +405,15 @@ pub trait Orbit: System<Failure: Data> + Clone + Debug + PartialEq {
         None
     }
 
-    /// Whether an orbit shrinks to an equilibrium within a step, beyond which the branch would retrace itself.
-    fn shrinks(&self, _step: &Segment<Self::Examination>) -> Shrinking<Self> {
-        Shrinking::Not
+    /// Whether the parameter may turn within a step along which it nearly stands still: rounding, which decides about its slope
+    /// there, makes no fold where what an orbit has at a fold is far off.
+    fn may_turn(&self, _step: &Segment<Self::Examination>) -> bool {
+        true
+    }
+
+    /// Whether the branch ends within a step, beyond which it would retrace itself, or nothing would tell its orbits apart.
+    fn ends_within(&self, _step: &Segment<Self::Examination>) -> EndWithin<Self> {
+        EndWithin::Not
     }
 
     /// A fold next to a node where equations that are regular at folds have it, and the error of the parameter there.

@@ -96,7 +96,7 @@ impl<O: Orbit> Curve for Track<O> {
     ) -> Result<Outcome<Track<O>>, OrbitRefusal<O>> {
         let LocatedEvent { event, uncertainty } = &together[0];
         let orbit = self.orbit.as_ref();
-        if let BranchEvent::Shrinks(special, stop) = event {
+        if let BranchEvent::End(special, stop) = event {
             let examination = orbit.examination(&place.node.point);
             let examination = examination.map_err(OrbitRefusal::Flow)?;
             let found = LocatedPoint {
@@ -129,7 +129,7 @@ impl<O: Orbit> Curve for Track<O> {
             return Ok(ended(self.moved(found, better), stop));
         }
         match event {
-            BranchEvent::Shrinks(..) => {}
+            BranchEvent::End(..) => {}
             BranchEvent::Fold => {
                 found.special = Some(Special::Fold(orbit.parameter()));
                 found = self.moved(found, orbit.fold_near(&place.node));

@@ -3,7 +3,7 @@
 
 use std::f64::consts::TAU;
 
-use brakewave::EventType::{CO, EP, GR, HC, LP, MX, SL};
+use brakewave::EventType::{BP, CO, EP, GR, HC, LP, MX, SL};
 use brakewave::affine::orbit::start::{Beginning, Search, Wanted, first};
 use brakewave::affine::orbit::{AffineOrbit, OrbitStop};
 use brakewave::orbit::follow::LocatedPoint;
@@ -482,4 +482,23 @@ fn a_stop_of_contacts_speaks_of_their_laws() {
         words.contains("laws of contacts") && !words.contains("sliding"),
         "{words}"
     );
+}
+
+/// ẍ = −x − ẋ + (1 + p) sat(ẋ): below the saturation the law at p = 0 is a centre, whose circles are a family at that value, of the period
+/// 2π. The branch of saturated cycles comes to it tangentially, and ends there.
+#[test]
+fn a_branch_ends_at_the_family_below_a_saturation() {
+    for unit in [1.0, 1e-3] {
+        let text = format!(
+            r#"(states: ["x", "y"], parameters: {{"p": 0.3}}, modes: {{"flow": (rates: {{
+                "x": "y/{unit:?}", "y": "-x*{unit:?} - y + (1 + p)*max(-{unit:?}, min({unit:?}, y))"}})}})"#
+        );
+        let (orbit, point) = settled(&text, &[], "p", "flow", &[1.4, 0.0], 400.0);
+        let (seen, all) = follow(&orbit, &point, false, (-0.5, 0.5), 300);
+        meets(&seen, &[(BP, 0.0, "")], 1e-12);
+        let last = all.last().unwrap();
+        let period = last.orbit.cycle(&last.node.point).unwrap().period;
+        assert!(last.parameter.abs() <= last.uncertainty && (period - TAU).abs() < 1e-9);
+        assert!(why(&all).contains("family"), "{}", why(&all));
+    }
 }

@@ -109,3 +109,51 @@ fn the_period_of_a_canard_is_bounded() {
     );
     assert_eq!(last.special.as_ref().map(Special::kind), Some(BP));
 }
+
+/// Whether a branch ends at a cycle of connections of several saddles.
+fn is_heteroclinic(one: &LocatedPoint<AffineOrbit>) -> bool {
+    let special = one.special.as_ref().map(ToString::to_string);
+    special.is_some_and(|words| words.contains("heteroclinic"))
+}
+
+/// ẋ = y, ẏ = ∓(x − x³) − y(H − h) with H = y²/2 ± (x²/2 − x⁴/4): the cycle is the level H = h for every h, and comes to the connections
+/// of the saddle 0 with itself at H = 0, from within and from without, and to those between the saddles ±1 at H = 1/4. The saddles are
+/// neutral there: the period grows like the logarithm of what is left, and the slope of the parameter is rounding, which makes no fold.
+#[test]
+fn a_level_of_energy_comes_to_its_saddles_and_has_no_fold_before() {
+    let energy = "(y^2/2 - x^2/2 + x^4/4 - p + 0.1)";
+    let within = format!("x - x^3 - y*{energy}");
+    let between = "x^3 - x - y*(y^2/2 + x^2/2 - x^4/4 - p - 0.15)".to_owned();
+    for (rate, first, x, up, heteroclinic) in [
+        (&within, 0.05, 1.25, true, false),
+        (&within, 0.15, 1.5, false, false),
+        (&between, 0.0999, 0.95, true, true),
+    ] {
+        let text = format!(
+            r#"(states: ["x", "y"], parameters: {{"p": {first:?}}},
+                modes: {{"flow": (rates: {{"x": "y", "y": "{rate}"}})}})"#
+        );
+        let search = Search::Settles(200.0);
+        let (orbit, point) = started(&text, ("p", (-0.1, 0.4)), &[x, 0.0], search);
+        let (seen, all) = follow(&orbit, &point, up, (-0.1, 0.4), 1000);
+        meets(&seen, &[(HC, 0.1, "")], 1e-13);
+        let last = all.last().unwrap();
+        assert!((last.parameter - 0.1).abs() <= last.uncertainty && last.uncertainty < 1e-13);
+        assert_eq!(is_heteroclinic(last), heteroclinic, "{:?}", last.special);
+    }
+}
+
+/// A predator of a prey that dies out where it is rare: the axis y = 0 leads from the saddle (m, 0) to the saddle (1, 0) for every d, and
+/// the cycle comes to it where the other way between them is open. That is the zero of what the manifolds of the saddles are apart at
+/// x = 0.45, integrated over x to 25 digits.
+#[test]
+fn a_cycle_comes_to_two_saddles_of_which_one_way_is_open_always() {
+    let text = r#"(states: ["x", "y"], parameters: {"d": 0.545, "m": 0.1},
+        modes: {"flow": (rates: {"x": "x*(1 - x)*(x - m) - x*y", "y": "y*(x - d)"})})"#;
+    let range = (0.3, 0.7);
+    let (orbit, point) = started(text, ("d", range), &[0.55, 0.19], Search::Settles(2000.0));
+    let (seen, all) = follow(&orbit, &point, false, range, 1000);
+    meets(&seen, &[(HC, 0.445_598_621_386_395_16, "")], 1e-12);
+    let last = all.last().unwrap();
+    assert!(is_heteroclinic(last) && last.uncertainty < 1e-12);
+}

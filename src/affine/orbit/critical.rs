@@ -18,6 +18,8 @@ pub enum Critical {
     Branching,
     /// The orbit has become its own image by a symmetry of the system, of which a multiplier passes 1.
     Symmetric,
+    /// Orbits beyond it are a family at one value of the parameter.
+    Family,
     /// The orbit has no size: an equilibrium with a pair of imaginary eigenvalues.
     Shrinking,
     /// The orbit has no size: a point on the boundaries of its modes.
@@ -132,6 +134,10 @@ impl fmt::Display for Critical {
                 formatter,
                 "the number of multipliers outside the unit circle changes from {before} to {after} between {from} and {to}: \
                  where is not known"
+            ),
+            Critical::Family => write!(
+                formatter,
+                "multipliers are 1 from here on: orbits beyond are a family at this one value of the parameter: the branch ends"
             ),
             Critical::Shrinking => {
                 write!(

@@ -1,18 +1,84 @@
+//! Families of orbits.
+//!
 //! An orbit that keeps a sum of states is one of a family, of which the branch follows the member with the value of its start.
-//! Where that member ends others may go on.
+//! Where that member ends others may go on. Where a law becomes linear, as below a saturation, a branch comes to a family at
+//! one value of the parameter, and ends.
 
+use super::examine::Examination;
 use super::layout::AffineOrbit;
-use super::{Margin, OrbitStop};
-use crate::continuation::newton::{self, Fixed, Settings};
+use super::multipliers::{Multiplier, own};
+use super::{Critical, Margin, OrbitStop};
+use crate::continuation::Node;
+use crate::continuation::locate::node_at;
+use crate::continuation::newton::{self, Fixed, Plane, Settings};
+use crate::continuation::walk::Segment;
 use crate::linalg::Vector;
 use crate::orbit::sign::SignVerdict;
-use crate::orbit::{Examined as _, Orbit as _};
+use crate::orbit::{EndWithin, Examined as _, Orbit as _};
 
 /// How far beside the member of the branch another one is looked at, in units of the states: far above what an event is
 /// located to, and little enough for other margins to stay as they are.
 const BESIDE: f64 = 1e-6;
 
+/// The parameter of a family changes by no more than this along a unit tangent, which is rounding.
+const LEVEL: f64 = 1e-9;
+
 impl AffineOrbit {
+    /// Where the branch comes to a family at one value of the parameter within a step: of its orbits a multiplier is 1, here and
+    /// farther on. A canard stands as still and has a multiplier 1 at its fold alone.
+    pub(super) fn enters_a_family(
+        &self,
+        step: &Segment<Examination>,
+    ) -> Option<EndWithin<AffineOrbit>> {
+        /// How far on another orbit is looked at: a multiplier at a fold whose parameter stands still moves by much more than
+        /// that.
+        const FARTHER: f64 = 1e-2;
+        /// Halvings of the step: the branch may come to the family tangentially, and where is told by the least slope only.
+        const HALVINGS: usize = 30;
+        let last = step.to.tangent.len() - 1;
+        let is_level = |node: &Node| node.tangent[last].abs() <= LEVEL;
+        if !is_level(step.to) || !self.has_a_multiplier_one(&step.to.point) {
+            return None;
+        }
+        let tolerance = step.steps.tolerance;
+        let farther = node_at(self, step.to, FARTHER, tolerance)?;
+        let moved = (farther.point[last] - step.to.point[last]).abs();
+        if moved > LEVEL * FARTHER || !self.has_a_multiplier_one(&farther.point) {
+            return None;
+        }
+        let (mut low, mut high, mut node) = (0.0, step.ds, step.to.clone());
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (low + high);
+            match node_at(self, step.from, middle, tolerance) {
+                Some(there) if is_level(&there) => (high, node) = (middle, there),
+                _ => low = middle,
+            }
+        }
+        let mut plane = Plane {
+            normal: &step.from.tangent,
+            through: &node.point,
+        };
+        let bordered = newton::bordered(self, &mut plane, &node.point).ok()?;
+        let rounding = self.rounding(&bordered.matrix, &node.point, 0.0)?;
+        Some(EndWithin::At {
+            s: high,
+            node: Box::new(node),
+            special: Critical::Family,
+            stop: OrbitStop::Family,
+            uncertainty: (rounding + moved) * self.setting.scales.parameter.abs(),
+        })
+    }
+
+    /// Whether a multiplier of an orbit that is not trivial is 1, as far as it is known, and it is known well.
+    fn has_a_multiplier_one(&self, point: &Vector) -> bool {
+        /// It is known to this, and 1 to this: the monodromy matrix of a family has a double multiplier 1, as well known as the
+        /// root of rounding.
+        const KNOWN: f64 = 1e-6;
+        let multipliers = self.multipliers(point).unwrap_or_default();
+        let is_one = |one: &Multiplier| (one.value - 1.0).norm() <= KNOWN && one.error <= KNOWN;
+        own(&multipliers).any(is_one)
+    }
+
     /// Whether the branch ends at the zero of a margin since it keeps what it does: at the same value of the parameter orbits of
     /// the same zones are admissible that keep another value.
     pub(super) fn others_remain(&self, point: &Vector, margin: &Margin) -> Option<OrbitStop> {

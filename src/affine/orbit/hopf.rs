@@ -18,7 +18,7 @@ use crate::continuation::locate::node_at;
 use crate::continuation::walk::Segment;
 use crate::continuation::zero::{Bracket, zero};
 use crate::linalg::{Matrix, Vector};
-use crate::orbit::Shrinking;
+use crate::orbit::EndWithin;
 
 /// An equilibrium with a pair of eigenvalues.
 struct Pair {
@@ -171,7 +171,7 @@ impl AffineOrbit {
     pub(super) fn shrinks_within(
         &self,
         step: &Segment<Examination>,
-    ) -> Option<Shrinking<AffineOrbit>> {
+    ) -> Option<EndWithin<AffineOrbit>> {
         /// Beyond the point everything is on its other side: the rates at the first entry have turned round, to this cosine.
         const TURNED: f64 = -0.9;
         /// An orbit that sets out as far from its equilibrium as this, in units of its states, has no fold on the way left
@@ -190,7 +190,7 @@ impl AffineOrbit {
         let (one, other) = (&step.before.rate, &step.after.rate);
         let (before, after) = (one.norm(), other.norm());
         if self.sequence.switches() == 0 {
-            return (after < COLLAPSED * before).then_some(Shrinking::Far);
+            return (after < COLLAPSED * before).then_some(EndWithin::Far);
         }
         if one.dot(other) >= TURNED * before * after {
             return None;
@@ -216,7 +216,7 @@ impl AffineOrbit {
         let expected = 0.5 * from.tangent[last] * s;
         let comes = left * expected > 0.0 && left / expected < 2.0 && expected / left < 2.0;
         if size > SMALL || !comes && size > BESIDE {
-            return Some(Shrinking::Far);
+            return Some(EndWithin::Far);
         }
         let nearer = (size > BESIDE)
             .then(|| node_at(self, from, s * (1.0 - BESIDE / size), step.steps.tolerance))
@@ -224,7 +224,7 @@ impl AffineOrbit {
         let node = nearer.unwrap_or_else(|| from.clone());
         let rest = rest(&node.point)?;
         let size = off(&node.point, &rest)?;
-        Some(Shrinking::At {
+        Some(EndWithin::At {
             s,
             node: Box::new(Node {
                 point: self.shrunk_to(&hopf, &node.point, &rest, size)?,

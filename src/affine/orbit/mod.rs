@@ -66,7 +66,7 @@ use crate::continuation::newton;
 use crate::continuation::walk::Segment;
 use crate::linalg::{Matrix, Vector};
 use crate::orbit::monitor::MonitorValue;
-use crate::orbit::{Candidate, EventType, Examined, Limit, Orbit, Shrinking};
+use crate::orbit::{Candidate, EndWithin, EventType, Examined, Limit, Orbit};
 
 pub use bifurcation::SlidingBifurcation;
 pub use critical::Critical;
@@ -434,8 +434,16 @@ impl Orbit for AffineOrbit {
         Some((vanishing.parameter, vanishing.error))
     }
 
-    fn shrinks(&self, step: &Segment<Examination>) -> Shrinking<AffineOrbit> {
-        self.shrinks_within(step).unwrap_or(Shrinking::Not)
+    fn may_turn(&self, step: &Segment<Examination>) -> bool {
+        multipliers::may_turn(
+            [step.before, step.after].map(|examination| &examination.multipliers[..]),
+        )
+    }
+
+    fn ends_within(&self, step: &Segment<Examination>) -> EndWithin<AffineOrbit> {
+        let shrinks = self.shrinks_within(step);
+        let ends = shrinks.or_else(|| self.enters_a_family(step));
+        ends.unwrap_or(EndWithin::Not)
     }
 
     fn has_images(&self) -> bool {
@@ -578,6 +586,7 @@ impl Orbit for AffineOrbit {
             Critical::Branching
             | Critical::Symmetric
             | Critical::Branchings { .. }
+            | Critical::Family
             | Critical::Shrinking
             | Critical::Vanishing => EventType::BP,
             Critical::Unlocated { .. } => EventType::MX,

@@ -605,6 +605,28 @@ pub(super) fn is_told(multipliers: &[Multiplier], test: usize) -> bool {
     }
 }
 
+/// Whether there may be a fold between two orbits next to one another, with these multipliers: one that is not trivial is 1 at a
+/// fold. There is none where none is near that, and none of them moves by much.
+pub(super) fn may_turn(multipliers: [&[Multiplier]; 2]) -> bool {
+    /// A multiplier that is farther from 1, and of which the logarithm moves by less: along a canard it moves by many times that.
+    const NEAR: f64 = 0.2;
+    const MOVES: f64 = 0.1;
+    let [before, after] = multipliers.map(|all| own(all).collect::<Vec<_>>());
+    let is_far =
+        |one: &&Multiplier| one.is_known() && (one.value - 1.0).norm() > NEAR.max(2.0 * one.error);
+    let sizes = |one: &Multiplier| one.value.norm().max(f64::MIN_POSITIVE).ln();
+    let stays = |(one, other): (&&Multiplier, &&Multiplier)| {
+        // what is next to nothing may be anything below that
+        let [one, other] = [one, other].map(|each| sizes(each).max(NEAR.ln() - 1.0));
+        (one - other).abs() < MOVES
+    };
+    let is_clear = !before.is_empty()
+        && before.len() == after.len()
+        && before.iter().chain(&after).all(is_far)
+        && before.iter().zip(&after).all(stays);
+    !is_clear
+}
+
 impl AffineOrbit {
     /// The linearised motion over a period; `None` where it is infinite, at a graze.
     ///

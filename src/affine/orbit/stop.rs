@@ -24,6 +24,8 @@ pub enum OrbitStop {
         /// The mode that is left.
         zone: Zone,
     },
+    /// Orbits beyond it are a family at one value of the parameter.
+    Family,
     /// The period grows without bound.
     Unbounded,
     /// It does, beside a saddle that the orbit leaves and returns to in the limit, from others where it comes to more.
@@ -188,6 +190,7 @@ impl fmt::Display for OrbitStop {
             OrbitStop::Equilibrium { special, limit, .. } => {
                 write!(formatter, "{special}, at {limit}")
             }
+            OrbitStop::Family => Critical::Family.fmt(formatter),
             OrbitStop::Unbounded => write!(formatter, "the period grows without bound"),
             OrbitStop::Homoclinic {
                 mode, next, limit, ..

@@ -250,6 +250,7 @@ fn prepared(
         Special::Own(Critical::Shrinking | Critical::Vanishing) => {
             return Err(OpenOrbit::Shrinking);
         }
+        Special::Own(Critical::Family) => return Err(OpenOrbit::Family),
         Special::Own(
             Critical::Homoclinic { .. }
             | Critical::SaddleNode { .. }

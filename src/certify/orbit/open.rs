@@ -86,6 +86,9 @@ pub enum OpenOrbit {
     /// A Hopf point at which the orbit shrinks to an equilibrium.
     #[error("not covered: where an orbit shrinks to an equilibrium")]
     Shrinking,
+    /// A family of orbits begins.
+    #[error("not covered: orbits beyond it are a family at one value of the parameter")]
+    Family,
     /// A homoclinic orbit.
     #[error("not covered: a homoclinic orbit, or a cycle of connections between saddles")]
     Homoclinic,
