@@ -103,7 +103,8 @@ const SAME_DEGENERATE: f64 = 1e-4;
 /// where its step is four times as long as that.
 const CHANGED: f64 = 0.05;
 
-/// States of a degenerate equilibrium that are smaller are zero if the rates are: steps toward it shrink for ever.
+/// States of an equilibrium that are smaller are zero if the rates are: steps toward a degenerate one shrink for ever, and those toward
+/// one on what is invariant, as an axis without predators, end at any number next to zero.
 const NOTHING: f64 = 1e-30;
 
 /// More degenerate equilibria than this are a family.
@@ -240,7 +241,7 @@ impl AffineSystem {
             let step = self.newton_step(mode, &state)?;
             if !step.regular {
                 if step.rests {
-                    return Some(self.rest(mode, &state, step));
+                    return Some(self.cleared_rest(mode, &state, step));
                 }
                 state = step.next;
                 continue;
@@ -251,7 +252,7 @@ impl AffineSystem {
                 (next - x).abs() <= 4.0 * error + 2.0 * f64::EPSILON * next.abs()
             });
             if settled && step.rests {
-                return Some(self.rest(mode, &state, step));
+                return Some(self.cleared_rest(mode, &state, step));
             }
             state = step.next;
             if !state.iter().all(|x| x.is_finite()) {
@@ -270,15 +271,7 @@ impl AffineSystem {
             let step = self.newton_step(mode, &state)?;
             let change = &step.next - &state;
             if step.rests {
-                let mut none = state.clone();
-                none.iter_mut()
-                    .filter(|x| x.abs() < NOTHING)
-                    .for_each(|x| *x = 0.0);
-                let cleared = self.newton_step(mode, &none).filter(|step| step.rests);
-                return Some(match cleared {
-                    Some(step) => self.rest(mode, &none, step),
-                    None => self.rest(mode, &state, step),
-                });
+                return Some(self.cleared_rest(mode, &state, step));
             }
             let length = change.norm();
             if index + 1 == PLAIN_STEPS {
@@ -295,6 +288,16 @@ impl AffineSystem {
             }
         }
         None
+    }
+
+    /// The equilibrium at a state, or at the one without what is next to nothing in it, if the mode rests there.
+    fn cleared_rest(&self, mode: usize, state: &Vector, step: NewtonStep) -> RestState {
+        let cleared = state.map(|x| if x.abs() < NOTHING { 0.0 } else { x });
+        let rests = (cleared != *state).then(|| self.newton_step(mode, &cleared));
+        match rests.flatten().filter(|step| step.rests) {
+            Some(step) => self.rest(mode, &cleared, step),
+            None => self.rest(mode, state, step),
+        }
     }
 
     fn rest(&self, mode: usize, state: &Vector, step: NewtonStep) -> RestState {

@@ -1,6 +1,6 @@
 //! Equilibria in closed form.
 
-use brakewave::affine::steady::{Isolation, NoEquilibrium, Place};
+use brakewave::affine::steady::{Equilibrium, Isolation, NoEquilibrium, Place};
 
 use crate::affine::systems::{CHUA, IMPACT, RELAY, at, system};
 
@@ -207,4 +207,36 @@ fn degenerate_equilibria_are_found() {
         rest("\"x\"", "\"x\": \"1 + x^2\""),
         Err(NoEquilibrium::NotFound)
     );
+}
+
+/// The food chain of Hastings and Powell: planes without a species are invariant, and Newton's method comes to the equilibria on them with
+/// any number next to zero in the place of the species that is not there. Each is listed once: x = y = z = 0, x = 1, and those of prey
+/// with one predator; there is one more off the axes, and one with x = 0, for a negative number of top predators.
+#[test]
+fn equilibria_on_invariant_planes_are_listed_once() {
+    let text = r#"(states: ["x", "y", "z"], modes: {"flow": (rates: {
+        "x": "x*(1 - x) - 5*x*y/(1 + 2.6*x)",
+        "y": "5*x*y/(1 + 2.6*x) - 0.1*y*z/(1 + 2*y) - 0.4*y",
+        "z": "0.1*y*z/(1 + 2*y) - 0.01*z"})})"#;
+    let system = system(text);
+    let system = at(&system, &[]);
+    let found = system.equilibria(0).unwrap();
+    for (index, one) in found.iter().enumerate() {
+        let far = |other: &Equilibrium| {
+            let pairs = one.state.iter().zip(&other.state);
+            pairs.map(|(x, y)| (x - y).abs()).fold(0.0, f64::max) > 1e-6
+        };
+        assert!(found[index + 1..].iter().all(far), "{:?}", one.state);
+        assert!(one.state.iter().all(|x| *x == 0.0 || x.abs() > 1e-6));
+    }
+    // 5x = 0.4(1 + 2.6x), 5y = (1 − x)(1 + 2.6x)
+    let x = 0.4 / (5.0 - 0.4 * 2.6);
+    let prey = [x, (1.0 - x) * (1.0 + 2.6 * x) / 5.0, 0.0];
+    for expected in [[0.0; 3], [1.0, 0.0, 0.0], prey] {
+        let near = |one: &&Equilibrium| {
+            let pairs = one.state.iter().zip(&expected);
+            pairs.map(|(x, y)| (x - y).abs()).fold(0.0, f64::max) < 1e-14
+        };
+        assert_eq!(found.iter().filter(near).count(), 1);
+    }
 }
