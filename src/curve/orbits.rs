@@ -10,7 +10,8 @@ use super::point::{Gone, PointType, RegionName, What};
 use crate::affine::closure::Prescribed;
 use crate::affine::monitor::{Monitor, MonitorSource};
 use crate::affine::monitored;
-use crate::affine::orbit::multipliers::{Monodromy, Multiplier};
+use crate::affine::orbit::multiplier::Multiplier;
+use crate::affine::orbit::multipliers::Monodromy;
 use crate::affine::orbit::symmetry::Kept;
 use crate::affine::orbit::{
     AffineOrbit, Examination, Margin, OrbitFailure, Scales, Sequence, Setting, Watch,

@@ -2,7 +2,7 @@
 
 use nalgebra::Complex;
 
-use crate::affine::orbit::multipliers::own;
+use crate::affine::orbit::multiplier::own;
 use crate::affine::orbit::{AffineOrbit, Multiplier, SlidingBifurcation};
 use crate::orbit::special::Close;
 use crate::orbit::{EventType, Orbit, Stability};

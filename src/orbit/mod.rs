@@ -46,6 +46,7 @@ use crate::continuation::newton::{self, Constraint, System};
 use crate::continuation::walk::Segment;
 use crate::linalg::{Matrix, Vector};
 pub use event::{EventType, UnknownType};
+pub use located::{EndWithin, Limit};
 use monitor::MonitorValue;
 use sign::SignVerdict;
 pub use stability::Stability;
@@ -103,40 +104,6 @@ pub struct Candidate<O> {
     pub point: Vector,
     /// Zones that have no length yet.
     pub nascent: Vec<usize>,
-}
-
-/// Whether a branch ends within a step: its orbits shrink to an equilibrium, or become those of a family at one value of the
-/// parameter.
-#[derive(Clone, Debug)]
-pub enum EndWithin<O: Orbit> {
-    /// It does not.
-    Not,
-    /// It does, and sets out so far from there that shorter steps are asked for.
-    Far,
-    /// It does.
-    At {
-        /// The arclength of the end from the beginning of the step.
-        s: f64,
-        /// The orbit there, or one of next to no size at the parameter of the equilibrium.
-        node: Box<Node>,
-        /// What it is.
-        special: O::Special,
-        /// Why the branch ends there.
-        stop: O::Stop,
-        /// The error of the parameter, in physical units.
-        uncertainty: f64,
-    },
-}
-
-/// What a branch comes to that it does not reach.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Limit<S> {
-    /// What it is.
-    pub special: S,
-    /// The parameter there, or of the last orbit where that is not known, in physical units.
-    pub parameter: f64,
-    /// Its error.
-    pub uncertainty: f64,
 }
 
 /// The boundary-value problem of one signature in scaled unknowns, of which the last is the parameter.

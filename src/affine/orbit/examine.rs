@@ -2,7 +2,7 @@
 
 use super::layout::{AffineOrbit, OrbitAt};
 use super::margin::{Margin, Watch};
-use super::multipliers::{Multiplier, is_told, own};
+use super::multiplier::{Multiplier, is_told, own};
 use super::passage::{Passage, PassageStage, share};
 use super::setting::OrbitFailure;
 use super::shots::ZoneGrowth;

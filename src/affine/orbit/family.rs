@@ -6,7 +6,7 @@
 
 use super::examine::Examination;
 use super::layout::AffineOrbit;
-use super::multipliers::{Multiplier, own};
+use super::multiplier::{Multiplier, own};
 use super::{Critical, Margin, OrbitStop};
 use crate::continuation::Node;
 use crate::continuation::locate::node_at;

@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, OnceLock};
 use super::conserved::Conserved;
 use super::forms::Units;
 use super::memory::Memory;
-use super::passage::{Integrated, Jet, Passage, derivative};
+use super::passage::{Jet, derivative};
 use super::posed::Posed;
 use super::setting::{OrbitFailure, Scales, Setting};
 use super::signature::Sequence;
@@ -37,7 +37,7 @@ pub struct AffineOrbit {
     sizes: Vector,
     last: Last,
     /// Passages through its zones that are known.
-    memory: Arc<Memory>,
+    pub(super) memory: Arc<Memory>,
     /// Sums of states that never change.
     pub(super) conserved: Arc<Conserved>,
     /// The system where the parameter is zero, if all of it is affine in that.
@@ -456,103 +456,6 @@ impl AffineOrbit {
 }
 
 impl OrbitAt<'_> {
-    /// The passage through a zone up to a time after its entry: the part of it in the shot in which that time is.
-    ///
-    /// # Errors
-    /// It leaves the range of numbers.
-    pub(super) fn passage(&self, zone: usize, time: f64) -> Result<Passage<'_>, OrbitFailure> {
-        let share = self.share(zone);
-        let last = self.orbit.shots(zone) - 1;
-        if last == 0 || time == self.zones[zone % self.zones.len()].duration {
-            return self.shot(zone, last, if last == 0 { time } else { share });
-        }
-        let shot = ((time / share) as usize).min(last);
-        self.shot(zone, shot, time - share * shot as f64)
-    }
-
-    /// The passage through a shot of a zone up to a time after its beginning.
-    ///
-    /// # Errors
-    /// It leaves the range of numbers.
-    pub(super) fn shot(
-        &self,
-        zone: usize,
-        shot: usize,
-        time: f64,
-    ) -> Result<Passage<'_>, OrbitFailure> {
-        let OrbitAt { orbit, posed, .. } = self;
-        let name = &orbit.sequence.zone(zone).name;
-        let mode = orbit.sequence.zone(zone).mode;
-        let entry = self.shot_entry(zone, shot);
-        let is_last = shot + 1 == orbit.shots(zone);
-        let is_whole = is_last && time.to_bits() == self.share(zone).to_bits();
-        let is_switch = orbit.sequence.zone(zone).way.is_some() && is_whole;
-        let passage = match posed.system.modes[mode].field.is_exact {
-            true => {
-                let propagators = posed.propagators(zone % self.zones.len(), mode, time);
-                let norm = posed.balance(mode).1;
-                Passage::linear(&posed.system.modes[mode], norm, &propagators, entry, time)
-            }
-            false => self.integrated(zone, entry, (time, is_switch)),
-        };
-        let finite = passage.flow.as_slice().iter().all(|x| x.is_finite());
-        finite
-            .then(|| passage.of_shot(shot))
-            .ok_or_else(|| OrbitFailure::Overflow {
-                mode: name.clone(),
-                duration: time,
-            })
-    }
-
-    /// The passage through a shot whose mode is integrated, which is known as far as that through all of it is.
-    fn integrated(
-        &self,
-        zone: usize,
-        entry: Vector,
-        (time, is_switch): (f64, bool),
-    ) -> Passage<'_> {
-        let number = self.orbit.sequence.zone(zone).mode;
-        let mode = &self.posed.system.modes[number];
-        let whole = self.share(zone);
-        let part = || {
-            let (known, place) = self.known(number, &entry, whole);
-            Some((Arc::new(known.until(mode, time)?), place))
-        };
-        let is_part = 0.0 < time && time < whole;
-        let (known, place) = is_part
-            .then(part)
-            .flatten()
-            .unwrap_or_else(|| self.known(number, &entry, time));
-        Passage::integrated(mode, entry, (time, is_switch), &known, place)
-    }
-
-    /// What is known of the passage from z through a mode that is integrated, and the place of the continuation parameter
-    /// among those of its derivatives.
-    pub(super) fn known(
-        &self,
-        number: usize,
-        entry: &Vector,
-        time: f64,
-    ) -> (Arc<Integrated>, usize) {
-        let setting = &self.orbit.setting;
-        let mode = &self.posed.system.modes[number];
-        let varying = setting.varying();
-        let parameters = (self.values.as_slice(), varying.as_slice());
-        let memory = &self.orbit.memory;
-        memory.passage((number, mode), parameters, entry, time)
-    }
-
-    /// The passages through all shots of all zones.
-    ///
-    /// # Errors
-    /// One of them leaves the range of numbers.
-    pub(super) fn passages(&self) -> Result<Vec<Passage<'_>>, OrbitFailure> {
-        let shots = |zone: usize| (0..self.orbit.shots(zone)).map(move |shot| (zone, shot));
-        let all = (0..self.zones.len()).flat_map(shots);
-        all.map(|(zone, shot)| self.shot(zone, shot, self.share(zone)))
-            .collect()
-    }
-
     /// z at the entry of a zone.
     pub(super) fn entry(&self, zone: usize) -> Vector {
         self.shot_entry(zone, 0)

@@ -7,7 +7,7 @@
 //! whatever the parameter, as [`forms`] tell, or [`generic`] points, and `conserved` which sums never change. [`margin`] measures the
 //! inequalities, [`examine`] decides them, by what [`turning`] tells of smooth functions; [`candidates`] finds what lies beyond an
 //! event, [`ends`] why nothing does, which is a `stop`, by the motions beside it as [`discontinuity`] has them, `family` where others of
-//! a family go on, and `bounds` where friction makes no sense; [`multipliers`] has the stability, with the `saltation` of every switch
+//! a family go on, and `bounds` where friction makes no sense; [`multipliers`] has the stability, `multiplier` each number of it, with the `saltation` of every switch
 //! and what `surface` tells of sliding;
 //! [`start`] finds the first orbit, or says by [`behaviour`] what a motion looks like that comes to none, [`switch`] that of the other
 //! branch at an event, [`hopf`] that at which orbits shrink to nothing, [`homoclinic`] that at which they `stay` for ever. [`row`] has
@@ -36,6 +36,7 @@ pub mod layout;
 pub mod margin;
 mod memory;
 mod monitor;
+pub mod multiplier;
 pub mod multipliers;
 pub(in crate::affine) mod passage;
 mod posed;
@@ -74,7 +75,7 @@ pub use examine::Examination;
 pub use held::{Held, Inadmissible};
 pub use layout::{AffineOrbit, ZonePoint};
 pub use margin::{Margin, Watch};
-pub use multipliers::Multiplier;
+pub use multiplier::Multiplier;
 pub use setting::{OrbitFailure, Scales, Setting};
 pub use signature::{Sequence, Way, Zone};
 pub use stop::OrbitStop;
@@ -435,7 +436,7 @@ impl Orbit for AffineOrbit {
     }
 
     fn may_turn(&self, step: &Segment<Examination>) -> bool {
-        multipliers::may_turn(
+        multiplier::may_turn(
             [step.before, step.after].map(|examination| &examination.multipliers[..]),
         )
     }
@@ -549,7 +550,7 @@ impl Orbit for AffineOrbit {
         }
         let [before, after] = outside;
         let all = self.multipliers(&node.point).ok()?;
-        let own: Vec<Complex<f64>> = multipliers::own(&all).map(|one| one.value).collect();
+        let own: Vec<Complex<f64>> = multiplier::own(&all).map(|one| one.value).collect();
         let passing = own.get(before.min(after)..before.max(after))?;
         let count = passing.len();
         let near = |to: f64| passing.iter().all(|one| (one - to).norm() <= REAL);

@@ -13,8 +13,10 @@
 //! 4), so that an orbit beside a saddle, or one that stays at what repels it, is known as well as any other. The zone remains one: its
 //! inequalities, switches and names know nothing of its shots.
 
+use std::sync::Arc;
+
 use super::layout::{AffineOrbit, OrbitAt};
-use super::passage::{Derivatives, Passage, moved};
+use super::passage::{Derivatives, Integrated, Passage, moved};
 use super::setting::OrbitFailure;
 use super::signature::{Sequence, ZonePoint};
 use crate::affine::flow::ModeFlow;
@@ -210,6 +212,103 @@ impl OrbitAt<'_> {
         let begun = self.share(zone) * shot as f64;
         let phase = at.phase + self.posed.system.omega.value * begun;
         self.posed.system.lift(mode, at.at_shot(shot), phase)
+    }
+
+    /// The passage through a zone up to a time after its entry: the part of it in the shot in which that time is.
+    ///
+    /// # Errors
+    /// It leaves the range of numbers.
+    pub(super) fn passage(&self, zone: usize, time: f64) -> Result<Passage<'_>, OrbitFailure> {
+        let share = self.share(zone);
+        let last = self.orbit.shots(zone) - 1;
+        if last == 0 || time == self.zones[zone % self.zones.len()].duration {
+            return self.shot(zone, last, if last == 0 { time } else { share });
+        }
+        let shot = ((time / share) as usize).min(last);
+        self.shot(zone, shot, time - share * shot as f64)
+    }
+
+    /// The passage through a shot of a zone up to a time after its beginning.
+    ///
+    /// # Errors
+    /// It leaves the range of numbers.
+    pub(super) fn shot(
+        &self,
+        zone: usize,
+        shot: usize,
+        time: f64,
+    ) -> Result<Passage<'_>, OrbitFailure> {
+        let OrbitAt { orbit, posed, .. } = self;
+        let name = &orbit.sequence.zone(zone).name;
+        let mode = orbit.sequence.zone(zone).mode;
+        let entry = self.shot_entry(zone, shot);
+        let is_last = shot + 1 == orbit.shots(zone);
+        let is_whole = is_last && time.to_bits() == self.share(zone).to_bits();
+        let is_switch = orbit.sequence.zone(zone).way.is_some() && is_whole;
+        let passage = match posed.system.modes[mode].field.is_exact {
+            true => {
+                let propagators = posed.propagators(zone % self.zones.len(), mode, time);
+                let norm = posed.balance(mode).1;
+                Passage::linear(&posed.system.modes[mode], norm, &propagators, entry, time)
+            }
+            false => self.integrated(zone, entry, (time, is_switch)),
+        };
+        let finite = passage.flow.as_slice().iter().all(|x| x.is_finite());
+        finite
+            .then(|| passage.of_shot(shot))
+            .ok_or_else(|| OrbitFailure::Overflow {
+                mode: name.clone(),
+                duration: time,
+            })
+    }
+
+    /// The passage through a shot whose mode is integrated, which is known as far as that through all of it is.
+    pub(super) fn integrated(
+        &self,
+        zone: usize,
+        entry: Vector,
+        (time, is_switch): (f64, bool),
+    ) -> Passage<'_> {
+        let number = self.orbit.sequence.zone(zone).mode;
+        let mode = &self.posed.system.modes[number];
+        let whole = self.share(zone);
+        let part = || {
+            let (known, place) = self.known(number, &entry, whole);
+            Some((Arc::new(known.until(mode, time)?), place))
+        };
+        let is_part = 0.0 < time && time < whole;
+        let (known, place) = is_part
+            .then(part)
+            .flatten()
+            .unwrap_or_else(|| self.known(number, &entry, time));
+        Passage::integrated(mode, entry, (time, is_switch), &known, place)
+    }
+
+    /// What is known of the passage from z through a mode that is integrated, and the place of the continuation parameter
+    /// among those of its derivatives.
+    pub(super) fn known(
+        &self,
+        number: usize,
+        entry: &Vector,
+        time: f64,
+    ) -> (Arc<Integrated>, usize) {
+        let setting = &self.orbit.setting;
+        let mode = &self.posed.system.modes[number];
+        let varying = setting.varying();
+        let parameters = (self.values.as_slice(), varying.as_slice());
+        let memory = &self.orbit.memory;
+        memory.passage((number, mode), parameters, entry, time)
+    }
+
+    /// The passages through all shots of all zones.
+    ///
+    /// # Errors
+    /// One of them leaves the range of numbers.
+    pub(super) fn passages(&self) -> Result<Vec<Passage<'_>>, OrbitFailure> {
+        let shots = |zone: usize| (0..self.orbit.shots(zone)).map(move |shot| (zone, shot));
+        let all = (0..self.zones.len()).flat_map(shots);
+        all.map(|(zone, shot)| self.shot(zone, shot, self.share(zone)))
+            .collect()
     }
 
     /// The passages through the shots of a zone.

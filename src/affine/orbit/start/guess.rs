@@ -5,7 +5,7 @@ use super::failure::NoStart;
 use super::unknowns::pose;
 use crate::affine::motion::{Place, Switching};
 use crate::affine::orbit::layout::{AffineOrbit, ZonePoint};
-use crate::affine::orbit::multipliers::Multiplier;
+use crate::affine::orbit::multiplier::Multiplier;
 use crate::affine::orbit::signature::{Way, Zone};
 use crate::continuation::newton::Settings;
 use crate::linalg::Vector;
