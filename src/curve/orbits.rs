@@ -10,11 +10,10 @@ use super::point::{Gone, PointType, RegionName, What};
 use crate::affine::closure::Prescribed;
 use crate::affine::monitor::{Monitor, MonitorSource};
 use crate::affine::monitored;
-use crate::affine::orbit::multiplier::Multiplier;
 use crate::affine::orbit::multipliers::Monodromy;
 use crate::affine::orbit::symmetry::Kept;
 use crate::affine::orbit::{
-    AffineOrbit, Examination, Margin, OrbitFailure, Scales, Sequence, Setting, Watch,
+    AffineOrbit, Examination, Margin, Multiplier, OrbitFailure, Scales, Sequence, Setting, Watch,
 };
 use crate::affine::system::{Ordered, System};
 use crate::linalg::{Matrix, Vector};
