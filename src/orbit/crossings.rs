@@ -10,6 +10,7 @@ use super::{Examined, Growth, Orbit, uncertainty};
 use crate::continuation::Node;
 use crate::continuation::locate::{self, Place};
 use crate::continuation::newton::Plane;
+use crate::linalg::Vector;
 
 /// Whether a test that changes its sign at a node is what makes it special.
 pub(super) fn is_crossing<O: Orbit>(
@@ -194,7 +195,10 @@ fn signs<O: Orbit>(
             normal: &step.from.tangent,
             through: &place.node.point,
         };
-        let rounding = known.unwrap_or_else(|| uncertainty(orbit, &mut plane, &place));
+        let rounding = known.unwrap_or_else(|| {
+            let of_orbit = uncertainty(orbit, &mut plane, &place);
+            of_orbit.max(noise(orbit, step, &place, low.s..high.s, value).unwrap_or_default())
+        });
         // beside a homoclinic orbit a step moves the parameter by less than it is known to: its zeros are rounding
         let last = node.point.len() - 1;
         let moved = [step.from, step.to].map(|end| (end.point[last] - node.point[last]).abs());
@@ -209,6 +213,47 @@ fn signs<O: Orbit>(
         located.push((place, located_there));
     }
     Some(located)
+}
+
+/// What the rounding of a test moves the parameter of its zero by: what it changes by at points that differ from the orbit by
+/// a rounding. Where a motion grows by much this is more than the error of the orbit itself.
+fn noise<O: Orbit>(
+    orbit: &O,
+    step: &Step<O>,
+    place: &Place,
+    within: Range<f64>,
+    value: impl Fn(&Node) -> Option<f64>,
+) -> Option<f64> {
+    /// Points, and how many times what they differ by stands for the most.
+    const SAMPLES: usize = 4;
+    const MOST: f64 = 2.0;
+    /// Part of the bracket over which the slope is taken.
+    const PART: f64 = 1e-3;
+    let Node { point, tangent, .. } = &place.node;
+    let here = value(&place.node)?;
+    let changes = (0..SAMPLES).map(|sample| {
+        // signs without a pattern, the same in every run
+        let sign = |index: usize| match (index * index + (sample + 1) * (index + 3)) % 4 < 2 {
+            true => 1.0,
+            false => -1.0,
+        };
+        let moved = point
+            + Vector::from_fn(point.len(), |index, _| {
+                sign(index) * f64::EPSILON * point[index]
+            });
+        let there = value(&Node::at(moved, tangent.clone()))?;
+        Some((there - here).abs())
+    });
+    let change = changes.flatten().fold(0.0, f64::max);
+    let apart = PART * (within.end - within.start);
+    let beside = match place.s + apart < within.end {
+        true => apart,
+        false => -apart,
+    };
+    let there = locate::node_at(orbit, step.from, place.s + beside, step.steps.tolerance)?;
+    let slope = (value(&there)? - here).abs() / apart;
+    let along = tangent[tangent.len() - 1].abs() * orbit.unit().abs();
+    Some(MOST * change / slope * along).filter(|noise| noise.is_finite())
 }
 
 /// An arclength, and what happens there.

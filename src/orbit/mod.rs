@@ -42,7 +42,7 @@ use serde::de::DeserializeOwned;
 
 use crate::continuation::Node;
 use crate::continuation::locate::Place;
-use crate::continuation::newton::{self, Constraint, System};
+use crate::continuation::newton::{self, Constraint, Plane, System};
 use crate::continuation::walk::Segment;
 use crate::linalg::{Matrix, Vector};
 pub use event::{EventType, UnknownType};
@@ -537,6 +537,20 @@ fn uncertainty<O: Orbit>(orbit: &O, constraint: &mut impl Constraint<O>, place: 
         .map_or(f64::NAN, |rounding| {
             (rounding[rounding.len() - 1] + place.blur) * orbit.unit()
         })
+}
+
+/// Error of the parameter, in physical units, at a node of a branch: rounding.
+pub fn rounding_at<O: Orbit>(orbit: &O, node: &Node) -> f64 {
+    let mut plane = Plane {
+        normal: &node.tangent,
+        through: &node.point,
+    };
+    let place = Place {
+        s: 0.0,
+        node: node.clone(),
+        blur: 0.0,
+    };
+    uncertainty(orbit, &mut plane, &place)
 }
 
 /// m(u) = 0.

@@ -4,14 +4,14 @@ use super::layout::AffineOrbit;
 use super::passage::Passage;
 use super::setting::Scales;
 use super::signature::Zone;
-use super::stay::{FAR, apart};
+use super::stay::{FAR, NEAR, apart};
 use super::stop::OrbitStop;
 use super::{CLOSING, Critical, Watch};
 use crate::affine::mode::Row;
 use crate::continuation::Node;
 use crate::continuation::locate::node_at;
 use crate::linalg::Vector;
-use crate::orbit::Orbit as _;
+use crate::orbit::{Orbit as _, rounding_at};
 
 /// The parameter is stationary, to rounding, where it changes by less than this along a unit tangent; if nothing but
 /// durations changes there, by this part at least, they grow without bound.
@@ -85,7 +85,7 @@ impl AffineOrbit {
             });
         };
         // of a unit of the branch, of which a step is a small part; growth counts over one shot
-        let growth = stay.growth() / self.shots(stay.zone) as f64;
+        let growth = self.growth_beside_saddles(&node.point, NEAR) / self.shots(stay.zone) as f64;
         let noise = 16.0 * f64::EPSILON * growth.exp();
         let lost = || along < noise && self.left_beside_a_saddle(node) < noise;
         (along < stationary || lost()).then(|| self.comes_to(stay, node))
@@ -331,7 +331,7 @@ impl AffineOrbit {
         let limit = point[last] + tangent[last] * left;
         let is_zero = limit.abs() <= 4.0 * f64::EPSILON * point[last].abs();
         let value = if is_zero { 0.0 } else { limit * unit };
-        let error = left * left * unit.abs() + 2.0 * f64::EPSILON * value.abs();
+        let error = left * left * unit.abs() + rounding_at(self, node);
         (left > 0.0 && remain).then_some(Vanishing {
             parameter: value,
             error,
@@ -348,7 +348,8 @@ impl AffineOrbit {
             .or_else(|| self.stalls(&node.point, NEARLY_AT_REST))
             .or_else(|| {
                 let stay = self.longest_stay(&node.point)?;
-                let stop = (stay.growth() > DIGITS).then(|| self.comes_to(stay, node))?;
+                let growth = self.growth_beside_saddles(&node.point, NEAR);
+                let stop = (growth > DIGITS).then(|| self.comes_to(stay, node))?;
                 let is_near = || self.left_beside_a_saddle(node) < NEARLY_THERE;
                 (stop.is_located() || is_near()).then_some(stop)
             })
@@ -357,11 +358,12 @@ impl AffineOrbit {
             .or_else(|| self.part_rests(node))
     }
 
-    /// The homoclinic orbit to which an orbit comes that has lost its digits to this growth beside a saddle, as a power of e, before
+    /// The homoclinic orbit to which an orbit comes that has lost its digits to this growth beside saddles, as a power of e, before
     /// it comes near: where decay is much slower than growth. The orbit itself is computed and tells.
     fn comes_slowly(&self, node: &Node, growth: f64) -> Option<OrbitStop> {
         let stay = self.longest_stay_within(&node.point, FAR)?;
-        let stop = (stay.growth() > growth).then(|| self.comes_to(stay, node))?;
+        let grows = self.growth_beside_saddles(&node.point, FAR) > growth;
+        let stop = grows.then(|| self.comes_to(stay, node))?;
         stop.is_located().then_some(stop)
     }
 
@@ -376,7 +378,7 @@ impl AffineOrbit {
         let comes = self.has_own_period()
             && along < NEARLY_THERE
             && tangent[self.duration_index(zone)] > GROWING
-            && self.longest_stay_within(point, FAR)?.growth() > ALL;
+            && self.growth_beside_saddles(point, FAR) > ALL;
         comes.then(|| self.comes_slowly(node, DIGITS)).flatten()
     }
 

@@ -10,11 +10,11 @@ use super::multiplier::{Multiplier, own};
 use super::{Critical, Margin, OrbitStop};
 use crate::continuation::Node;
 use crate::continuation::locate::node_at;
-use crate::continuation::newton::{self, Fixed, Plane, Settings};
+use crate::continuation::newton::{self, Fixed, Settings};
 use crate::continuation::walk::Segment;
 use crate::linalg::Vector;
 use crate::orbit::sign::SignVerdict;
-use crate::orbit::{EndWithin, Examined as _, Orbit as _};
+use crate::orbit::{EndWithin, Examined as _, Orbit as _, rounding_at};
 
 /// How far beside the member of the branch another one is looked at, in units of the states: far above what an event is
 /// located to, and little enough for other margins to stay as they are.
@@ -54,18 +54,13 @@ impl AffineOrbit {
                 _ => low = middle,
             }
         }
-        let mut plane = Plane {
-            normal: &step.from.tangent,
-            through: &node.point,
-        };
-        let bordered = newton::bordered(self, &mut plane, &node.point).ok()?;
-        let rounding = self.rounding(&bordered.matrix, &node.point, 0.0)?;
+        let rounding = rounding_at(self, &node);
         Some(EndWithin::At {
             s: high,
             node: Box::new(node),
             special: Critical::Family,
             stop: OrbitStop::Family,
-            uncertainty: (rounding + moved) * self.setting.scales.parameter.abs(),
+            uncertainty: rounding + moved * self.setting.scales.parameter.abs(),
         })
     }
 

@@ -11,7 +11,7 @@ use crate::affine::connection::{
 };
 use crate::continuation::Node;
 use crate::linalg::Vector;
-use crate::orbit::Limit;
+use crate::orbit::{Limit, rounding_at};
 
 /// A connection is that of the branch where its parameter is no farther than so many times what the last turn changed:
 /// what is left falls by a factor e at least in a turn, but for what is small beside that.
@@ -131,7 +131,7 @@ impl AffineOrbit {
         let left = self.left_beside_a_saddle(node) * self.setting.scales.parameter;
         let (parameter, uncertainty) = match limit {
             Some(limit) => (*limit, *error),
-            None => (here, left.abs()),
+            None => (here, left.abs() + rounding_at(self, node)),
         };
         let (mode, next) = (mode.clone(), next.clone());
         Some(Limit {

@@ -43,13 +43,6 @@ pub(super) struct Stay {
     pub turn: f64,
 }
 
-impl Stay {
-    /// How much a perturbation grows meanwhile, as a power of e.
-    pub fn growth(&self) -> f64 {
-        self.rate * self.time
-    }
-}
-
 /// A stay comes as near a saddle as this, in units of the orbit's own.
 pub(super) const NEAR: f64 = 1e-2;
 
@@ -129,6 +122,14 @@ impl AffineOrbit {
     pub(super) fn longest_stay_within(&self, point: &Vector, most: f64) -> Option<Stay> {
         let stays = self.stays_in(point, self.longest(point)?, most).into_iter();
         stays.reduce(|one, other| if other.time > one.time { other } else { one })
+    }
+
+    /// How much a perturbation grows beside the saddles of the longest zone, as a power of e, where it comes so near.
+    pub(super) fn growth_beside_saddles(&self, point: &Vector, most: f64) -> f64 {
+        let zone = self.longest(point);
+        let stays = zone.map(|zone| self.stays_in(point, zone, most));
+        let growths = stays.iter().flatten().map(|stay| stay.rate * stay.time);
+        growths.sum()
     }
 
     /// All stays of an orbit, in their order from one of them on: the others where it comes so near.
