@@ -148,12 +148,16 @@ fn a_level_of_energy_comes_to_its_saddles_and_has_no_fold_before() {
 /// x = 0.45, integrated over x to 25 digits.
 #[test]
 fn a_cycle_comes_to_two_saddles_of_which_one_way_is_open_always() {
-    let text = r#"(states: ["x", "y"], parameters: {"d": 0.545, "m": 0.1},
-        modes: {"flow": (rates: {"x": "x*(1 - x)*(x - m) - x*y", "y": "y*(x - d)"})})"#;
-    let range = (0.3, 0.7);
-    let (orbit, point) = started(text, ("d", range), &[0.55, 0.19], Search::Settles(2000.0));
-    let (seen, all) = follow(&orbit, &point, false, range, 1000);
-    meets(&seen, &[(HC, 0.445_598_621_386_395_16, "")], 1e-12);
-    let last = all.last().unwrap();
-    assert!(is_heteroclinic(last) && last.uncertainty < 1e-12);
+    for (order, state) in [(r#""x", "y""#, [0.55, 0.19]), (r#""y", "x""#, [0.19, 0.55])] {
+        let text = format!(
+            r#"(states: [{order}], parameters: {{"d": 0.545, "m": 0.1}},
+                modes: {{"flow": (rates: {{"x": "x*(1 - x)*(x - m) - x*y", "y": "y*(x - d)"}})}})"#
+        );
+        let range = (0.3, 0.7);
+        let (orbit, point) = started(&text, ("d", range), &state, Search::Settles(2000.0));
+        let (seen, all) = follow(&orbit, &point, false, range, 1000);
+        meets(&seen, &[(HC, 0.445_598_621_386_395_16, "")], 1e-12);
+        let last = all.last().unwrap();
+        assert!(is_heteroclinic(last) && last.uncertainty < 1e-12);
+    }
 }

@@ -17,6 +17,9 @@ use crate::orbit::{Limit, rounding_at};
 /// what is left falls by a factor e at least in a turn, but for what is small beside that.
 const BESIDE: f64 = 3.0;
 
+/// The parameter of a connection, in its unit, is known to this, or as well as what is left tells it.
+const KNOWN: f64 = 1e-6;
+
 /// Saddles of one mode that are no farther apart than this, in units of the states, are one.
 const ALIKE: f64 = 1e-6;
 
@@ -57,8 +60,11 @@ impl AffineOrbit {
         let here = self.parameter_at(&node.point);
         let unit = self.setting.scales.parameter;
         let most = BESIDE * self.left_beside_a_saddle(node) * unit.abs();
+        // a way along what is invariant is open for any value, and tells none
         let is_known = |found: &Connected| {
-            (found.value * unit - here).abs() <= most + found.error * unit.abs()
+            let error = found.error * unit.abs();
+            let off = (found.value * unit - here).abs();
+            off <= most + error && error <= most.max(KNOWN * unit.abs())
         };
         let stop = |most: f64| {
             let stays = self.stays_from(&node.point, &stay, most);
