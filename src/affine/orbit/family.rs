@@ -20,7 +20,7 @@ use crate::orbit::{EndWithin, Examined as _, Orbit as _, rounding_at};
 /// located to, and little enough for other margins to stay as they are.
 const BESIDE: f64 = 1e-6;
 
-/// The parameter of a family changes by no more than this along a unit tangent, which is rounding.
+/// The parameter of a family changes by no more than this along a unit tangent, as rounding makes it do.
 const LEVEL: f64 = 1e-9;
 
 impl AffineOrbit {
@@ -37,7 +37,9 @@ impl AffineOrbit {
         const HALVINGS: usize = 30;
         let last = step.to.tangent.len() - 1;
         let is_level = |node: &Node| node.tangent[last].abs() <= LEVEL;
-        if !is_level(step.to) || !self.has_a_multiplier_one(&step.to.point) {
+        // what an inequality changes comes first
+        let is_admissible = step.after.verdict() == SignVerdict::Positive;
+        if !is_level(step.to) || !is_admissible || !self.has_a_multiplier_one(&step.to.point) {
             return None;
         }
         let tolerance = step.steps.tolerance;
