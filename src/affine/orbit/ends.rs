@@ -11,7 +11,7 @@ use crate::affine::mode::Row;
 use crate::continuation::Node;
 use crate::continuation::locate::node_at;
 use crate::linalg::Vector;
-use crate::orbit::{Orbit as _, rounding_at};
+use crate::orbit::Orbit as _;
 
 /// The parameter is stationary, to rounding, where it changes by less than this along a unit tangent; if nothing but
 /// durations changes there, by this part at least, they grow without bound.
@@ -331,7 +331,7 @@ impl AffineOrbit {
         let limit = point[last] + tangent[last] * left;
         let is_zero = limit.abs() <= 4.0 * f64::EPSILON * point[last].abs();
         let value = if is_zero { 0.0 } else { limit * unit };
-        let error = left * left * unit.abs() + rounding_at(self, node);
+        let error = left * left * unit.abs() + 2.0 * f64::EPSILON * value.abs();
         (left > 0.0 && remain).then_some(Vanishing {
             parameter: value,
             error,
