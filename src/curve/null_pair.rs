@@ -6,8 +6,8 @@ use crate::linalg::{self, Matrix, Vector};
 
 /// The null vectors v and w of N = F_x + (μ − 1)C, real and imaginary part of each; without the latter where μ is real.
 pub(super) struct NullPair {
-    pub right: Vec<Vector>,
-    pub left: Vec<Vector>,
+    right: Vec<Vector>,
+    left: Vec<Vector>,
 }
 
 impl NullPair {
@@ -40,7 +40,7 @@ impl NullPair {
     }
 
     /// wᴴMv, where `part` is the product of a part of w with M times the part of v of this number, the real one first.
-    pub fn product(&self, part: impl Fn(&Vector, usize) -> f64) -> Complex<f64> {
+    fn product(&self, part: impl Fn(&Vector, usize) -> f64) -> Complex<f64> {
         let mut sum = Complex::new(0.0, 0.0);
         for (conjugate, left) in [Complex::new(1.0, 0.0), -Complex::i()]
             .iter()

@@ -4,7 +4,7 @@ use super::layout::AffineOrbit;
 use super::passage::Passage;
 use super::setting::Scales;
 use super::signature::Zone;
-use super::stay::{FAR, NEAR, apart};
+use super::stay::{FAR, apart};
 use super::stop::OrbitStop;
 use super::{CLOSING, Critical, Watch};
 use crate::affine::mode::Row;
@@ -85,7 +85,7 @@ impl AffineOrbit {
             });
         };
         // of a unit of the branch, of which a step is a small part; growth counts over one shot
-        let growth = self.growth_beside_saddles(&node.point, NEAR) / self.shots(stay.zone) as f64;
+        let growth = stay.growth / self.shots(stay.zone) as f64;
         let noise = 16.0 * f64::EPSILON * growth.exp();
         let lost = || along < noise && self.left_beside_a_saddle(node) < noise;
         (along < stationary || lost()).then(|| self.comes_to(stay, node))
@@ -348,8 +348,7 @@ impl AffineOrbit {
             .or_else(|| self.stalls(&node.point, NEARLY_AT_REST))
             .or_else(|| {
                 let stay = self.longest_stay(&node.point)?;
-                let growth = self.growth_beside_saddles(&node.point, NEAR);
-                let stop = (growth > DIGITS).then(|| self.comes_to(stay, node))?;
+                let stop = (stay.growth > DIGITS).then(|| self.comes_to(stay, node))?;
                 let is_near = || self.left_beside_a_saddle(node) < NEARLY_THERE;
                 (stop.is_located() || is_near()).then_some(stop)
             })
@@ -362,8 +361,7 @@ impl AffineOrbit {
     /// it comes near: where decay is much slower than growth. The orbit itself is computed and tells.
     fn comes_slowly(&self, node: &Node, growth: f64) -> Option<OrbitStop> {
         let stay = self.longest_stay_within(&node.point, FAR)?;
-        let grows = self.growth_beside_saddles(&node.point, FAR) > growth;
-        let stop = grows.then(|| self.comes_to(stay, node))?;
+        let stop = (stay.growth > growth).then(|| self.comes_to(stay, node))?;
         stop.is_located().then_some(stop)
     }
 
@@ -378,7 +376,7 @@ impl AffineOrbit {
         let comes = self.has_own_period()
             && along < NEARLY_THERE
             && tangent[self.duration_index(zone)] > GROWING
-            && self.growth_beside_saddles(point, FAR) > ALL;
+            && self.longest_stay_within(point, FAR)?.growth > ALL;
         comes.then(|| self.comes_slowly(node, DIGITS)).flatten()
     }
 

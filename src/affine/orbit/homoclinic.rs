@@ -243,7 +243,7 @@ mod tests {
             place: 0,
             nearest: f64::NAN,
             time: f64::NAN,
-            rate: f64::NAN,
+            growth: f64::NAN,
             turn: f64::NAN,
         }
     }

@@ -36,8 +36,8 @@ pub(super) struct Stay {
     pub nearest: f64,
     /// How long it lasts.
     pub time: f64,
-    /// How fast a perturbation grows meanwhile.
-    pub rate: f64,
+    /// How much a perturbation grows beside all saddles of its zone, as a power of e.
+    pub growth: f64,
     /// Time in which the slowest decay and the slowest growth change by a factor e, or turn by half: what the parameter is off
     /// falls by that at least, for a longer period.
     pub turn: f64,
@@ -124,14 +124,6 @@ impl AffineOrbit {
         stays.reduce(|one, other| if other.time > one.time { other } else { one })
     }
 
-    /// How much a perturbation grows beside the saddles of the longest zone, as a power of e, where it comes so near.
-    pub(super) fn growth_beside_saddles(&self, point: &Vector, most: f64) -> f64 {
-        let zone = self.longest(point);
-        let stays = zone.map(|zone| self.stays_in(point, zone, most));
-        let growths = stays.iter().flatten().map(|stay| stay.rate * stay.time);
-        growths.sum()
-    }
-
     /// All stays of an orbit, in their order from one of them on: the others where it comes so near.
     pub(super) fn stays_from(&self, point: &Vector, first: &Stay, most: f64) -> Vec<Stay> {
         let is_first = |stay: &Stay| (stay.zone, stay.place) == (first.zone, first.place);
@@ -179,6 +171,9 @@ impl AffineOrbit {
         let time = at.zones[zone].duration;
         let all: f64 = stays.iter().map(|stay| stay.time).sum();
         stays.iter_mut().for_each(|stay| stay.time *= time / all);
+        // so far each has the rate of its own
+        let growth = stays.iter().map(|stay| stay.growth * stay.time).sum();
+        stays.iter_mut().for_each(|stay| stay.growth = growth);
         stays
     }
 
@@ -226,7 +221,7 @@ impl AffineOrbit {
             mode: name.clone(),
             nearest: far[next],
             time: (end - first) as f64,
-            rate,
+            growth: rate,
             turn: turn(decaying).max(turn(growing)),
             leaving: states(leaving).to_vec(),
             rest: rest.clone(),
