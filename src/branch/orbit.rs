@@ -7,7 +7,7 @@ use crate::continuation::newton::System;
 use crate::linalg::{Matrix, Vector};
 use crate::orbit::located::AT_ZERO;
 use crate::orbit::sign::SignVerdict;
-use crate::orbit::{Candidate, Examined, Orbit};
+use crate::orbit::{Candidate, Examined, Orbit, WITHOUT_LENGTH};
 use crate::orbit::{entry, follow};
 use crate::tube::flow::FlowError;
 use crate::tube::model::Parameter;
@@ -106,7 +106,7 @@ impl Orbit for Wave {
 
     /// A zone without length says most.
     fn precedence(margin: &RegimeMargin) -> usize {
-        usize::from(margin.watch != WaveWatch::Duration)
+        WITHOUT_LENGTH + usize::from(margin.watch != WaveWatch::Duration)
     }
 
     fn is_alike(&self, margin: &RegimeMargin, other: &Wave, of_other: &RegimeMargin) -> bool {

@@ -106,6 +106,9 @@ pub struct Candidate<O> {
     pub nascent: Vec<usize>,
 }
 
+/// The precedence of a margin that is the duration of a zone.
+pub(crate) const WITHOUT_LENGTH: usize = 0;
+
 /// The boundary-value problem of one signature in scaled unknowns, of which the last is the parameter.
 pub trait Orbit: System<Failure: Data> + Clone + Debug + PartialEq {
     /// Sequence of zones.
@@ -175,7 +178,8 @@ pub trait Orbit: System<Failure: Data> + Clone + Debug + PartialEq {
     /// Whether two margins of one signature are the same function.
     fn is_same(one: &Self::Margin, other: &Self::Margin) -> bool;
 
-    /// Which of several margins that vanish at one place says most about what comes next: the least first.
+    /// Which of several margins that vanish at one place says most about what comes next: the least first, and that is
+    /// [`WITHOUT_LENGTH`] where a zone has no length.
     fn precedence(margin: &Self::Margin) -> usize;
 
     /// Whether a margin of this orbit and one of another signature measure the same.

@@ -14,7 +14,7 @@ use super::located::{BranchEvent, LocatedEvent};
 use super::special::{BranchStop, Change, Special, Tried};
 use super::together::together;
 use super::track::failed;
-use super::{EventType, Examined, Orbit, events, find, retrace};
+use super::{EventType, Examined, Orbit, WITHOUT_LENGTH, events, find, retrace};
 use crate::continuation::locate::Place;
 use crate::continuation::walk::{self, CurveBeginning, Outcome, Segment};
 use crate::continuation::{Node, Steps};
@@ -66,15 +66,22 @@ impl<O: Orbit> Track<O> {
         examination: &O::Examination,
     ) -> Vec<O::Margin> {
         let orbit = self.orbit.as_ref();
-        let seen = together.iter().filter_map(|located| match &located.event {
-            BranchEvent::Change(margin) => Some(margin),
-            _ => None,
-        });
+        let seen = || {
+            together.iter().filter_map(|located| match &located.event {
+                BranchEvent::Change(margin) => Some(margin),
+                _ => None,
+            })
+        };
+        let is_seen = |margin: &O::Margin| seen().any(|one| O::is_same(one, margin));
+        // in the order of the period, for which zero rounding sees first is no order
         let vanished = examination.margins().iter().filter(|margin| {
-            O::value(margin).abs() <= events::rounding(orbit, place, margin)
-                && fails_beyond::<O>(step, margin)
+            is_seen(margin)
+                || O::value(margin).abs() <= events::rounding(orbit, place, margin)
+                    && fails_beyond::<O>(step, margin)
         });
-        let mut margins: Vec<O::Margin> = seen.chain(vanished).cloned().collect();
+        let mut margins: Vec<O::Margin> = vanished.cloned().collect();
+        let is_listed = |margin: &&O::Margin| find::<O>(examination, margin).is_some();
+        margins.extend(seen().filter(|margin| !is_listed(margin)).cloned());
         margins.sort_by_key(O::precedence);
         margins
     }
@@ -93,8 +100,15 @@ impl<O: Orbit> Track<O> {
         let mut near: Vec<O::Margin> = near.cloned().collect();
         near.sort_by_key(O::precedence);
         let instants = change::instants(orbit, &place.node.point, &near);
-        let first = instants.iter().filter_map(|margins| margins.first());
-        let first: Vec<O::Margin> = first.cloned().collect();
+        // of what vanishes at one instant that which says most and, where a zone closes, all that close with it
+        let closes = |margin: &&O::Margin| O::precedence(margin) == WITHOUT_LENGTH;
+        let first: Vec<O::Margin> = (instants.iter())
+            .flat_map(|margins| {
+                let closing = margins.iter().take_while(closes).count();
+                margins.iter().take(closing.max(1))
+            })
+            .cloned()
+            .collect();
         (first.len() > 1)
             .then(|| together(orbit, place, &first))
             .flatten()

@@ -67,7 +67,7 @@ use crate::continuation::newton;
 use crate::continuation::walk::Segment;
 use crate::linalg::{Matrix, Vector};
 use crate::orbit::monitor::MonitorValue;
-use crate::orbit::{Candidate, EndWithin, EventType, Examined, Limit, Orbit};
+use crate::orbit::{Candidate, EndWithin, EventType, Examined, Limit, Orbit, WITHOUT_LENGTH};
 
 pub use bifurcation::SlidingBifurcation;
 pub use critical::Critical;
@@ -159,10 +159,10 @@ impl Orbit for AffineOrbit {
     /// of the next entry may vanish, the slip after a reset that turns it.
     fn precedence(margin: &Margin) -> usize {
         match margin.watch {
-            Watch::Duration => 0,
-            Watch::Speed => 1,
-            Watch::Onset(_) => 2,
-            _ => 3,
+            Watch::Duration => WITHOUT_LENGTH,
+            Watch::Speed => WITHOUT_LENGTH + 1,
+            Watch::Onset(_) => WITHOUT_LENGTH + 2,
+            _ => WITHOUT_LENGTH + 3,
         }
     }
 
