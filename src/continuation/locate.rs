@@ -171,7 +171,7 @@ pub(crate) type Ends = [(f64, f64); 2];
 /// How far along a step of length `ds` a function is least that falls at its beginning and rises at its
 /// end, by the cubic that shares values and slopes; `None` where that takes less than half of the smaller
 /// value away, and it does not come near zero.
-fn dip(ds: f64, [(m0, d0), (m1, d1)]: Ends) -> Option<f64> {
+pub(crate) fn dip(ds: f64, [(m0, d0), (m1, d1)]: Ends) -> Option<f64> {
     const DEEP: f64 = 0.5;
     let (d0, d1) = (ds * d0, ds * d1);
     if !(d0 < 0.0 && d1 > 0.0) {
@@ -183,6 +183,13 @@ fn dip(ds: f64, [(m0, d0), (m1, d1)]: Ends) -> Option<f64> {
     let x = -d0 / (b + (b * b - 3.0 * a * d0).sqrt());
     let least = m0 + x * (d0 + x * (b + x * a));
     (least < DEEP * m0.min(m1)).then_some(x * ds)
+}
+
+/// How far along a step the tangents at both ends of a function meet below zero; `None` where they do not. The larger or
+/// smaller of two functions that pass one another has a kink there, which no cubic has.
+pub(crate) fn kink(ds: f64, [(m0, d0), (m1, d1)]: Ends) -> Option<f64> {
+    let s = (m1 - d1 * ds - m0) / (d0 - d1);
+    (0.0 < s && s < ds && m0 + d0 * s < 0.0).then_some(s)
 }
 
 /// What a function does within a step that is positive at both ends.
@@ -203,14 +210,26 @@ pub(crate) fn least<S: System>(
     ds: f64,
     ends: Ends,
     tolerance: f64,
+    f: impl FnMut(&Node) -> Option<(f64, f64)>,
+) -> LeastWithin {
+    match dip(ds, ends) {
+        Some(guess) => least_from(system, from, (ds, guess), ends, tolerance, f),
+        None => LeastWithin::Far,
+    }
+}
+
+/// The same from a guess how far along the step that is.
+pub(crate) fn least_from<S: System>(
+    system: &S,
+    from: &Node,
+    (ds, guess): (f64, f64),
+    ends: Ends,
+    tolerance: f64,
     mut f: impl FnMut(&Node) -> Option<(f64, f64)>,
 ) -> LeastWithin {
     /// A slope below this part of those at the ends, or a place known to this part of the step, leaves an
     /// error of its square in the value.
     const LEVEL: f64 = 1e-8;
-    let Some(guess) = dip(ds, ends) else {
-        return LeastWithin::Far;
-    };
     let [(_, d0), (_, d1)] = ends;
     let level = LEVEL * d1.min(-d0);
     let mut bracket = Bracket::new((0.0, d0), (ds, d1));

@@ -10,7 +10,6 @@ use super::{Examined, Growth, Orbit, uncertainty};
 use crate::continuation::Node;
 use crate::continuation::locate::{self, Place};
 use crate::continuation::newton::Plane;
-use crate::linalg::Vector;
 
 /// Whether a test that changes its sign at a node is what makes it special.
 pub(super) fn is_crossing<O: Orbit>(
@@ -101,6 +100,13 @@ impl SeenStability {
         growths.filter(|growth| growth.log > 0.0).count()
     }
 
+    /// The same; `None` where one of them is not farther from the circle than it is known to.
+    fn known_outside(&self) -> Option<usize> {
+        let mut growths = self.growths.as_ref()?.iter();
+        let known = growths.all(|growth| growth.log.abs() > growth.error);
+        known.then(|| self.outside())
+    }
+
     /// How many more are outside at another place; `None` where rounding decides.
     fn change(&self, other: &SeenStability) -> Option<i64> {
         let numbers = |one: &SeenStability| {
@@ -172,7 +178,6 @@ fn signs<O: Orbit>(
         if !differ {
             continue;
         }
-        let small = (0.0, 4.0 * f64::EPSILON * step.ds);
         let value = |node: &Node| {
             let examination = orbit.examination(&node.point).ok()?;
             let value = examination.tests().get(index).copied()?;
@@ -180,11 +185,11 @@ fn signs<O: Orbit>(
         };
         let ends = ((low.s, before), (high.s, after));
         let regular = orbit.zero_of(index, step.from, [low.s, high.s], tolerance);
-        let (place, known) = match regular {
-            Some((place, known)) => (place, Some(known)),
+        let (place, known, width) = match regular {
+            Some((place, known)) => (place, Some(known), WIDTHS[0] * step.ds),
             None => {
-                let found = locate::zero_along(orbit, step.from, ends, small, tolerance, value)?;
-                (found.0, None)
+                let (place, width) = narrowest(orbit, step, ends, value)?;
+                (place, None, width)
             }
         };
         let node = &place.node;
@@ -197,7 +202,7 @@ fn signs<O: Orbit>(
         };
         let rounding = known.unwrap_or_else(|| {
             let of_orbit = uncertainty(orbit, &mut plane, &place);
-            of_orbit.max(noise(orbit, step, &place, low.s..high.s, value).unwrap_or_default())
+            told_beside(orbit, step, &place, low.s..high.s, of_orbit)
         });
         // beside a homoclinic orbit a step moves the parameter by less than it is known to: its zeros are rounding
         let last = node.point.len() - 1;
@@ -208,52 +213,35 @@ fn signs<O: Orbit>(
         let located_there = LocatedEvent {
             event: BranchEvent::Crossing(index),
             // the place itself is known to the last bracket
-            uncertainty: rounding + small.1 * orbit.unit().abs(),
+            uncertainty: rounding + width * orbit.unit().abs(),
         };
         located.push((place, located_there));
     }
     Some(located)
 }
 
-/// What the rounding of a test moves the parameter of its zero by: what it changes by at points that differ from the orbit by
-/// a rounding. Where a motion grows by much this is more than the error of the orbit itself.
-fn noise<O: Orbit>(
+/// The error of the parameter where stability changes: that of the orbit or, where a multiplier passes the circle slowly or is known
+/// badly, as where a motion grows by much, how far on both sides of the place it is told that it has passed.
+fn told_beside<O: Orbit>(
     orbit: &O,
     step: &Step<O>,
     place: &Place,
     within: Range<f64>,
-    value: impl Fn(&Node) -> Option<f64>,
-) -> Option<f64> {
-    /// Points, and how many times what they differ by stands for the most.
-    const SAMPLES: usize = 4;
-    const MOST: f64 = 2.0;
-    /// Part of the bracket over which the slope is taken.
-    const PART: f64 = 1e-3;
-    let Node { point, tangent, .. } = &place.node;
-    let here = value(&place.node)?;
-    let changes = (0..SAMPLES).map(|sample| {
-        // signs without a pattern, the same in every run
-        let sign = |index: usize| match (index * index + (sample + 1) * (index + 3)) % 4 < 2 {
-            true => 1.0,
-            false => -1.0,
-        };
-        let moved = point
-            + Vector::from_fn(point.len(), |index, _| {
-                sign(index) * f64::EPSILON * point[index]
-            });
-        let there = value(&Node::at(moved, tangent.clone()))?;
-        Some((there - here).abs())
-    });
-    let change = changes.flatten().fold(0.0, f64::max);
-    let apart = PART * (within.end - within.start);
-    let beside = match place.s + apart < within.end {
-        true => apart,
-        false => -apart,
+    of_orbit: f64,
+) -> f64 {
+    let last = place.node.tangent.len() - 1;
+    let along = place.node.tangent[last].abs() * orbit.unit().abs();
+    let outside = |s: f64| SeenStability::at(orbit, step, s)?.known_outside();
+    let passes = |beside: &f64| {
+        let before = outside(place.s - beside);
+        before.is_some_and(|before| outside(place.s + beside).is_some_and(|after| after != before))
     };
-    let there = locate::node_at(orbit, step.from, place.s + beside, step.steps.tolerance)?;
-    let slope = (value(&there)? - here).abs() / apart;
-    let along = tangent[tangent.len() - 1].abs() * orbit.unit().abs();
-    Some(MOST * change / slope * along).filter(|noise| noise.is_finite())
+    // what is known of the orbit, and twice as far every time as long as it is between the ends that are told apart
+    let first = (of_orbit / along).max(f64::EPSILON * step.ds);
+    let most = (place.s - within.start).min(within.end - place.s);
+    let distances = std::iter::successors(Some(first), |beside| Some(2.0 * beside));
+    let beside = distances.take_while(|beside| *beside < most).find(passes);
+    beside.map_or(of_orbit, |beside| of_orbit.max(beside * along))
 }
 
 /// An arclength, and what happens there.
@@ -384,8 +372,24 @@ fn unlocated<O: Orbit>(ends: [(usize, f64); 2], s: f64, node: &Node) -> (Place, 
 /// are one in a Jordan block are known to the square root of rounding.
 const PASS_TOGETHER: f64 = 1e-7;
 
-/// Brackets in which they are looked for, in parts of the step.
+/// Brackets in which changes are looked for, in parts of the step.
 const WIDTHS: [f64; 3] = [4.0 * f64::EPSILON, 1e-10, 1e-7];
+
+/// The zero of a function between two places of a step, and the bracket in which it is found: where branches cross there is no orbit
+/// next to it.
+fn narrowest<O: Orbit>(
+    orbit: &O,
+    step: &Step<O>,
+    ends: ((f64, f64), (f64, f64)),
+    mut value: impl FnMut(&Node) -> Option<f64>,
+) -> Option<(Place, f64)> {
+    WIDTHS.into_iter().find_map(|part| {
+        let width = part * step.ds;
+        let tolerance = step.steps.tolerance;
+        let found = locate::zero_along(orbit, step.from, ends, (0.0, width), tolerance, &mut value);
+        found.map(|(place, _)| (place, width))
+    })
+}
 
 /// The same between two places at which the number differs: a zero of the mean growth of those that pass, and where they do
 /// so one by one those on both sides of it.
@@ -412,13 +416,7 @@ fn passings<O: Orbit>(
         seen = Some(there);
         mean
     };
-    // where branches cross no orbit is found beside the place
-    let (place, width) = WIDTHS.into_iter().find_map(|part| {
-        let width = part * step.ds;
-        let tolerance = step.steps.tolerance;
-        let found = locate::zero_along(orbit, step.from, ends, (0.0, width), tolerance, &mut value);
-        found.map(|(place, _)| (place, width))
-    })?;
+    let (place, width) = narrowest(orbit, step, ends, &mut value)?;
     let there = seen?;
     let passing = there.growths.as_ref()?.get(ranks.clone())?;
     // each of them passes where its own growth is zero

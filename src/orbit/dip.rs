@@ -203,9 +203,11 @@ fn passing_twice<O: Orbit>(
         let d0 = slope(step.from, side * g0, 1.0).filter(|d0| *d0 < 0.0)?;
         let d1 = slope(step.to, side * g1, -1.0)?;
         let ends = [(side * g0, d0), (side * g1, d1)];
+        // where two multipliers pass one another the one of a rank has a kink
+        let guess = locate::kink(step.ds, ends).or_else(|| locate::dip(step.ds, ends))?;
         let mut blur = f64::INFINITY;
-        let tolerance = step.steps.tolerance;
-        let least = locate::least(orbit, step.from, step.ds, ends, tolerance, |node| {
+        let (tolerance, within) = (step.steps.tolerance, (step.ds, guess));
+        let least = locate::least_from(orbit, step.from, within, ends, tolerance, |node| {
             let (value, error) = growth(&node.point)?;
             blur = error;
             Some((value, slope(node, value, 1.0)?))
