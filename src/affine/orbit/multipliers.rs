@@ -34,6 +34,8 @@ struct Jump {
 struct Link {
     /// Along the zone.
     flow: Matrix,
+    /// What rounding may be of the entries of that which are left out for it.
+    noise: Matrix,
     /// ẋ at its entry and at its end.
     rates: [Vector; 2],
     /// At its end, where there is a switch.
@@ -151,10 +153,13 @@ impl OrbitAt<'_> {
                 (jump.clone(), n - rank(jump, bounds), speed)
             }
         };
+        let closes = self.closes(zone, &entry);
+        let [flow, noise] = self.flow_of_states(zone, passage, closes);
         Link {
-            flow: passage.forward(),
+            flow,
+            noise,
             rates: self.rates_of(zone, passage, rate),
-            closes: self.closes(zone, &entry),
+            closes,
             jump: Some(Jump {
                 matrix: jump,
                 lost,
@@ -170,10 +175,13 @@ impl OrbitAt<'_> {
     /// What leads from a shot of a zone to the next one.
     fn link_of_shots(&self, zone: usize, passage: &Passage) -> Link {
         let next = self.shot_entry(zone, passage.shot + 1);
+        let closes = self.apart(&next, &passage.end);
+        let [flow, noise] = self.flow_of_states(zone, passage, closes);
         Link {
-            flow: passage.forward(),
+            flow,
+            noise,
             rates: self.rates_of(zone, passage, &passage.rate),
-            closes: self.apart(&next, &passage.end),
+            closes,
             jump: None,
             fall: 1.0,
             has_pole: false,
@@ -211,10 +219,13 @@ impl OrbitAt<'_> {
 
     /// What leads from a zone that no switch ends to itself a period later.
     fn link_without_switch(&self, zone: usize, passage: &Passage) -> Link {
+        let closes = self.closes(zone, &passage.end);
+        let [flow, noise] = self.flow_of_states(zone, passage, closes);
         Link {
-            flow: passage.forward(),
+            flow,
+            noise,
             rates: self.rates_of(zone, passage, &passage.rate),
-            closes: self.closes(zone, &passage.end),
+            closes,
             jump: self.onto_surface(zone + 1).map(|matrix| Jump {
                 matrix,
                 lost: 1,
@@ -225,6 +236,35 @@ impl OrbitAt<'_> {
             magnified: 1.0,
             error: self.error_of_flow(zone),
         }
+    }
+
+    /// ∂x/∂x₀ of the states along a passage, without entries that are zero but for rounding, as those off the diagonal of half a
+    /// turn are, and what these may be: units that balance all factors would make such an entry as large as one of another factor
+    /// that is none, and a double multiplier would look like two. Rounding is measured in the units that balance the mode, beside what
+    /// else is in the row and in the column.
+    fn flow_of_states(&self, zone: usize, passage: &Passage, closes: f64) -> [Matrix; 2] {
+        let mut flow = passage.forward();
+        let n = flow.nrows();
+        let mut noise = Matrix::zeros(n, n);
+        if !self.mode(zone).field.is_exact {
+            return [flow, noise];
+        }
+        let (scales, norm) = self.posed.balance(self.orbit.sequence.zone(zone).mode);
+        let error = self.error_of_flow(zone) * (1.0 + norm * passage.time) + closes;
+        let sizes = Matrix::from_fn(n, n, |i, j| flow[(i, j)].abs() * scales[j] / scales[i]);
+        let rows: Vec<f64> = sizes.row_iter().map(|row| row.amax()).collect();
+        for (j, column) in sizes.column_iter().enumerate() {
+            let largest = column.amax();
+            for (i, size) in column.iter().enumerate() {
+                let rounding = error * rows[i].min(largest);
+                // what acts on nothing is zero without rounding
+                if i != j && *size > 0.0 && *size <= rounding {
+                    flow[(i, j)] = 0.0;
+                    noise[(i, j)] = rounding * scales[i] / scales[j];
+                }
+            }
+        }
+        [flow, noise]
     }
 
     /// Rates of the states at the entry of a zone and, as they are given, at its end.
@@ -303,6 +343,7 @@ impl OrbitAt<'_> {
         let is_at_pole = |link: &Link| link.has_pole && link.fall <= AT_ZERO;
         let grazes = links.iter().any(is_at_pole);
         let mut factors = Vec::with_capacity(2 * links.len());
+        let mut noises: Vec<(usize, Matrix)> = Vec::with_capacity(links.len());
         // ẋ at the beginning, and after every factor
         let mut rates: Vec<Vector> = Vec::with_capacity(2 * links.len() + 1);
         for link in links {
@@ -311,6 +352,7 @@ impl OrbitAt<'_> {
                 rates.push(before);
             }
             rates.push(after);
+            noises.push((factors.len(), link.noise));
             factors.push(Factor {
                 matrix: link.flow,
                 lost: 0,
@@ -334,6 +376,9 @@ impl OrbitAt<'_> {
             for factor in &mut factors {
                 factor.matrix = conserved.within(&factor.matrix);
             }
+            for (_, noise) in &mut noises {
+                *noise = conserved.within(noise).abs();
+            }
             for rate in &mut rates {
                 *rate = conserved.left(rate);
             }
@@ -348,6 +393,17 @@ impl OrbitAt<'_> {
         in_units(&mut factors, &mut rates, |place| {
             &along[place % along.len()]
         });
+        for (place, noise) in noises {
+            let units = [place, place + 1].map(|place| (&common, &along[place % along.len()]));
+            let [begin, end] = units.map(|(common, along)| common.iter().zip(along));
+            let (begin, end): (Vec<f64>, Vec<f64>) = begin
+                .zip(end)
+                .map(|((a, b), (c, d))| (a * b, c * d))
+                .unzip();
+            let scaled = noise.map_with_location(|i, j, noise| noise * begin[j] / end[i]);
+            let factor = &mut factors[place];
+            factor.error += scaled.norm() / factor.size;
+        }
         let shifts = !self.orbit.is_forced() && rates.iter().all(|rate| rate.norm() > 0.0);
         let factors = match shifts {
             true => across(factors, &rates),

@@ -9,6 +9,7 @@
 //! with periodic vectors Aₖxₖ = αₖxₖ₊₁ and y*ₖ₊₁Aₖ = αₖy*ₖ, y*ₖxₖ = 1, errors Eₖ of the factors move it by ∑ₖ y*ₖ₊₁Eₖxₖ ∏αₗ/αₖ.
 
 mod chain;
+mod discs;
 mod pairs;
 mod product;
 mod scaling;
@@ -21,6 +22,7 @@ pub use scaling::{balance, units_along};
 pub use singular::{Factor, regular_part};
 
 use chain::Chain;
+use discs::bounded;
 use pairs::{ordered, resolved};
 use product::{Number, Product, times_power};
 use vectors::Diagonals;
@@ -163,37 +165,4 @@ fn radius(diagonal: &[Number], moved: impl Fn(usize) -> f64) -> f64 {
         return log;
     }
     log + (-(-growth).exp_m1()).ln()
-}
-
-/// Where eigenvalues are so near to one another that those of their vectors tell nothing, the norms of the factors in graded
-/// units bound them all: where they are very small, by what is very small, too.
-fn bounded(
-    chain: &Chain<Number>,
-    errors: &[f64],
-    mut all: Vec<ProductEigenvalue>,
-) -> Vec<ProductEigenvalue> {
-    /// Units of one component in those of the one before.
-    const GRADES: [f64; 9] = [1.0, 1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8];
-    let told = |one: &ProductEigenvalue| one.log_error < one.log_modulus();
-    if all.iter().all(told) {
-        return all;
-    }
-    let n = chain.n;
-    let norm = |factor: usize, grade: f64| {
-        let sum = |row: usize| -> f64 {
-            let entry = |column: usize| {
-                let own = chain.at(factor, row, column).norm() + errors[factor];
-                own * grade.powi(column as i32 - row as i32)
-            };
-            (0..n).map(entry).sum()
-        };
-        (0..n).map(sum).fold(0.0, f64::max)
-    };
-    let log = |grade: f64| -> f64 { (0..chain.count).map(|k| norm(k, grade).ln()).sum() };
-    let least = GRADES.into_iter().map(log).fold(f64::INFINITY, f64::min);
-    for one in all.iter_mut().filter(|one| !told(one)) {
-        // a disc about the eigenvalue that holds the one about 0
-        one.log_error = one.log_error.min(least + std::f64::consts::LN_2);
-    }
-    all
 }
