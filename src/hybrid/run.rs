@@ -203,7 +203,8 @@ impl OrbitRunner {
         };
         let sliding = match special {
             Special::Change(change) => change.after.as_ref().and_then(|after| {
-                SlidingBifurcation::between(&self.problem.system, &change.before, after)
+                let system = &self.problem.system;
+                SlidingBifurcation::between(system, &change.before, after, &change.margin)
             }),
             _ => None,
         };

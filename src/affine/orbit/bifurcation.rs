@@ -5,6 +5,7 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
+use super::margin::{Margin, Watch};
 use super::signature::Sequence;
 use crate::affine::system::System;
 
@@ -32,6 +33,33 @@ impl fmt::Display for SlidingBifurcation {
     }
 }
 
+/// What a margin that vanishes tells of the zones that come or go.
+#[derive(Clone, Copy)]
+enum Told {
+    Nothing,
+    /// A zone of this mode closes.
+    Closes(usize),
+    /// A zone of this mode is cut.
+    Touches(usize),
+}
+
+impl Told {
+    /// Whether a zone of one mode may come or go within one of another.
+    fn fits(self, around: usize, own: usize) -> bool {
+        match self {
+            Told::Nothing => true,
+            Told::Closes(mode) => mode == own,
+            Told::Touches(mode) => mode == around,
+        }
+    }
+}
+
+/// The surfaces of a system, and what is told of a change.
+struct Surfaces<'a> {
+    system: &'a System,
+    told: Told,
+}
+
 /// Most places of one period at which the sequence changes at once: of a symmetric orbit both halves do.
 const PLACES: usize = 4;
 
@@ -43,19 +71,18 @@ impl SlidingBifurcation {
         SlidingBifurcation::Adding,
     ];
 
-    /// The one that leads from one of two sequences of a system to the other; `None` where none does, or several may.
+    /// The one that leads from one of two sequences of a system to the other, where a margin of the first vanishes; `None` where none
+    /// does, or several may. Where both modes of a surface follow one another already the sequences tell no grazing from adding:
+    /// what vanishes does.
     pub fn between(
         system: &System,
         one: &Sequence,
         other: &Sequence,
+        margin: &Margin,
     ) -> Option<SlidingBifurcation> {
         let (short, long) = match one.len() <= other.len() {
             true => (one, other),
             false => (other, one),
-        };
-        let sides = |mode: usize| {
-            let index = mode.checked_sub(system.source.modes.0.len())?;
-            system.sliding.get(index).copied()
         };
         let modes = |sequence: &Sequence| -> Vec<usize> {
             sequence.0.iter().map(|zone| zone.mode).collect()
@@ -63,14 +90,28 @@ impl SlidingBifurcation {
         // an orbit that never switches is cut nowhere
         let whole = short.switches() == 0;
         let (short, long) = (modes(short), modes(long));
-        let mut kinds = SlidingBifurcation::ALL
-            .into_iter()
-            .filter(|kind| match whole {
-                true => kind.cuts(&long, short[0], &sides),
-                false => kind.leads(&short, &long, &sides),
-            });
-        let first = kinds.next();
-        first.filter(|_| kinds.next().is_none())
+        let mode = one.zone(margin.zone).mode;
+        let kinds = |told: Told| {
+            let surfaces = Surfaces { system, told };
+            let leads = |kind: &SlidingBifurcation| match whole {
+                true => kind.cuts(&long, short[0], &surfaces),
+                false => kind.leads(&short, &long, &surfaces),
+            };
+            let mut kinds = SlidingBifurcation::ALL.into_iter().filter(leads);
+            (kinds.next(), kinds.next())
+        };
+        match kinds(Told::Nothing) {
+            (Some(_), Some(_)) => {
+                let (only, None) = kinds(match margin.watch {
+                    Watch::Duration => Told::Closes(mode),
+                    _ => Told::Touches(mode),
+                }) else {
+                    return None;
+                };
+                only
+            }
+            (first, _) => first,
+        }
     }
 
     /// Zones that it puts in.
@@ -82,45 +123,40 @@ impl SlidingBifurcation {
     }
 
     /// Whether a zone may be the first of those that it puts in, by its neighbours.
-    fn fits(
-        self,
-        [before, own, after]: [usize; 3],
-        sides: &impl Fn(usize) -> Option<[usize; 2]>,
-    ) -> bool {
-        let between = |sides: [usize; 2]| sides == [before, after] || sides == [after, before];
-        let of = |sliding: usize, side: usize| sides(sliding).filter(|sides| sides.contains(&side));
+    fn fits(self, [before, own, after]: [usize; 3], surfaces: &Surfaces) -> bool {
+        let sides = |mode: usize| surfaces.system.sides(mode);
+        let of = |sliding: usize, side: usize| {
+            let mut sides = sides(sliding).into_iter();
+            sides.find(|sides| sides.contains(&side))
+        };
         match self {
-            SlidingBifurcation::Crossing => sides(own).is_some_and(between),
+            SlidingBifurcation::Crossing => sides(own)
+                .iter()
+                .any(|sides| *sides == [before, after] || *sides == [after, before]),
             SlidingBifurcation::Switching => {
                 own != before && of(after, own).is_some_and(|sides| sides.contains(&before))
             }
-            SlidingBifurcation::Grazing => before == after && of(own, before).is_some(),
-            SlidingBifurcation::Adding => before == after && of(before, own).is_some(),
+            SlidingBifurcation::Grazing => {
+                before == after && of(own, before).is_some() && surfaces.told.fits(before, own)
+            }
+            SlidingBifurcation::Adding => {
+                before == after && of(before, own).is_some() && surfaces.told.fits(before, own)
+            }
         }
     }
 
     /// Whether it cuts an orbit that never switches, in one mode, into these zones.
-    fn cuts(
-        self,
-        long: &[usize],
-        mode: usize,
-        sides: &impl Fn(usize) -> Option<[usize; 2]>,
-    ) -> bool {
+    fn cuts(self, long: &[usize], mode: usize, surfaces: &Surfaces) -> bool {
         let pairs = long.chunks(2).all(|pair| match *pair {
-            [one, other] if one == mode => self.fits([mode, other, mode], sides),
-            [one, other] if other == mode => self.fits([mode, one, mode], sides),
+            [one, other] if one == mode => self.fits([mode, other, mode], surfaces),
+            [one, other] if other == mode => self.fits([mode, one, mode], surfaces),
             _ => false,
         });
         self.width() == 2 && pairs
     }
 
     /// Whether a cycle of modes becomes another where it puts in zones at some places at once.
-    fn leads(
-        self,
-        short: &[usize],
-        long: &[usize],
-        sides: &impl Fn(usize) -> Option<[usize; 2]>,
-    ) -> bool {
+    fn leads(self, short: &[usize], long: &[usize], surfaces: &Surfaces) -> bool {
         let more = long.len() - short.len();
         let count = more / self.width();
         if more == 0 || !more.is_multiple_of(self.width()) || count > PLACES {
@@ -130,7 +166,7 @@ impl SlidingBifurcation {
         let places: Vec<usize> = (0..long.len())
             .filter(|place| {
                 let neighbours = [at(place + long.len() - 1), at(*place), at(place + 1)];
-                self.fits(neighbours, sides)
+                self.fits(neighbours, surfaces)
             })
             .collect();
         let without = |chosen: &[usize]| {
@@ -204,6 +240,13 @@ mod tests {
     fn sequences_tell_which_of_the_four_it_is() {
         use SlidingBifurcation::{Adding, Crossing, Grazing, Switching};
         let system = system();
+        let margin = |watch: Watch, zone: usize| Margin {
+            watch,
+            zone,
+            time: 0.0,
+            value: 0.0,
+            gradient: Vec::new(),
+        };
         for (one, other, kind) in [
             ("F-G", "F-S-G", Some(Crossing)),
             ("F-G", "F-S-G-S", Some(Crossing)),
@@ -220,9 +263,20 @@ mod tests {
         ] {
             let [one, other] = [one, other].map(|names| sequence(&system, names));
             for (one, other) in [(&one, &other), (&other, &one)] {
-                let found = SlidingBifurcation::between(&system, one, other);
+                let at = margin(Watch::Speed, 0);
+                let found = SlidingBifurcation::between(&system, one, other, &at);
                 assert_eq!(found, kind, "{one} to {other}");
             }
         }
+        // either zone of F-S may have come twice: it is told by the one that closes, or is touched from inside
+        let [one, other] = ["F-S", "F-S-F-S"].map(|names| sequence(&system, names));
+        let closes = |zone: usize| {
+            SlidingBifurcation::between(&system, &other, &one, &margin(Watch::Duration, zone))
+        };
+        let touches = |zone: usize| {
+            SlidingBifurcation::between(&system, &one, &other, &margin(Watch::Inside(0), zone))
+        };
+        assert_eq!([closes(0), closes(1)], [Some(Adding), Some(Grazing)]);
+        assert_eq!([touches(0), touches(1)], [Some(Grazing), Some(Adding)]);
     }
 }

@@ -20,7 +20,7 @@ use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 
-use super::contact::law::{Law, Products};
+use super::contact::law::{BACKWARD, FORWARD, Law, Products, STICK};
 use super::expression::Expression;
 use super::monitor::Monitor;
 use reader::{Reader, Scope};
@@ -198,6 +198,29 @@ impl System {
     /// Names of the modes of the file, then of the sliding ones.
     pub(crate) fn mode_names(&self) -> impl Iterator<Item = &str> {
         self.source.modes.names().chain(self.source.sliding.names())
+    }
+
+    /// The modes on the two sides of each surface in which a mode slides: those that it lies between, and those in which a contact
+    /// that sticks slips either way. What holds more at rest than in slip is no sliding.
+    pub(crate) fn sides(&self, mode: usize) -> Vec<[usize; 2]> {
+        let Some(products) = &self.products else {
+            let sliding = mode.checked_sub(self.source.modes.0.len());
+            let sides = sliding.and_then(|index| self.sliding.get(index));
+            return sides.into_iter().copied().collect();
+        };
+        let (own, digits) = products.digits(mode);
+        let contacts = self.contacts.iter().zip(&digits).enumerate();
+        let sticks = contacts.filter(|(_, (law, digit))| {
+            matches!(law, Law::Friction { hold: None, .. }) && **digit == STICK
+        });
+        let slips = sticks.map(|(contact, _)| {
+            [FORWARD, BACKWARD].map(|way| {
+                let mut digits = digits.clone();
+                digits[contact] = way;
+                products.number(own, &digits)
+            })
+        });
+        slips.collect()
     }
 
     /// Name of a mode: first those of the file, then the sliding ones; with contacts those that these make.
