@@ -66,18 +66,21 @@ impl Recorded for OrbitRunner {
         saved.label
     }
 
-    /// All orbits have the parameters of the problem, but for the one they were followed in.
+    /// All orbits have the parameters of the problem, but for the one they were followed in and the one that is free for a prescribed
+    /// period.
     fn broken(problem: &SystemProblem, saved: &[LabelledOrbit]) -> Option<usize> {
         let values = match (problem.orbit.start.dir(), saved.first()) {
             (Some(_), Some(first)) => first.orbit.values.clone(),
             _ => problem.values(),
         };
         let states = problem.system.source.states.len();
-        let followed = problem.parameter();
+        let free = problem.orbit.free.as_ref();
+        let free = free.and_then(|name| problem.system.source.parameters.index(name));
+        let own = [problem.parameter(), free];
         saved.iter().position(|one| {
             let pairs = one.orbit.values.iter().zip(&values).enumerate();
-            let differs = |(index, (own, known)): (usize, (&f64, &f64))| {
-                Some(index) != followed && own != known
+            let differs = |(index, (here, known)): (usize, (&f64, &f64))| {
+                !own.contains(&Some(index)) && here != known
             };
             !one.is_whole(states, values.len()) || pairs.into_iter().any(differs)
         })

@@ -130,3 +130,34 @@ fn restarts_that_cannot_be_are_refused() {
     bench.put("problem.ron", good);
     bench.run(&["run", "problem.ron", "--out", "out"]).expect(0);
 }
+
+/// A branch of prescribed period has its own value of the free parameter at every label.
+#[test]
+fn a_branch_of_prescribed_period_is_gone_on_from() {
+    let bench = Bench::new();
+    let wave = changed(
+        &problem("wave_as_orbit.ron"),
+        "range: (0.0003, 0.2), toward: Down, stop_at: [0.045]",
+        "range: (0.15, 0.2), toward: Down, stop_at: [0.17]",
+    );
+    bench.put("wave.ron", wave.clone());
+    let wave_of = ["run", "wave.ron", "--out", "r", "--quiet"];
+    bench.run(&wave_of).expect(0);
+    let start = "start: Restart(dir: \"r\", label: 2)";
+    let given = &wave[wave.find("start: Given").unwrap()..wave.find(", period: \"2*pi").unwrap()];
+    bench.put("on.ron", changed(&wave, given, start));
+    bench
+        .run(&["run", "on.ron", "--out", "on", "--quiet"])
+        .expect(0);
+    let [first, again] =
+        ["r", "on"].map(|dir| Table::read(&bench.path(&format!("{dir}/branch.csv"))));
+    let at = |table: &Table, row: usize| ["d", "c"].map(|name| table.number(row, name));
+    let label = (0..first.rows.len()).find(|row| first.text(*row, "label") == "2");
+    // it is solved for once more
+    for (one, other) in at(&first, label.unwrap()).iter().zip(at(&again, 0)) {
+        assert!(
+            (one - other).abs() <= 8.0 * f64::EPSILON,
+            "{one} and {other}"
+        );
+    }
+}
