@@ -22,6 +22,7 @@ mod monitors;
 mod motion;
 mod nonlinear;
 mod orbits;
+mod passing;
 mod prescribed;
 mod problems;
 mod refusals;
