@@ -202,7 +202,7 @@ fn signs<O: Orbit>(
         };
         let rounding = known.unwrap_or_else(|| {
             let of_orbit = uncertainty(orbit, &mut plane, &place);
-            told_beside(orbit, step, &place, low.s..high.s, of_orbit)
+            told_beside(orbit, step, &place, [low, high], of_orbit)
         });
         // beside a homoclinic orbit a step moves the parameter by less than it is known to: its zeros are rounding
         let last = node.point.len() - 1;
@@ -226,9 +226,13 @@ fn told_beside<O: Orbit>(
     orbit: &O,
     step: &Step<O>,
     place: &Place,
-    within: Range<f64>,
+    [low, high]: [&SeenStability; 2],
     of_orbit: f64,
 ) -> f64 {
+    // of a motion without loss it is told nowhere
+    if low.known_outside().or(high.known_outside()).is_none() {
+        return of_orbit;
+    }
     let last = place.node.tangent.len() - 1;
     let along = place.node.tangent[last].abs() * orbit.unit().abs();
     let outside = |s: f64| SeenStability::at(orbit, step, s)?.known_outside();
@@ -238,7 +242,7 @@ fn told_beside<O: Orbit>(
     };
     // what is known of the orbit, and twice as far every time as long as it is between the ends that are told apart
     let first = (of_orbit / along).max(f64::EPSILON * step.ds);
-    let most = (place.s - within.start).min(within.end - place.s);
+    let most = (place.s - low.s).min(high.s - place.s);
     let distances = std::iter::successors(Some(first), |beside| Some(2.0 * beside));
     let beside = distances.take_while(|beside| *beside < most).find(passes);
     beside.map_or(of_orbit, |beside| of_orbit.max(beside * along))

@@ -4,7 +4,7 @@
 use std::f64::consts::PI;
 use std::fs;
 
-use brakewave::EventType::{self, BP, GR, HB, NS, PD};
+use brakewave::EventType::{self, BP, GR, NS, PD};
 use brakewave::affine::orbit::SlidingBifurcation;
 use brakewave::hybrid::{OrbitEvent, OrbitItem};
 use brakewave::orbit::Stability;
@@ -100,24 +100,6 @@ fn the_error_of_a_place_knows_how_fast_a_multiplier_passes() {
             "{resets:?}: {off:e}, told {told:e}"
         );
     }
-    // eigenvalues of an equilibrium: Re λ = p³
-    let course = Course {
-        system: r#"(states: ["x", "y"], parameters: {"p": -0.7}, modes: {"m": (rates:
-            {"x": "p^3*x - y - x*(x^2 + y^2)", "y": "x + p^3*y - y*(x^2 + y^2)"})})"#,
-        mode: "m",
-        state: &[0.0, 0.0],
-        parameter: "p",
-        range: (-1.0, 1.3),
-    };
-    let all = course.events();
-    let [hopf] = &all[..] else {
-        panic!("{all:?}");
-    };
-    assert_eq!(hopf.kind, HB);
-    assert!(
-        number(hopf, "p").abs() <= hopf.uncertainty && hopf.uncertainty < 1e-3,
-        "{hopf:?}"
-    );
 }
 
 /// Half a period of rotation by π and half a period of shear, both damped: the monodromy matrix is −e^(−2πc/w)(1, π/w; 0, 1), a double
