@@ -35,7 +35,7 @@ impl fmt::Display for SlidingBifurcation {
 
 /// What a margin that vanishes tells of the zones that come or go.
 #[derive(Clone, Copy)]
-enum Told {
+enum ZoneTold {
     Nothing,
     /// A zone of this mode closes.
     Closes(usize),
@@ -43,21 +43,21 @@ enum Told {
     Touches(usize),
 }
 
-impl Told {
+impl ZoneTold {
     /// Whether a zone of one mode may come or go within one of another.
     fn fits(self, around: usize, own: usize) -> bool {
         match self {
-            Told::Nothing => true,
-            Told::Closes(mode) => mode == own,
-            Told::Touches(mode) => mode == around,
+            ZoneTold::Nothing => true,
+            ZoneTold::Closes(mode) => mode == own,
+            ZoneTold::Touches(mode) => mode == around,
         }
     }
 }
 
-/// The surfaces of a system, and what is told of a change.
-struct Surfaces<'a> {
+/// A change of the sequences of a system, and what is told of it.
+struct SlidingChange<'a> {
     system: &'a System,
-    told: Told,
+    told: ZoneTold,
 }
 
 /// Most places of one period at which the sequence changes at once: of a symmetric orbit both halves do.
@@ -91,20 +91,20 @@ impl SlidingBifurcation {
         let whole = short.switches() == 0;
         let (short, long) = (modes(short), modes(long));
         let mode = one.zone(margin.zone).mode;
-        let kinds = |told: Told| {
-            let surfaces = Surfaces { system, told };
+        let kinds = |told: ZoneTold| {
+            let change = SlidingChange { system, told };
             let leads = |kind: &SlidingBifurcation| match whole {
-                true => kind.cuts(&long, short[0], &surfaces),
-                false => kind.leads(&short, &long, &surfaces),
+                true => kind.cuts(&long, short[0], &change),
+                false => kind.leads(&short, &long, &change),
             };
             let mut kinds = SlidingBifurcation::ALL.into_iter().filter(leads);
             (kinds.next(), kinds.next())
         };
-        match kinds(Told::Nothing) {
+        match kinds(ZoneTold::Nothing) {
             (Some(_), Some(_)) => {
                 let (only, None) = kinds(match margin.watch {
-                    Watch::Duration => Told::Closes(mode),
-                    _ => Told::Touches(mode),
+                    Watch::Duration => ZoneTold::Closes(mode),
+                    _ => ZoneTold::Touches(mode),
                 }) else {
                     return None;
                 };
@@ -123,8 +123,8 @@ impl SlidingBifurcation {
     }
 
     /// Whether a zone may be the first of those that it puts in, by its neighbours.
-    fn fits(self, [before, own, after]: [usize; 3], surfaces: &Surfaces) -> bool {
-        let sides = |mode: usize| surfaces.system.sides(mode);
+    fn fits(self, [before, own, after]: [usize; 3], change: &SlidingChange) -> bool {
+        let sides = |mode: usize| change.system.sides(mode);
         let of = |sliding: usize, side: usize| {
             let mut sides = sides(sliding).into_iter();
             sides.find(|sides| sides.contains(&side))
@@ -137,26 +137,26 @@ impl SlidingBifurcation {
                 own != before && of(after, own).is_some_and(|sides| sides.contains(&before))
             }
             SlidingBifurcation::Grazing => {
-                before == after && of(own, before).is_some() && surfaces.told.fits(before, own)
+                before == after && of(own, before).is_some() && change.told.fits(before, own)
             }
             SlidingBifurcation::Adding => {
-                before == after && of(before, own).is_some() && surfaces.told.fits(before, own)
+                before == after && of(before, own).is_some() && change.told.fits(before, own)
             }
         }
     }
 
     /// Whether it cuts an orbit that never switches, in one mode, into these zones.
-    fn cuts(self, long: &[usize], mode: usize, surfaces: &Surfaces) -> bool {
+    fn cuts(self, long: &[usize], mode: usize, change: &SlidingChange) -> bool {
         let pairs = long.chunks(2).all(|pair| match *pair {
-            [one, other] if one == mode => self.fits([mode, other, mode], surfaces),
-            [one, other] if other == mode => self.fits([mode, one, mode], surfaces),
+            [one, other] if one == mode => self.fits([mode, other, mode], change),
+            [one, other] if other == mode => self.fits([mode, one, mode], change),
             _ => false,
         });
         self.width() == 2 && pairs
     }
 
     /// Whether a cycle of modes becomes another where it puts in zones at some places at once.
-    fn leads(self, short: &[usize], long: &[usize], surfaces: &Surfaces) -> bool {
+    fn leads(self, short: &[usize], long: &[usize], change: &SlidingChange) -> bool {
         let more = long.len() - short.len();
         let count = more / self.width();
         if more == 0 || !more.is_multiple_of(self.width()) || count > PLACES {
@@ -166,7 +166,7 @@ impl SlidingBifurcation {
         let places: Vec<usize> = (0..long.len())
             .filter(|place| {
                 let neighbours = [at(place + long.len() - 1), at(*place), at(place + 1)];
-                self.fits(neighbours, surfaces)
+                self.fits(neighbours, change)
             })
             .collect();
         let without = |chosen: &[usize]| {

@@ -393,17 +393,14 @@ impl OrbitAt<'_> {
         in_units(&mut factors, &mut rates, |place| {
             &along[place % along.len()]
         });
-        for (place, noise) in noises {
-            let units = [place, place + 1].map(|place| (&common, &along[place % along.len()]));
-            let [begin, end] = units.map(|(common, along)| common.iter().zip(along));
-            let (begin, end): (Vec<f64>, Vec<f64>) = begin
-                .zip(end)
-                .map(|((a, b), (c, d))| (a * b, c * d))
-                .unzip();
-            let scaled = noise.map_with_location(|i, j, noise| noise * begin[j] / end[i]);
-            let factor = &mut factors[place];
-            factor.error += scaled.norm() / factor.size;
-        }
+        add_noise(&mut factors, &noises, |place| {
+            let along = &along[place % along.len()];
+            common
+                .iter()
+                .zip(along)
+                .map(|(one, other)| one * other)
+                .collect()
+        });
         let shifts = !self.orbit.is_forced() && rates.iter().all(|rate| rate.norm() > 0.0);
         let factors = match shifts {
             true => across(factors, &rates),
@@ -446,6 +443,20 @@ fn in_units<'a>(
     for (place, rate) in rates.iter_mut().enumerate() {
         let scaled = rate.iter_mut().zip(units(place));
         scaled.for_each(|(rate, by)| *rate /= by);
+    }
+}
+
+/// Adds what was left out of some factors for rounding, in the states, to their errors, by the units of the states at these places.
+fn add_noise(
+    factors: &mut [Factor],
+    noises: &[(usize, Matrix)],
+    units: impl Fn(usize) -> Vec<f64>,
+) {
+    for (place, noise) in noises {
+        let [begin, end] = [*place, place + 1].map(&units);
+        let scaled = noise.map_with_location(|i, j, noise| noise * begin[j] / end[i]);
+        let factor = &mut factors[*place];
+        factor.error += scaled.norm() / factor.size;
     }
 }
 

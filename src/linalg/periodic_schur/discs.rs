@@ -6,7 +6,7 @@
 
 use super::ProductEigenvalue;
 use super::chain::Chain;
-use super::product::{Number, times_power};
+use super::product::Number;
 use crate::linalg::Matrix;
 
 /// Units of one component in those of the one before.
@@ -43,10 +43,9 @@ pub(super) fn bounded(
 fn is_apart(index: usize, all: &[ProductEigenvalue]) -> bool {
     let one = &all[index];
     let unit = one.exponent;
-    let error =
-        |other: &ProductEigenvalue| (other.log_error - unit as f64 * std::f64::consts::LN_2).exp();
+    let error = |other: &ProductEigenvalue| other.error_over(unit);
     let apart = |(other, each): (usize, &ProductEigenvalue)| {
-        let off = (times_power(each.mantissa, each.exponent - unit) - one.mantissa).norm();
+        let off = (each.value_over(unit) - one.mantissa).norm();
         other == index || off > error(one) + error(each)
     };
     one.log_error < one.log_modulus() && all.iter().enumerate().all(apart)

@@ -54,6 +54,16 @@ impl ProductEigenvalue {
         self.log_error.exp()
     }
 
+    /// Its value over a power of two.
+    fn value_over(&self, exponent: i64) -> Number {
+        times_power(self.mantissa, self.exponent - exponent)
+    }
+
+    /// Radius of its disc over a power of two.
+    fn error_over(&self, exponent: i64) -> f64 {
+        (self.log_error - exponent as f64 * std::f64::consts::LN_2).exp()
+    }
+
     fn new(number: Number, exponent: i64) -> ProductEigenvalue {
         let mut product = Product { number, exponent };
         product.normalise();

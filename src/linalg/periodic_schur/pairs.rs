@@ -1,7 +1,7 @@
 //! Eigenvalues of a real product as they are without rounding: real or in conjugate pairs, the largest first.
 
 use super::ProductEigenvalue;
-use super::product::{Number, times_power};
+use super::product::Number;
 
 /// Eigenvalues of a real product are real or come in pairs: what rounding made of that is undone. Two that may be
 /// conjugate are those of a real matrix of two dimensions with their trace and determinant.
@@ -19,10 +19,8 @@ pub(super) fn resolved(mut all: Vec<ProductEigenvalue>) -> Vec<ProductEigenvalue
         let one = all.swap_remove(index);
         // in units of this one
         let unit = one.exponent;
-        let of = |other: &ProductEigenvalue| times_power(other.mantissa, other.exponent - unit);
-        let error = |other: &ProductEigenvalue| {
-            (other.log_error - unit as f64 * std::f64::consts::LN_2).exp()
-        };
+        let of = |other: &ProductEigenvalue| other.value_over(unit);
+        let error = |other: &ProductEigenvalue| other.error_over(unit);
         let off = |other: &usize| (of(&all[*other]) - one.mantissa.conj()).norm();
         let nearest = (0..all.len()).min_by(|a, b| off(a).total_cmp(&off(b)));
         let is_real = one.mantissa.im.abs() <= error(&one);
