@@ -35,6 +35,7 @@ pub mod recurrence;
 pub mod rows;
 pub mod series;
 mod shape;
+mod sizes;
 mod sliding;
 pub(crate) mod slots;
 pub mod steady;

@@ -74,16 +74,20 @@ pub enum NoEquilibrium {
     Singular,
     /// Newton's method finds none.
     #[error(
-        "undecided: Newton's method settles on no equilibrium from {STARTS} places up to {FARTHEST} away"
+        "undecided: Newton's method settles on no equilibrium from {STARTS} places up to {FARTHEST} away, nor in units of the mode"
     )]
     NotFound,
 }
 
 /// Places from which equilibria of a mode that is not affine are looked for, and how far the farthest are; those of
-/// the last quarter are smaller than the rest by up to this factor, for states in small units.
+/// the last quarter are smaller than the rest by up to this factor.
 const STARTS: usize = 400;
 const FARTHEST: f64 = 10.0;
 const SMALLEST: f64 = 1e-12;
+
+/// States whose sizes differ from 1 by no more than this have all of these places within reach; others are looked for from as many more
+/// in their own units.
+const ALIKE: f64 = 8.0;
 
 /// Newton's steps from each of them; toward a degenerate equilibrium steps after which their ratio is seen, and then steps
 /// of m times the length.
@@ -113,6 +117,23 @@ const FEW: usize = 4;
 /// Parts of the period over which guards are bounded.
 const PARTS: usize = 4000;
 
+/// What vanishes where a mode rests.
+pub(super) struct Rates {
+    /// The values.
+    pub values: Vector,
+    /// Their derivatives by the states.
+    pub slopes: Matrix,
+    /// The terms of each, and what a rounding of each state makes of it.
+    sizes: Vector,
+}
+
+impl Rates {
+    /// Whether one of them is zero to rounding.
+    pub(super) fn is_zero(&self, row: usize) -> bool {
+        self.values[row].abs() <= ROUNDING * self.sizes[row]
+    }
+}
+
 /// What Newton's method has at a state.
 struct NewtonStep {
     /// The next state.
@@ -124,7 +145,7 @@ struct NewtonStep {
     surfaces: Surfaces,
     /// What a rounding of every equation is relative to.
     sizes: Vector,
-    /// Whether every rate is zero to rounding.
+    /// Whether every equation that is solved holds to rounding.
     rests: bool,
     /// Whether the equations are regular.
     regular: bool,
@@ -158,7 +179,7 @@ impl RestState {
 
 impl AffineSystem {
     /// The equilibria of a mode: the one of an affine mode; of another all that Newton's method finds where no state
-    /// exceeds 10, in the order of the first state.
+    /// exceeds 10, or 10 times its size, in the order of the first state.
     ///
     /// # Errors
     /// Why there is none, or a family of them.
@@ -175,23 +196,21 @@ impl AffineSystem {
             return Ok(vec![self.equilibrium(mode, &rest)]);
         }
         let (mut found, mut far): (Vec<RestState>, Vec<RestState>) = Default::default();
-        for start in 0..STARTS {
-            // places of the same share of every size: 0, then the golden sequence of every state
-            let of_all = start as f64 / STARTS as f64;
-            let size = match of_all < 0.75 {
-                true => FARTHEST.powf(2.0 * of_all / 0.75 - 1.0),
-                false => SMALLEST.powf(4.0 * of_all - 3.0),
-            };
-            let share = |state: usize| (start as f64 * ((state + 2) as f64).sqrt()).fract() - 0.5;
-            let mut state = Vector::from_fn(n, |state, _| 2.0 * size * share(state));
-            if start == 0 {
-                state.fill(0.0);
-            }
+        let sizes = self.sizes(mode);
+        let alike = sizes
+            .iter()
+            .all(|size| (1.0 / ALIKE..=ALIKE).contains(size));
+        let plain = Vector::from_element(n, 1.0);
+        let units = std::iter::once(&plain).chain((!alike).then_some(&sizes));
+        let starts =
+            units.flat_map(|units| (0..STARTS).map(|start| place(start, n).component_mul(units)));
+        for state in starts {
             let rest = self
                 .settle(mode, &state)
                 .or_else(|| self.settle_degenerate(mode, &state));
             if let Some(rest) = rest {
-                let near = rest.state.amax() <= FARTHEST;
+                let mut within = rest.state.iter().zip(&sizes);
+                let near = within.all(|(x, size)| x.abs() <= FARTHEST * size.max(1.0));
                 let list = if near { &mut found } else { &mut far };
                 if !list.iter().any(|known| known.is_same(&rest)) {
                     list.push(rest);
@@ -334,9 +353,8 @@ impl AffineSystem {
         }
     }
 
-    /// Where the rates of a mode are zero if they change as at a state, and their derivatives there; where these are
-    /// singular the nearest such place. `None` where rates have no value.
-    fn newton_step(&self, mode: usize, state: &Vector) -> Option<NewtonStep> {
+    /// What vanishes where a mode rests, at a state: its rates, then its surfaces. `None` where one has no value.
+    pub(super) fn rates(&self, mode: usize, state: &Vector) -> Option<Rates> {
         let n = self.states;
         let own = &self.modes[mode];
         let AffineMode { matrix, field, .. } = own;
@@ -349,36 +367,42 @@ impl AffineSystem {
             true => Matrix::identity(z.len(), n),
             false => field.series(&z, 0, true, true).derivatives().0,
         };
-        let left = &equations * slopes.columns(0, n);
+        let slopes = &equations * slopes.columns(0, n);
         let values = &equations * &z;
-        // of the terms of every equation, and of what a rounding of each state makes of it
-        let sizes = equations.abs() * z.abs() + left.abs() * state.abs();
-        if !left.iter().chain(&values).all(|x| x.is_finite()) {
-            return None;
-        }
-        let mut zero = values.iter().zip(&sizes);
-        let rests = zero.all(|(value, size)| value.abs() <= ROUNDING * size);
-        let right = &left * state - &values;
-        let slopes = left.rows(0, n).into_owned();
-        let gradients = (n..left.nrows()).map(|row| left.row(row).transpose());
+        let sizes = equations.abs() * z.abs() + slopes.abs() * state.abs();
+        let finite = slopes.iter().chain(&values).all(|x| x.is_finite());
+        finite.then_some(Rates {
+            values,
+            slopes,
+            sizes,
+        })
+    }
+
+    /// Where the rates of a mode are zero if they change as at a state, and their derivatives there; where these are
+    /// singular the nearest such place. `None` where rates have no value.
+    fn newton_step(&self, mode: usize, state: &Vector) -> Option<NewtonStep> {
+        let n = self.states;
+        let rates = self.rates(mode, state)?;
+        let slopes = rates.slopes.rows(0, n).into_owned();
+        let gradients = (n..rates.slopes.nrows()).map(|row| rates.slopes.row(row).transpose());
         let surfaces = Surfaces::balanced(&gradients.collect::<Vec<_>>(), &slopes);
-        let (mut square, mut values) = (slopes.clone(), right.rows(0, n).into_owned());
-        let mut of_square = sizes.rows(0, n).into_owned();
         // the rates of states that surfaces give follow from the others, and give way to their equations
+        let mut solved_rows: Vec<usize> = (0..n).collect();
         for (row, form) in surfaces.given() {
-            square.set_row(row, &left.row(n + form));
-            (values[row], of_square[row]) = (right[n + form], sizes[n + form]);
+            solved_rows[row] = n + form;
         }
-        let solved = solve(&square, &values);
+        let rests = solved_rows.iter().all(|row| rates.is_zero(*row));
+        let square = rates.slopes.select_rows(&solved_rows);
+        let right = (&rates.slopes * state - &rates.values).select_rows(&solved_rows);
+        let solved = solve(&square, &right);
         let regular = solved.is_some();
-        let nearest =
-            || Some(state - pseudo_inverse(&square, 1e-13)? * (&square * state - &values));
+        let nearest = || Some(state - pseudo_inverse(&square, 1e-13)? * (&square * state - &right));
         Some(NewtonStep {
             next: solved.or_else(nearest)?,
             slopes,
             surfaces,
             square,
-            sizes: of_square,
+            sizes: rates.sizes.select_rows(&solved_rows),
             rests,
             regular,
         })
@@ -540,6 +564,21 @@ struct LeastOverPhases {
 fn known_to(step: &NewtonStep) -> Option<Vector> {
     let inverse = Factors::new(&step.square).inverse()?;
     Some(inverse.abs() * (&step.sizes * ROUNDING))
+}
+
+/// The places from which equilibria are looked for: as many of every size, first 0, then the golden sequence of every state.
+fn place(start: usize, states: usize) -> Vector {
+    let of_all = start as f64 / STARTS as f64;
+    let size = match of_all < 0.75 {
+        true => FARTHEST.powf(2.0 * of_all / 0.75 - 1.0),
+        false => SMALLEST.powf(4.0 * of_all - 3.0),
+    };
+    let share = |state: usize| (start as f64 * ((state + 2) as f64).sqrt()).fract() - 0.5;
+    let mut place = Vector::from_fn(states, |state, _| 2.0 * size * share(state));
+    if start == 0 {
+        place.fill(0.0);
+    }
+    place
 }
 
 /// Of many degenerate equilibria one stands for all, the nearest to zero.

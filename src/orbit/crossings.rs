@@ -200,10 +200,13 @@ fn signs<O: Orbit>(
             normal: &step.from.tangent,
             through: &place.node.point,
         };
-        let rounding = known.unwrap_or_else(|| {
-            let of_orbit = uncertainty(orbit, &mut plane, &place);
-            told_beside(orbit, step, &place, [low, high], of_orbit)
-        });
+        let rounding = match known {
+            Some(known) => known.max(rounding_beside(orbit, step, &place, [low, high])),
+            None => {
+                let of_orbit = uncertainty(orbit, &mut plane, &place);
+                told_beside(orbit, step, &place, [low, high], of_orbit)
+            }
+        };
         // beside a homoclinic orbit a step moves the parameter by less than it is known to: its zeros are rounding
         let last = node.point.len() - 1;
         let moved = [step.from, step.to].map(|end| (end.point[last] - node.point[last]).abs());
@@ -246,6 +249,46 @@ fn told_beside<O: Orbit>(
     let distances = std::iter::successors(Some(first), |beside| Some(2.0 * beside));
     let beside = distances.take_while(|beside| *beside < most).find(passes);
     beside.map_or(of_orbit, |beside| of_orbit.max(beside * along))
+}
+
+/// The error that rounding of the multipliers that pass makes of the parameter at a place that is found by equations of its own,
+/// which do not know how fast they pass: with g = cδ^q beside it, q odd, that of g moves it by (error/c)^(1/q). No more than the
+/// step where q is not told.
+fn rounding_beside<O: Orbit>(
+    orbit: &O,
+    step: &Step<O>,
+    place: &Place,
+    [low, high]: [&SeenStability; 2],
+) -> f64 {
+    /// A multiplier is known no better than to a few roundings, and as a rule no worse there: its own error is a bound.
+    const ROUNDING: f64 = 4.0 * f64::EPSILON;
+    /// The two distances at which q is told: at the smaller one g is far above rounding unless q is large.
+    const NEARER: f64 = 8.0;
+    let passing = |distance: f64| {
+        let [before, after] =
+            [-distance, distance].map(|by| SeenStability::at(orbit, step, place.s + by));
+        let both = [before?, after?];
+        let [before, after] = both.each_ref().map(SeenStability::outside);
+        let ranks = before.min(after)..before.max(after);
+        let [before, after] = both.each_ref().map(|seen| seen.mean(&ranks));
+        let growths = both.iter().flat_map(|seen| seen.growths.iter().flatten());
+        let error = growths.map(|one| one.error).fold(0.0, f64::max);
+        (!ranks.is_empty()).then_some((ranks, before?.abs().min(after?.abs()), error))
+    };
+    let far = 0.5 * (place.s - low.s).min(high.s - place.s);
+    let near = far / NEARER;
+    let both = passing(far).zip(passing(near));
+    let Some(((far_ranks, far_growth, _), (ranks, growth, error))) = both else {
+        return 0.0;
+    };
+    let order = match far_ranks == ranks {
+        true => (far_growth / growth).log(NEARER),
+        false => 1.0,
+    };
+    let order = 2.0 * (0.5 * (order - 1.0)).round().max(0.0) + 1.0;
+    let off = near * (ROUNDING.min(error) / growth).powf(1.0 / order);
+    let last = place.node.tangent.len() - 1;
+    off.min(step.ds) * place.node.tangent[last].abs() * orbit.unit().abs()
 }
 
 /// An arclength, and what happens there.

@@ -83,11 +83,13 @@ fn the_error_of_a_place_knows_how_fast_a_multiplier_passes() {
         ]
     };
     let [x, y] = turned("(1 + (a - 1)*1e-6)");
-    let cases: [(EventType, Vec<&str>, f64); 4] = [
+    let cases: [(EventType, Vec<&str>, f64); 6] = [
         (PD, vec!["(-1 - (a - 1)*1e-3)*x0"], 1e-10),
         (PD, vec!["(-1 - (a - 1)*1e-6)*x0"], 1e-6),
         (PD, vec!["(-1 - (a - 1)^3)*x0"], 1e-3),
         (NS, vec![&x, &y], 1e-6),
+        (BP, vec!["(1 + (a - 1)*1e-3)*x0"], 1e-11),
+        (BP, vec!["(1 + (a - 1)*1e-6)*x0"], 1e-8),
     ];
     for (kind, resets, most) in cases {
         let items = of_ticks(&resets);
@@ -100,6 +102,29 @@ fn the_error_of_a_place_knows_how_fast_a_multiplier_passes() {
             "{resets:?}: {off:e}, told {told:e}"
         );
     }
+}
+
+/// The real part p³ of a pair is less than its rounding where |p| < 1e-5, also for the equations of a Hopf point.
+#[test]
+fn the_error_of_a_hopf_point_knows_how_flat_a_pair_passes() {
+    let course = Course {
+        system: r#"(states: ["x", "y"], parameters: {"p": -0.7}, modes: {"m": (rates: {
+            "x": "p^3*x - y - x*(x^2 + y^2)", "y": "x + p^3*y - y*(x^2 + y^2)"})})"#,
+        mode: "m",
+        state: &[0.0; 2],
+        parameter: "p",
+        range: (-1.0, 1.3),
+    };
+    let all = course.events();
+    let [hopf] = &all[..] else {
+        panic!("{all:?}");
+    };
+    assert_eq!(hopf.kind, EventType::HB);
+    let off = number(hopf, "p").abs();
+    assert!(
+        off <= hopf.uncertainty && hopf.uncertainty < 1e-4,
+        "{hopf:?}"
+    );
 }
 
 /// Half a period of rotation by π and half a period of shear, both damped: the monodromy matrix is −e^(−2πc/w)(1, π/w; 0, 1), a double

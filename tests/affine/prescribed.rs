@@ -1,6 +1,7 @@
 //! Orbits of a prescribed period: a wave of the tube, written down as a system, is one whose speed is free.
 
 use std::f64::consts::TAU;
+use std::fs;
 
 use brakewave::EventType;
 use brakewave::affine::closure::Prescribed;
@@ -13,6 +14,7 @@ use brakewave::orbit::Orbit;
 use brakewave::tube::model::{Impact, Parameter};
 
 use crate::affine::branches::follow;
+use crate::affine::counts::{events, rows};
 use crate::affine::systems::{system, values};
 use crate::waves::branches::{
     Case, fast_in_friction, fast_in_mismatch, slow_in_mismatch, speed, tube, with_coulomb_impact,
@@ -284,5 +286,29 @@ fn a_rotation_turns_as_fast_as_is_prescribed() {
         }
         let examined = all[0].orbit.examination(&all[0].node.point).unwrap();
         assert!(examined.tests.is_empty() && examined.multipliers.len() == 2);
+    }
+}
+
+/// The rate of the radial displacement is zero on every wave until separation opens: its unit is that in which it acts in `separation`,
+/// and the events are the same in whatever units it stands.
+#[test]
+fn a_state_that_is_zero_before_an_event_has_its_unit_beyond() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/problems/wave_as_orbit.ron");
+    let plain = fs::read_to_string(path).unwrap();
+    let expected = events(&rows(&plain), "d");
+    assert!(expected.len() >= 5, "{expected:?}");
+    for unit in ["1e-6", "1e9"] {
+        let text = plain
+            .replace(r#""U": "u""#, &format!(r#""U": "{unit}*u""#))
+            .replace("-(g*U + k*W)/mb", &format!("-(g*U + k*W)/mb/{unit}"))
+            .replace("k*u - Q", &format!("k*{unit}*u - Q"));
+        let found = events(&rows(&text), "d");
+        assert_eq!(found.len(), expected.len(), "{unit}: {found:?}");
+        for ((kind, d, _), (same, exact, _)) in found.iter().zip(&expected) {
+            assert!(
+                kind == same && (d - exact).abs() < 1e-13,
+                "{unit}: {kind} at {d}, {same} at {exact}"
+            );
+        }
     }
 }

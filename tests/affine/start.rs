@@ -560,3 +560,45 @@ fn motions_are_told_by_how_their_neighbours_part() {
         Some(Behaviour::Settles)
     );
 }
+
+/// A relay whose signal passes twelve lags: what one state makes of the next falls along the chain in units alike, and the last one is
+/// not zero for that. The orbit starts in whatever units the first state stands.
+#[test]
+fn a_long_chain_starts_in_any_units() {
+    const LAGS: usize = 12;
+    let period = |unit: f64| {
+        let names: Vec<String> = (0..LAGS).map(|lag| format!("\"x{lag}\"")).collect();
+        let mode = |name: &str, other: &str, signal: &str, zero: &str| {
+            let rate = |lag: usize| match lag {
+                0 => format!("({signal} - {unit:e}*x0)/{unit:e}"),
+                1 => format!("{unit:e}*x0 - x1"),
+                _ => format!("x{} - x{lag}", lag - 1),
+            };
+            let rates = names.iter().enumerate();
+            let rates: Vec<String> = rates
+                .map(|(lag, name)| format!("{name}: \"{}\"", rate(lag)))
+                .collect();
+            let rates = rates.join(", ");
+            format!(r#""{name}": (rates: {{{rates}}}, until: [(zero: "{zero}", to: "{other}")])"#)
+        };
+        let text = format!(
+            r#"(states: [{}], parameters: {{"d": 0.1}}, modes: {{{}, {}}})"#,
+            names.join(", "),
+            mode("p", "m", "-1", "x11 + d"),
+            mode("m", "p", "1", "d - x11"),
+        );
+        let wanted = wanted(&text, &[], "d", 1);
+        let mut state = [0.1; LAGS];
+        state[0] /= unit;
+        let (orbit, point) = from(&wanted, "p", &state, 0.0, Search::Settles(600.0)).unwrap();
+        orbit.cycle(&point).unwrap().period
+    };
+    let expected = period(1.0);
+    for unit in [1e-6, 1e-3, 1e6] {
+        let period = period(unit);
+        assert!(
+            (period - expected).abs() < 1e-12 * expected,
+            "{unit:e}: {period}"
+        );
+    }
+}

@@ -173,6 +173,56 @@ fn equilibria_are_told_apart_by_their_own_size() {
     assert_eq!(stable, [Some(true), Some(false), Some(true)]);
 }
 
+/// Lorenz' system rests at 0 and at x = y = ±√(β(ρ − 1)), z = ρ − 1, in whatever units x and z are; a pseudo-equilibrium on y = 0.4 does,
+/// in whatever units y is.
+#[test]
+fn equilibria_of_modes_that_are_not_affine_do_not_depend_on_units() {
+    for (x, z) in [
+        (1.0, 1.0),
+        (1e-6, 1.0),
+        (1e9, 1.0),
+        (1.0, 1e-6),
+        (1e-3, 1e6),
+    ] {
+        let text = format!(
+            r#"(states: ["x", "y", "z"], modes: {{"flow": (rates: {{
+                "x": "10*(y/{x:e} - x)", "y": "28*{x:e}*x - y - {x:e}*{z:e}*x*z", "z": "{x:e}*x*y/{z:e} - 2*z"}})}})"#
+        );
+        let found = at(&system(&text), &[]).equilibria(0).unwrap();
+        let own = |state: &[f64]| [state[0] * x, state[1], state[2] * z];
+        let states: Vec<[f64; 3]> = found.iter().map(|one| own(&one.state)).collect();
+        let root = 54f64.sqrt();
+        let expected = [[-root, -root, 27.0], [0.0; 3], [root, root, 27.0]];
+        assert_eq!(states.len(), 3, "{x:e}, {z:e}: {states:?}");
+        for (state, expected) in states.iter().flatten().zip(expected.iter().flatten()) {
+            assert!((state - expected).abs() < 1e-12, "{x:e}, {z:e}: {states:?}");
+        }
+    }
+    for y in [1.0, 1e-6, 1e3, 1e9] {
+        let eaten = format!("x*{y:e}*y/(0.3 + x)");
+        let mode = |name: &str, other: &str, loss: f64, sign: &str| {
+            format!(
+                r#""{name}": (rates: {{"x": "x*(1 - x) - {eaten}", "y": "({eaten} - {loss}*{y:e}*y)/{y:e}"}},
+                    until: [(zero: "{sign}(0.4 - {y:e}*y)", to: "{other}")])"#
+            )
+        };
+        let text = format!(
+            r#"(states: ["x", "y"], modes: {{{}, {}}}, sliding: {{"slide": ("low", "high")}})"#,
+            mode("low", "high", 0.4, ""),
+            mode("high", "low", 0.6, "-"),
+        );
+        let system = at(&system(&text), &[]);
+        // modes of sliding follow those of the file
+        let found = system.equilibria(2).unwrap();
+        // x = 0, and (1 − x)(0.3 + x) = 0.4
+        let states: Vec<f64> = found.iter().map(|one| one.state[0]).collect();
+        assert_eq!(states.len(), 3, "{y:e}: {states:?}");
+        for (x, expected) in states.iter().zip([0.0, 0.2, 0.5]) {
+            assert!((x - expected).abs() < 1e-12, "{y:e}: {states:?}");
+        }
+    }
+}
+
 /// ẋ = −x³ and ẋ = (x − 1)² rest where their slope is zero; ẋ = y² rests on a whole line; ẋ = 1 + x² nowhere, which
 /// Newton's method does not decide.
 #[test]

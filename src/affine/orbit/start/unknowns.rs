@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::Wanted;
 use super::failure::NoStart;
 use crate::affine::orbit::CLOSING;
-use crate::affine::orbit::layout::{AffineOrbit, ZonePoint};
+use crate::affine::orbit::layout::{AffineOrbit, OrbitAt, ZonePoint};
 use crate::affine::orbit::row::first_of;
 use crate::affine::orbit::section::of_orbit;
 use crate::affine::orbit::setting::{OrbitFailure, Scales, Setting};
@@ -108,7 +108,17 @@ fn units(orbit: &AffineOrbit, point: &Vector, sizes: Vec<f64>) -> Result<Vec<f64
         .iter()
         .map(|passage| passage.flow.view((0, 0), (states, states)).into_owned());
     let flows: Vec<Matrix> = flows.collect();
-    let alike = balance(&flows.iter().collect::<Vec<_>>());
+    // one that is zero since nothing acts on it yet does so in modes beyond an event
+    let acts = |one: usize, other: usize| flows.iter().any(|flow| flow[(one, other)] != 0.0);
+    let stands_alone = |state: usize| {
+        let mut others = (0..states).filter(|other| *other != state);
+        sizes[state] <= SMALL && !others.any(|other| acts(state, other) || acts(other, state))
+    };
+    let rates = match (0..states).any(stands_alone) {
+        true => slopes_of_modes(&at),
+        false => Vec::new(),
+    };
+    let alike = balance(&flows.iter().chain(&rates).collect::<Vec<_>>());
     let grown = |flow: &Matrix| {
         Matrix::from_fn(states, states, |to, from| {
             flow[(to, from)] * alike[from] / alike[to]
@@ -121,15 +131,46 @@ fn units(orbit: &AffineOrbit, point: &Vector, sizes: Vec<f64>) -> Result<Vec<f64
     let largest = pairs().fold(0.0, |most: f64, (size, alike)| most.max(size / alike));
     let least = alike.iter().copied().fold(f64::INFINITY, f64::min);
     let tells = alike.iter().all(|alike| *alike <= APART * least);
-    let units = pairs().map(|(size, alike)| {
-        let is_zero = *size <= nothing * largest * alike;
-        match is_zero && tells {
+    let small = |(size, alike): (&f64, &f64)| *size <= nothing * largest * alike;
+    let mut is_zero: Vec<bool> = pairs().map(small).collect();
+    // along a chain of states units alike fall as one likes: what acts on a state tells that it is small and not zero
+    let made = |state: usize, is_zero: &[bool]| {
+        let others = (0..states).filter(|other| !is_zero[*other]);
+        let by = |other: usize| {
+            let acting = flows
+                .iter()
+                .map(|flow| flow[(state, other)].abs())
+                .fold(0.0, f64::max);
+            let is_told = acting * alike[other] > GROWN * growth * alike[state];
+            if is_told { acting * sizes[other] } else { 0.0 }
+        };
+        others.map(by).fold(0.0, f64::max)
+    };
+    while let Some(state) = (0..states).find(|state| {
+        let made = made(*state, &is_zero);
+        is_zero[*state] && made > 0.0 && sizes[*state] > nothing * made
+    }) {
+        is_zero[state] = false;
+    }
+    let units = pairs()
+        .zip(&is_zero)
+        .map(|((size, alike), is_zero)| match *is_zero && tells {
             true => unit(largest * alike),
             false if *size > SMALL => unit(*size),
             false => 1.0,
-        }
-    });
+        });
     Ok(units.collect())
+}
+
+/// The derivatives of the rates of every mode of a system at the beginning of an orbit.
+fn slopes_of_modes(at: &OrbitAt) -> Vec<Matrix> {
+    let system = &at.posed.system;
+    let begin = Vector::from_column_slice(&at.zones[0].state);
+    let slopes = |mode: usize| {
+        let rates = system.rates(mode, &begin)?;
+        Some(rates.slopes.rows(0, begin.len()).into_owned())
+    };
+    (0..system.modes.len()).filter_map(slopes).collect()
 }
 
 /// The orbits with these zones, in units of these places, and the places in those.
