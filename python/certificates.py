@@ -61,7 +61,7 @@ with tempfile.TemporaryDirectory() as work:
             uncertainty = f"{float(event['uncertainty']):.0e}" if event["uncertainty"] else "–"
             width = f"{float(row['high']) - float(row['low']):.0e}" if row["proven"] == "yes" else row["why"]
             widths.append((path.stem, event["label"], row["type"], f"{row['parameter']} = {value}", uncertainty, width))
-        again, said = told.count(": proven again"), len(told.splitlines())
+        again, said = told.count(": proven again"), len(re.findall(": (?:proven again|not covered|refused)", told))
         points = f"{sum(row['proven'] == 'yes' for row in proven.values())} of {len(proven)}"
         held = verified.stdout.count(": verified")
         times.append((path.stem, points, proving, f"{verifying}, {held} hold", f"{checking}, {again} of {said} proven again"))

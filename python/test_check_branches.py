@@ -84,6 +84,37 @@ class Branches(Certified):
                     self.assertEqual(code, 1, told)
                     self.assertRegex(told, f"numbers of the problem: refused: the {what}")
 
+    def test_parameters_in_other_words(self):
+        for old, new in [('"k": 0.05', '"k": "0.05"'), ('"k": 0.05', '"k": "1/20"'), ('"k": 0.05', '"k": "p/20"'), ('"k": 0.05', '"k": "cos(0)/20"'), ('"p": 1.0', '"p": "2/2"')]:
+            for name in ("clock", "rest"):
+                code, told = self.beside(name, replaced(self.PROBLEMS[name], old, new))
+                self.assertEqual(code, 0, told)
+        for new, expected, outcome in [('"1/21"', 1, "refused"), ('"0.05 + 1e-7"', 1, "refused"), ('"nowhere"', 1, "refused"), ('"0.05 + 1e-12"', 3, "not covered")]:
+            code, told = self.beside("clock", replaced(CLOCK, '"k": 0.05', f'"k": {new}'))
+            self.assertEqual(code, expected, told)
+            self.assertIn(f"numbers of the problem: {outcome}", told)
+
+    def test_values_of_monitors_are_none_of_the_parameter(self):
+        for stop, holds in [('{"speed": 0.75}', 1), ('("speed", 0.75)', 1), ("(p: 0.75)", 0)]:
+            code, told = self.beside("clock", replaced(CLOCK, "stop_at: [0.75]", f"stop_at: [{stop}]"))
+            self.assertEqual(code, holds, told)
+
+    def test_units_without_their_orbit(self):
+        """The units of `unique` are told by what the branch begins with: without it they are not covered, and this is said."""
+        for name in ("clock", "rest"):
+            table = lambda text: "\n".join(text.splitlines()[:1] + text.splitlines()[2:]) + "\n"
+            code, told = self.changed(name, lambda certificate: certificate["points"].pop(0), table)
+            self.assertEqual(code, 3, told)
+            self.assertEqual(told.count("not covered: the units"), 1, told)
+
+    def test_counts_are_whole(self):
+        def outside(certificate):
+            certificate["points"][0]["outcome"].value["statement"]["outside"] += 0.5
+
+        code, told = self.changed("clock", outside)
+        self.assertEqual(code, 1, told)
+        self.assertRegex(told, "multipliers outside the unit circle: refused: .* is no whole number")
+
     def test_a_period_that_is_prescribed(self):
         code, told = self.beside("clock", replaced(CLOCK, "orbit: (", 'orbit: (period: "1.9", free: "k", '))
         self.assertEqual(code, 1, told)

@@ -10,7 +10,7 @@ from math import ceil, inf
 from flint import arb, arb_mat, ctx
 
 from .ball_orbits import ALMOST, TURNED, Orbit, combine, listed
-from .balls import Dual, NotCovered, Refused, apply, distance, dual, exponential, must, nearly_inverse, real, times, whole
+from .balls import Dual, NotCovered, Refused, apply, distance, double, dual, exponential, must, nearly_inverse, real, times, whole
 
 ALONG, POINT, TUBE = 80, arb(2) ** -50, arb(2) ** -46
 """Bits in which curves are followed; the radii of points and of tubes at least, in units: far above rounding, and one after the other
@@ -38,10 +38,10 @@ class Arc:
         self.orbit.divide(parts)
         self.place = self.orbit.place
         units = self.orbit.posed["units"]
-        states, self.units = [*map(float, units["states"])], []
+        states, self.units = [*map(double, units["states"])], []
         for n in parts:
-            self.units += states * n + [float(units["time"])]
-        self.units += [1.0] * self.orbit.forced + [float(units["parameter"])]
+            self.units += states * n + [double(units["time"])]
+        self.units += [1.0] * self.orbit.forced + [double(units["parameter"])]
         # where a zone that has no duration at an end stands, which is not cut
         self.closed = [[sum(parts[:zone]) for zone in orbit.closed] for orbit in (self.first, self.last)]
         self.opening = [self.orbit.times[k] for k in self.closed[0]]

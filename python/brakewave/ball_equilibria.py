@@ -12,7 +12,7 @@ from fractions import Fraction
 from flint import acb, acb_mat, acb_poly, arb
 
 from .ball_orbits import counted, parsed
-from .balls import Dual, NotCovered, Refused, Tagged, decimal, determinant, dual, injective, jacobian, must, prove_zero, real, whole
+from .balls import Dual, NotCovered, Refused, Tagged, decimal, determinant, double, dual, exact, injective, jacobian, must, prove_zero, real, whole
 
 MOST_FACTORS = 64
 """Whole exponents up to this are products."""
@@ -32,7 +32,7 @@ class Formula:
 
     @staticmethod
     def number(text):
-        return Formula({(): Fraction(text)})
+        return Formula({(): exact(text) if isinstance(text, str) else Fraction(text)})
 
     def __add__(self, other):
         terms = dict(self.terms)
@@ -186,7 +186,7 @@ class Rest:
         must(len(posed["values"]) == len(self.parameters), "there is not a value for every parameter")
         self.varied = whole(posed["parameter"], len(self.parameters))
         must(len(near["state"]) == self.n and len(posed["units"]) == self.n + 1, "there is not a number for every state")
-        must(all(0 < unit < float("inf") for unit in posed["units"]), "a unit that is no length")
+        must(all(0 < double(unit) < float("inf") for unit in posed["units"]), "a unit that is no length")
         self.kind, self.condition = (condition, None) if isinstance(condition, str) else condition
         self.modes, sliding = list(system["modes"]), system.get("sliding", {})
         must(near["mode"] in self.modes or near["mode"] in sliding, f"`{near['mode']}` is no mode")
@@ -197,10 +197,10 @@ class Rest:
         self.guards += self.watched()
         if self.kind == "Boundary":
             self.vanishing = whole(self.condition["guard"], len(self.guards))
-        *each, last = map(float, posed["units"])
+        *each, last = map(double, posed["units"])
         self.units = [arb(it) for it in each + [1.0] * (self.size - self.n) + [last]]
         if self.kind == "Hopf":
-            self.units.append(arb(float(self.condition["omega"])))
+            self.units.append(arb(double(self.condition["omega"])))
 
     def meaning(self, states, parameter, pi, number=decimal):
         """What names stand for; None of abbreviations without a value."""
@@ -309,8 +309,8 @@ class Rest:
         return rows + [one + other, (one - other) * acb(0, -1)]
 
     def guess(self):
-        state = [acb(float(x)) for x in self.near["state"]]
-        parameter = acb(float(self.near["parameter"]))
+        state = [acb(double(x)) for x in self.near["state"]]
+        parameter = acb(double(self.near["parameter"]))
         if self.sides is not None:
             below, above = self.pushes(state, parameter)
             state = state + [(below / (below - above)).mid()]
@@ -341,7 +341,7 @@ class Rest:
     def unique(self, zero, distance):
         """Less than 1 if there is no other equilibrium of the kind with its parameter within a distance, and its other unknowns within
         the same share of their units; vectors are no unknowns here, so that more is shown."""
-        share = arb(float(distance)) / self.units[self.size]
+        share = arb(double(distance)) / self.units[self.size]
         middle = [acb(x.real) for x in zero.middle]
         of = lambda box, _: jacobian(self.equations, [acb(x) for x in box])
         try:

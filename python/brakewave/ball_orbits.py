@@ -17,7 +17,7 @@ from math import inf
 from flint import acb, acb_mat, acb_poly, arb, arb_poly, ctx, fmpq, fmpq_poly
 
 from .ball_contacts import Contacts
-from .balls import SIGNS, Dual, NotCovered, Refused, Tagged, apply, as_matrix, decimal, distance, dual, exponential, injective, must, positive, prove_zero, real, tail, times, value_of, whole
+from .balls import SIGNS, Dual, NotCovered, Refused, Tagged, apply, as_matrix, decimal, distance, double, dual, exact, exponential, injective, must, positive, prove_zero, real, tail, times, value_of, whole
 
 NEAR = 1e-6
 """What is zero at a point is found for all values of the parameter so near, in its unit."""
@@ -98,7 +98,7 @@ class Ratio:
 def ratio(number):
     """A number as a quotient."""
     if isinstance(number, (str, Fraction)):
-        number = Fraction(number)
+        number = exact(number) if isinstance(number, str) else number
         return Ratio(fmpq(number.numerator, number.denominator))
     return number if isinstance(number, Ratio) else Ratio(number)
 
@@ -546,22 +546,22 @@ class Orbit:
         self.zone = whole(margin["zone"], len(zones)) if margin else None
         self.forced, self.periods = posed["system"].get("forcing") is not None, whole(posed["periods"])
         # what vanishes at the event is looked for next to it
-        self.domain = domain or arb(float(near["parameter"]), NEAR * float(posed["units"]["parameter"]))
+        self.domain = domain or arb(double(near["parameter"]), NEAR * double(posed["units"]["parameter"]))
         self.exact = Modes(posed, near["parameter"], [mode for mode, _ in self.sequence])
         self.n, self.stretches, self.guess = self.exact.count, [], []
-        middle = self.exact.at(decimal(repr(float(near["parameter"]))))
+        middle = self.exact.at(decimal(repr(double(near["parameter"]))))
         for index, (zone, (mode, way), at) in enumerate(zip(sequence, self.sequence, zones)):
             self.exact.check_zone(zone)
             must(way is not None or len(zones) == 1 and self.forced, "a zone that does not end")
             end = ("never",) if way is None else ("exit", *way)
-            state, time = [acb(float(x)) for x in at["state"]], float(at["duration"])
+            state, time = [acb(double(x)) for x in at["state"]], double(at["duration"])
             must(len(state) == self.n, "a zone has not as many states as the system")
             if self.watch == "Inside" and index == self.zone:
-                first = float(margin["time"])
+                first = double(margin["time"])
                 must(0 < first < time, "a guard is touched outside of its zone")
                 self.stretches.append(Stretch(index, mode, ("touch", self.which)))
                 self.guess += state + [acb(first)]
-                z = self.lift(state, acb(float(at["phase"])))
+                z = self.lift(state, acb(double(at["phase"])))
                 state = apply(exponential(middle.matrices[mode], acb(first)), z)[: self.n]
                 time -= first
             self.stretches.append(Stretch(index, mode, end))
@@ -579,14 +579,14 @@ class Orbit:
             self.stretches = self.stretches[: len(zones) // 2]
             self.guess = self.guess[: len(self.stretches) * (self.n + 1)]
         if self.forced:
-            self.guess.append(acb(float(zones[0]["phase"])))
-        self.guess.append(acb(float(near["parameter"])))
+            self.guess.append(acb(double(zones[0]["phase"])))
+        self.guess.append(acb(double(near["parameter"])))
         self.arrange()
         if self.kind == "Torus":
-            self.guess.append(acb(float(condition.value["angle"])))
+            self.guess.append(acb(double(condition.value["angle"])))
         self.events, self.closed, self.kept, self.phases = [], [], None, None
         lengths = self.guess[self.n : self.place : self.n + 1][: len(self.stretches)]
-        self.divide_by([k for k, time in enumerate(lengths) if float(real(time)) < SHUT * float(posed["units"]["time"])])
+        self.divide_by([k for k, time in enumerate(lengths) if float(real(time)) < SHUT * double(posed["units"]["time"])])
         # what is zero on the branch, and what is so at the event
         self.facts = self.lasting = self.known()
         if self.watch == "Duration":
@@ -1104,9 +1104,9 @@ class Orbit:
         """Less than 1 if there is no other orbit with its parameter within a distance, and its other unknowns within the same
         share of their units. States between the steps of the program are no unknowns here, so that more is shown."""
         units = self.posed["units"]
-        each = [*map(float, units["states"]), float(units["time"])] * len(self.stretches)
-        each += [1.0] * int(self.forced) + [float(units["parameter"])] + [1.0] * (self.kind == "Torus")
-        share = arb(float(distance)) / arb(float(units["parameter"]))
+        each = [*map(double, units["states"]), double(units["time"])] * len(self.stretches)
+        each += [1.0] * int(self.forced) + [double(units["parameter"])] + [1.0] * (self.kind == "Torus")
+        share = arb(double(distance)) / arb(double(units["parameter"]))
         radii, middle = [arb(unit) * share for unit in each], [real(y) for y in zero.middle]
         return self.apart([real(phase) + arb(0, 1) * share for phase, *_ in self.parts(middle)[1]]).alone(middle, radii)
 

@@ -9,7 +9,7 @@ from math import log
 from flint import acb, acb_mat, acb_poly, arb
 
 from .ball_waves import DU, W, Wave
-from .balls import Dual, NotCovered, apply, distance, exponential, least_norm, must, prove_zero, size, whole
+from .balls import Dual, NotCovered, apply, distance, double, exponential, least_norm, must, prove_zero, size, whole
 
 FIRST = 1e-2
 """Half the width of the strip around the imaginary axis that is tried first, by the inverse of the period."""
@@ -94,11 +94,11 @@ class Perturbed(Wave):
 
     def root(self, sector):
         """z = e^{2πij/k}."""
-        return (acb(0, 2) * arb.pi() * int(sector) / self.mode).exp()
+        return (acb(0, 2) * arb.pi() * sector / self.mode).exp()
 
     def crossing(self, x, parts):
         """F_j(iω) = 0, and the same for the conjugate: both are analytic in ω. At λ = 0 a real equation says as much."""
-        root = self.root(self.condition.value["sector"])
+        root = self.root(self.sector)
         if self.at_zero:
             return [distance(self.period(parts, acb(0)), root)]
         growth = acb(0, 1) * x[self.base]
@@ -107,7 +107,7 @@ class Perturbed(Wave):
 
     def is_simple(self, parts):
         """Whether the eigenvalue at λ = 0 of a crossing there is simple."""
-        root = self.root(self.condition.value["sector"])
+        root = self.root(self.sector)
         return not distance(self.period(parts, Dual(acb(0), acb(1))), root).d.contains(0)
 
     def swings(self, parts, window):
@@ -123,7 +123,7 @@ class Perturbed(Wave):
     def eigenvalue(self, parts, sector, near):
         """A regular zero of F_j as a complex ball."""
         root = self.root(whole(sector, self.mode))
-        guess = acb(float(near[0]), float(near[1]))
+        guess = acb(double(near[0]), double(near[1]))
         zero = prove_zero(lambda at: [distance(self.period(parts, at[0]), root)], [guess])
         return zero.middle[0] + acb(arb(0, zero.radius), arb(0, zero.radius))
 

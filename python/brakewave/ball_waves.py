@@ -4,7 +4,6 @@ Written from the equations of docs/theory.md, apart from the program. check.py s
 """
 
 from collections import namedtuple
-from fractions import Fraction
 
 from flint import acb, arb
 
@@ -14,7 +13,9 @@ from .balls import (
     apply,
     decimal,
     differences,
+    double,
     dual,
+    exact,
     exponential,
     injective,
     jacobian,
@@ -132,14 +133,14 @@ class Wave:
             must(self.is_condition(self.watch, self.zone), f"{self.watch} is no condition of zone {self.zone}")
         self.vanishing = self.zone if self.watch == "Duration" else None
         # waves run in the direction of D
-        self.sign = 1 if model(posed, decimal(repr(float(near["parameter"])))).d.real > 0 else -1
-        self.guess = [acb(float(x)) for x in [*sum(near["zones"], ()), near["excess"], near["parameter"]]]
+        self.sign = 1 if model(posed, decimal(repr(double(near["parameter"])))).d.real > 0 else -1
+        self.guess = [acb(double(x)) for x in [*sum(near["zones"], ()), near["excess"], near["parameter"]]]
         self.base = len(self.guess)
         self.prepare()
         if self.watch in TOUCHES:
-            self.guess.append(acb(float(margin["time"])))
+            self.guess.append(acb(double(margin["time"])))
         elif self.kind == "Crossing":
-            self.sector, omega = whole(condition.value["sector"], self.mode), float(condition.value["omega"])
+            self.sector, omega = whole(condition.value["sector"], self.mode), double(condition.value["omega"])
             self.at_zero = not omega
             must(not self.at_zero or self.is_real(self.sector), "0 is no eigenvalue of one sector alone")
             if not self.at_zero:
@@ -303,8 +304,8 @@ class Wave:
         zones = [middle[3 * i : 3 * i + 3] for i in range(self.count)]
         period, rate = sum(abs(t) for _, _, t in zones), size([1] + [w for _, w, _ in zones])
         units = [unit for y, _, t in zones for unit in (abs(y).max(period), rate, abs(t).max(period))]
-        units += [middle[self.base - 2], arb(float(self.posed["unit"]))] + [abs(y).max(arb(1)) for y in middle[self.base :]]
-        radii = [unit * (arb(float(distance)) / units[self.base - 1]) for unit in units]
+        units += [middle[self.base - 2], arb(double(self.posed["unit"]))] + [abs(y).max(arb(1)) for y in middle[self.base :]]
+        radii = [unit * (arb(double(distance)) / units[self.base - 1]) for unit in units]
         found = lambda box, _: jacobian(self.equations, box, radii)
         return injective(found, middle, radii, [self.base - 2, self.base - 1])
 
@@ -352,7 +353,7 @@ class Signs:
         closes = wave.zones[after][1] == "Touch" and wave.vanishing == after or self.event("LandingPressure", after)
         # a Coulomb impact changes V̇
         closes = closes and not wave.coulomb
-        free = wave.posed["parameter"] != "MassDamping" and not Fraction(wave.posed["written"]["damping"])
+        free = wave.posed["parameter"] != "MassDamping" and not exact(wave.posed["written"]["damping"])
         if not (closes and free and wave.zones[zone][1] == "TakeOff"):
             return False
         half = exponential(self.matrix(zone), self.zones[zone][2] / 2)
@@ -367,7 +368,7 @@ class Signs:
         m, wave, written = self.m, self.wave, self.wave.posed["written"]
         yield "b > 0, g > 0 and h > 0", m.b > 0 and m.g > 0 and m.h > 0
         yield "δ > 0, f > 0, α ≥ 0", m.mismatch > 0 and m.friction > 0 and (m.damping > 0 or m.damping.is_zero())
-        yield "static friction is not less than kinetic friction", Fraction(written["ratio"] or 1) >= 1
+        yield "static friction is not less than kinetic friction", exact(written["ratio"] or "1") >= 1
         if written["origin"].name == "Geometry":
             of = lambda name, text: self.parameter if name == wave.posed["parameter"] else decimal(text).real
             nu, xi, gamma = (of(name, text) for name, text in zip(NAMES, written["origin"].value))

@@ -4,6 +4,7 @@ proven, uniqueness over boxes, signs over whole zones.
 Written from the mathematics that the functions state, apart from the program. check.py says what it is for.
 """
 
+import re
 from collections import namedtuple
 from fractions import Fraction
 from itertools import product
@@ -30,9 +31,26 @@ DEPTH = 40
 DEEPEST = (DEPTH, 12)
 """The same at a point, and along a curve, of which a shorter piece may do."""
 
+QUOTIENT = re.compile(r"[-+]?(?:[0-9]+/0*[1-9][0-9]*|(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE]([-+]?[0-9]{1,9}))?)")
+MOST_PLACES = 5000
+"""Exponent of a decimal up to which it is read. Doubles end at 308, and a decimal may have some more zeros after its point."""
+
 
 Tagged = namedtuple("Tagged", "name value")
 """A name of an enum and what it holds."""
+
+
+class Number(float):
+    """A double with the text that it was read from."""
+
+    def __new__(cls, text):
+        self = super().__new__(cls, text)
+        self.text = text
+        return self
+
+
+class Named(str):
+    """A name that stands for itself, which a text in quotes does not."""
 
 
 class Refused(Exception):
@@ -52,13 +70,28 @@ def must(holds, reason):
 def whole(number, below=inf):
     """A whole number from 0 on, less than another."""
     found = isinstance(number, float) and 0 <= number < below and number == int(number)
-    must(found, f"{number} is no whole number from 0 on" + (f" below {below}" if below < inf else ""))
+    must(found, f"{number!r} is no whole number from 0 on" + (f" below {below}" if below < inf else ""))
     return int(number)
+
+
+def double(number):
+    """A number that stands there as one, not as a text, a name or a truth value."""
+    must(isinstance(number, float), f"{number!r} is no number")
+    return float(number)
+
+
+def exact(text):
+    """The quotient that a text is: a decimal, or a quotient of two whole numbers, as it was written."""
+    found = isinstance(text, str) and QUOTIENT.fullmatch(text.replace("_", ""))
+    must(found, f"{text!r} is no decimal")
+    # powers of ten far beyond all doubles would take for ever
+    must(abs(int(found[1] or 0)) <= MOST_PLACES, f"{text} is beyond all doubles")
+    return Fraction(found[0])
 
 
 def decimal(text):
     """A decimal as it was written."""
-    ratio = Fraction(text)
+    ratio = exact(text)
     return acb(arb(fmpq(ratio.numerator, ratio.denominator)))
 
 

@@ -1,12 +1,10 @@
 """Statements on equilibria of systems, and what checks them. check.py says what it is for."""
 
-from fractions import Fraction
-
 from flint import arb
 
 from .ball_equilibria import Rest
-from .balls import NotCovered, Tagged, must, whole
-from .statements import Statements, fields
+from .balls import NotCovered, Tagged, double, must, whole
+from .statements import Statements, fields, is_written
 
 NEAREST = 1e-7
 """An equilibrium in doubles is known to this share of its units."""
@@ -38,7 +36,7 @@ class EquilibriumPoint(Statements):
         fields(self.posed, "system values parameter units")
         fields(proof["near"], "mode state parameter")
         fields(said, "parameter states unique inequalities", "omega lyapunov growing")
-        whole(point["label"]), whole(said["inequalities"])
+        self.head()
         must(point.get("arc") is None, "arcs of equilibria are not proven")
         name, value = (proof["condition"], None) if isinstance(proof["condition"], str) else proof["condition"]
         plain = name == "Fold" and value is None
@@ -63,12 +61,12 @@ class EquilibriumPoint(Statements):
     def equilibrium(self):
         rest = Rest(self.posed, self.proof["near"], self.proof["condition"])
         must(rest.parameters[rest.varied] == self.point["parameter"], "its equations vary another parameter")
-        self.distance_is_one(float(self.posed["units"][-1]))
+        self.distance_is_one(double(self.posed["units"][-1]))
         must(len(self.said["states"]) == rest.n, "there is not an interval for every state")
         self.zero = rest.solve()
         near, units = self.proof["near"], [*rest.units[: rest.n], rest.units[rest.size]]
         self.value, near = rest.parameter.real, zip([*rest.y[: rest.n], rest.parameter], [*near["state"], near["parameter"]], units)
-        must(all(abs(x - float(there)) < unit * NEAREST for x, there, unit in near), "the numbers in doubles are those of another equilibrium")
+        must(all(abs(x - double(there)) < unit * NEAREST for x, there, unit in near), "the numbers in doubles are those of another equilibrium")
         found = [("the parameter", self.value, self.said["parameter"])]
         found += [(name, x.real, interval) for name, x, interval in zip(rest.states, rest.y, self.said["states"])]
         if rest.kind == "Hopf":
@@ -87,16 +85,19 @@ class EquilibriumPoint(Statements):
 
     def numbers(self):
         restarted, units = self.begins("equilibrium"), self.posed["units"]
-        given = self.of_system(float(units[-1]), restarted)
+        given = self.of_system(double(units[-1]), restarted)
         begins = given[self.point["parameter"]]
         must(all(other.posed["units"] == units for other in self.earlier), "the units are not those of the points before")
         rest = self.solved
+        known = bool(self.earlier)
         if rest.kind == "Value":
             self.asked(begins, restarted)
-            if not restarted and not self.earlier and not self.skipped and Fraction(rest.condition) == Fraction(begins.text):
+            if not restarted and not self.earlier and not self.skipped and is_written(begins, rest.condition):
+                known = True
                 must(all(abs(x.real) <= 2 * unit for x, unit in zip(rest.y, rest.units)), "the unit of a state is less than it is at the first equilibrium")
         if restarted:
             raise NotCovered("numbers of an earlier run")
+        self.units_are(known)
 
     def kind(self):
         said = self.point["kind"]
@@ -119,7 +120,7 @@ class EquilibriumPoint(Statements):
 
     def growing(self):
         found = self.solved.growing()
-        must(found == int(self.said["growing"]), f"{found} grow")
+        must(found == whole(self.said["growing"]), f"{found} grow")
 
     def beyond(self):
         said = self.proof["beyond"]

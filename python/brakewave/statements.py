@@ -6,12 +6,15 @@ check.py says what it is for.
 import re
 from fractions import Fraction
 
-from flint import arb
+from flint import acb, arb
 
-from .balls import NotCovered, Tagged, must, whole
+from .ball_equilibria import evaluated
+from .balls import Named, NotCovered, Number, Tagged, decimal, double, exact, must, whole
 
 WIDEST = 0.01
 """A distance of uniqueness is stated up to this share of the units."""
+ROUNDINGS, CANCELLED = Fraction(1, 2**48), Fraction(1, 10**9)
+"""How far a double may be from the value of an expression: by a few roundings, and where some digits cancel."""
 
 
 NUMBER = re.compile(r"[-+]?(?:(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?|inf)")
@@ -40,7 +43,36 @@ def inside(ball, low, high):
 
 def between(ball, interval):
     """Whether a ball lies in an interval of doubles."""
-    return inside(ball, float(interval["low"]), float(interval["high"]))
+    return inside(ball, double(interval["low"]), double(interval["high"]))
+
+
+class Computed(Number):
+    """The value of an expression: the shortest decimal that reads as the double next to it."""
+
+
+def computed_in_order(given):
+    """The parameters of a system, of which some may be expressions in those before them, as numbers."""
+    numbers, balls = {}, {"pi": acb(arb.pi())}
+    for name, told in given.items():
+        if isinstance(told, str):
+            ball = evaluated(told, balls).real
+            must(ball.is_finite(), f"`{told}` is no number")
+            told = Computed(repr(float(ball.mid())))
+        double(told)
+        numbers[name], balls[name] = told, decimal(told.text)
+    return numbers
+
+
+def is_written(number, told):
+    """Whether a decimal is that of a number of the problem. How the program has rounded on the way to the value of an expression does
+    not follow from the expression."""
+    there = exact(number.text)
+    apart = abs(there - exact(told))
+    if not isinstance(number, Computed):
+        return not apart
+    if ROUNDINGS * abs(there) < apart <= CANCELLED * abs(there):
+        raise NotCovered("the value of an expression that is known to fewer digits in doubles")
+    return apart <= ROUNDINGS * abs(there)
 
 
 class Statements:
@@ -57,7 +89,7 @@ class Statements:
         yield "numbers of the problem", self.numbers
         yield "type", self.type
         yield "inequalities", self.inequalities
-        yield f"no other within {float(self.said['unique']):.0e}", self.unique
+        yield f"no other within {double(self.said['unique']):.0e}", self.unique
         yield "row of certificates.csv", self.table
         if self.point.get("arc") == "Proven":
             yield "arc", self.arc
@@ -68,12 +100,16 @@ class Statements:
             same = hasattr(other, "solved") and other.point["kind"] == self.point["kind"] and self.is_event_of(other)
             must(not same, f"it is that of label {whole(other.point['label'])}")
 
-    def arc_is_one(self):
-        arc = self.point.get("arc")
-        must(arc in (None, "Proven") or isinstance(arc, Tagged) and arc.name == "Open", "an arc that is neither proven nor open")
+    def head(self):
+        """That what every point has, whatever it is of, is of its kind."""
+        point = self.point
+        must(isinstance(point["kind"], Named), "the type is no name of one")
+        whole(point["label"]), whole(point.get("leg", 0.0)), whole(self.said["inequalities"])
+        arc = point.get("arc")
+        must(arc in (None, "Proven") or isinstance(arc, Tagged) and arc.name == "Open" and isinstance(arc.value, str), "an arc that is neither proven nor open")
 
     def distance_is_one(self, unit):
-        told = float(self.said["unique"])
+        told = double(self.said["unique"])
         must(0 <= told <= unit * WIDEST * (1 + 1e-9), "a distance is negative, or more than a hundredth of the range of the parameter")
 
     @staticmethod
@@ -101,6 +137,12 @@ class Statements:
     def arc(self):
         raise NotCovered("what lies between two points")
 
+    @staticmethod
+    def units_are(known):
+        """Whether something tells the units. What is proven in others is as true, but not the same statement."""
+        if not known:
+            raise NotCovered("the units, for what the branch begins with is not proven first")
+
     def begins(self, section):
         """Whether the branch of a section of the problem begins with an earlier run, whose numbers do not stand in the problem."""
         if self.source is None:
@@ -116,10 +158,10 @@ class Statements:
         continuation = self.source["continuation"]
         ends = [number for number in (*continuation["range"], text) if number is not None]
         # pairs are values of monitors, and a value may have the name of the parameter
-        bare = lambda it: next(iter(it.values())) if isinstance(it, dict) and it else it
+        bare = lambda it: it.get(continuation["parameter"]) if isinstance(it, dict) else it
         values = continuation.get("stop_at", []) if self.point["kind"] == "UZ" else ends
-        listed = Fraction(self.proof["condition"].value) in [Fraction(it.text) for it in map(bare, values) if not isinstance(it, tuple)]
-        must(listed, "the value is not asked for in the problem")
+        asked = (it for it in map(bare, values) if isinstance(it, float))
+        must(any(is_written(it, self.proof["condition"].value) for it in asked), "the value is not asked for in the problem")
 
     def of_system(self, unit, restarted):
         """That system, numbers and parameter are those of the problem, but for numbers of an earlier run. Returns the parameters as they
@@ -128,9 +170,10 @@ class Statements:
         written, system = dict(source["system"]), dict(posed["system"])
         given, held = written.pop("parameters", {}), system.pop("parameters")
         must(list(given) == list(held), "the parameters are not those of the problem")
+        given = computed_in_order(given)
         for (name, number), value in zip(given.items(), posed["values"]):
             varies = name == self.point["parameter"] or restarted
-            must(Fraction(number.text) == Fraction(value) or varies, f"{name} is {number.text} in the problem")
+            must(varies or is_written(number, value), f"{name} is {number.text} in the problem")
         plain = lambda it: (
             {k: plain(v) for k, v in it.items() if v not in (None, [], {}, ())}
             if isinstance(it, dict)
@@ -152,14 +195,14 @@ class Statements:
         if self.row is None:
             raise NotCovered("a certificate without its table")
         row, point, arc = self.row, self.point, self.point.get("arc")
-        named = [str(int(point["label"])), point["kind"], name, "yes"]
+        named = [str(whole(point["label"])), point["kind"], name, "yes"]
         must([row[it] for it in ("label", "type", "parameter", "proven")] == named, "it is of another point")
         for what, (low, high), ball in intervals:
             must(inside(ball, number(row[low]), number(row[high])), f"the {what} is not in its interval")
-        must(float(number(row["unique"])) == self.said["unique"], "`unique` is not that of the certificate")
+        must(float(number(row["unique"])) == double(self.said["unique"]), "`unique` is not that of the certificate")
         opened = isinstance(arc, Tagged)
         stated |= {"inequalities": self.said["inequalities"], "arc": "" if arc is None else "no" if opened else "yes"}
         stated |= {"why": "", "arc_why": arc.value if opened else ""}
         for column, value in stated.items():
-            told = value if isinstance(value, str) else "" if value is None else str(int(value))
+            told = value if isinstance(value, str) else "" if value is None else str(whole(value))
             must(row[column] == told, f"`{column}` is not that of the certificate")

@@ -1,10 +1,10 @@
 //! What a problem file says of the statements on its branch: its model, and the values that it asks for.
 
 use super::system::WaveCondition;
-use super::{CertifiedPoint, PosedWave, RefusedProof, WaveProof, WrittenModel};
+use super::{CertifiedPoint, Counted, PosedWave, RefusedProof, WaveProof, WrittenModel};
 use crate::interval::Decimal;
 use crate::orbit::EventType;
-use crate::problem::{Continuation, Problem, Start, decimal_at, decimal_of};
+use crate::problem::{Continuation, Problem, StabilitySection, Start, decimal_at, decimal_of};
 
 /// The values of the continuation parameter that a problem file asks for.
 pub(super) struct RequestedValues {
@@ -64,6 +64,8 @@ pub(crate) struct RequestedWaves {
     /// Whether the numbers of the model are those of an earlier run, and do not stand in the file.
     restarted: bool,
     values: RequestedValues,
+    /// Largest |Im λ| of the eigenvalues that are counted; `None` where it follows from the model of an earlier run.
+    window: Option<f64>,
 }
 
 impl RequestedWaves {
@@ -77,6 +79,14 @@ impl RequestedWaves {
         let start = model.value(parameter);
         let start = start.map(|start| decimal_of(text, parameter.path(), start));
         let values = RequestedValues::new(section, start, text);
+        let window = match restarted {
+            true => decimal_at(text, "stability.max_frequency").map(|decimal| decimal.nearest()),
+            false => {
+                let stability = problem.stability.clone();
+                let stability = stability.unwrap_or_else(|| StabilitySection::of(model));
+                Some(stability.max_frequency)
+            }
+        };
         Some(RequestedWaves {
             posed: PosedWave {
                 written: WrittenModel::new(model, material, |path| decimal_at(text, path)),
@@ -87,13 +97,14 @@ impl RequestedWaves {
             },
             restarted,
             values: values.restarted(restarted),
+            window,
         })
     }
 
     /// Whether a proven point is one of the branch.
     ///
     /// # Errors
-    /// Its equations, or the value of its parameter, are not those of the problem.
+    /// Its equations, the value of its parameter or the window of its eigenvalues are not those of the problem.
     pub(crate) fn check(
         &self,
         point: &CertifiedPoint,
@@ -106,6 +117,11 @@ impl RequestedWaves {
         };
         if !equal {
             return Err(RefusedProof::Problem("the model"));
+        }
+        if let (Some(Counted::Proven(growth)), Some(window)) = (&point.growth, self.window)
+            && growth.window != window
+        {
+            return Err(RefusedProof::Problem("the window of its eigenvalues"));
         }
         let value = match &proof.condition {
             WaveCondition::Value(value) => Some(value),

@@ -53,6 +53,11 @@ impl RequestedSystem {
         values.and_then(|values| values.get(self.parameter)) == Some(value)
     }
 
+    /// Whether the values of the parameters are those of an earlier run.
+    pub(super) fn is_restarted(&self) -> bool {
+        self.values.is_none()
+    }
+
     /// Whether a forcing is part of it.
     pub(super) fn is_forced(&self) -> bool {
         self.source.forcing.is_some()

@@ -201,13 +201,81 @@ fn what_stands_beside_it_says_the_same() {
         assert!(words.contains(reason), "{name}: {words}");
         fs::write(&file, honest).unwrap();
     }
-    // another version may have other words
+    // another version may have other words, which are not known here: they may say anything, and are not taken for verified
     let file = out.join("certificate.ron");
     let honest = fs::read_to_string(&file).unwrap();
     let version = format!("version: \"{}\"", env!("CARGO_PKG_VERSION"));
     assert!(honest.contains(&version), "{honest}");
     fs::write(&file, honest.replace(&version, "version: \"0.1.0\"")).unwrap();
+    let (code, words) = told();
+    assert_eq!(
+        code,
+        Some(0),
+        "words of another version that are the same: {words}"
+    );
     fs::write(out.join("theorem.md"), "# Otherwise\n").unwrap();
     let (code, words) = told();
+    assert_eq!(code, Some(1), "{words}");
+    assert!(words.contains("theorem.md: not compared"), "{words}");
+    fs::remove_file(out.join("theorem.md")).unwrap();
+    let (code, words) = told();
     assert_eq!(code, Some(0), "{words}");
+}
+
+/// Without the orbit or the equilibrium that the branch begins with nothing tells the units of `unique`, and this is said.
+#[test]
+fn units_without_their_orbit() {
+    let folder = TempDir::new().unwrap();
+    for text in [CLOCK, EQUILIBRIA] {
+        let out = certified(text, folder.path());
+        for name in ["certificates.csv", "theorem.md"] {
+            fs::remove_file(out.join(name)).unwrap();
+        }
+        let file = out.join("certificate.ron");
+        let honest = fs::read_to_string(&file).unwrap();
+        let points = honest.match_indices("        (\n            label: ");
+        let points: Vec<usize> = points.map(|(place, _)| place).collect();
+        let dropped = format!("{}{}", &honest[..points[0]], &honest[points[1]..]);
+        fs::write(&file, dropped).unwrap();
+        let (code, words) = brakewave(&["certify", "--verify", out.to_str().unwrap()]);
+        assert_eq!(code, Some(1), "{words}");
+        assert!(words.contains("units: not compared"), "{words}");
+        assert!(words.contains(": verified"), "{words}");
+    }
+}
+
+/// Eigenvalues are counted up to the frequency that the problem names, or that follows from its model.
+#[test]
+fn eigenvalues_are_counted_in_the_window_of_the_problem() {
+    let folder = TempDir::new().unwrap();
+    let text = edited(
+        WAVES,
+        &[("mismatch: 0.2)", "mismatch: 0.2, damping: (mass: 0.28))")],
+    );
+    for stability in ["", "stability: (max_frequency: 2.0),\n)"] {
+        let text = match stability {
+            "" => text.clone(),
+            _ => format!("{}{stability}", text.trim_end().strip_suffix(')').unwrap()),
+        };
+        let (file, out) = (folder.path().join("problem.ron"), folder.path().join("out"));
+        fs::write(&file, &text).unwrap();
+        let [file, to] = [&file, &out].map(|path| path.to_str().unwrap());
+        let (code, told) = brakewave(&["certify", file, "--spectrum", "--out", to, "--force"]);
+        assert_eq!(code, Some(0), "{told}");
+        let (code, told) = brakewave(&["certify", "--verify", to]);
+        assert_eq!(code, Some(0), "{told}");
+        let narrow = match stability {
+            "" => format!(
+                "{}stability: (max_frequency: 11.9),\n)",
+                text.trim_end().strip_suffix(')').unwrap()
+            ),
+            _ => edited(&text, &[("max_frequency: 2.0", "max_frequency: 2.5")]),
+        };
+        let (code, told) = beside(&out, &narrow);
+        assert_eq!(code, Some(1), "{told}");
+        assert!(
+            told.contains("the window of its eigenvalues is not that"),
+            "{told}"
+        );
+    }
 }

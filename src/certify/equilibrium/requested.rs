@@ -19,17 +19,18 @@ impl RequestedEquilibria {
     }
 
     /// Whether the units in which uniqueness is measured are the same at all points, and not smaller than half the equilibrium
-    /// that the branch begins with, where that is the first of the points.
+    /// that the branch begins with, where that is the first of the points. `false` where it is not one of the points although it
+    /// is that of the problem file: then nothing tells what units the statements should have.
     ///
     /// # Errors
     /// They are others.
     pub(crate) fn check_units(
         &self,
         points: &[CertifiedPoint<EquilibriumProof>],
-    ) -> Result<(), RefusedProof> {
+    ) -> Result<bool, RefusedProof> {
         let mut proofs = points.iter().filter_map(CertifiedPoint::proof);
         let Some(first) = proofs.next() else {
-            return Ok(());
+            return Ok(true);
         };
         let units = &first.posed.units;
         let alike = proofs.all(|proof| proof.posed.units == *units);
@@ -41,7 +42,7 @@ impl RequestedEquilibria {
         };
         let mut states = first.near.state.iter().zip(units);
         match alike && (!is_first || states.all(|(x, unit)| x.abs() <= 2.0 * unit)) {
-            true => Ok(()),
+            true => Ok(is_first || self.0.is_restarted()),
             false => Err(RefusedProof::Problem("the unit of a state")),
         }
     }

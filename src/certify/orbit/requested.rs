@@ -36,31 +36,33 @@ impl RequestedOrbits {
     }
 
     /// Whether the units in which uniqueness is measured are those of the branch: the same at all points, and about the size of the
-    /// orbit that it begins with, where that is the first of the points. That orbit was given roughly.
+    /// orbit that it begins with, where that is the first of the points. That orbit was given roughly. `false` where it is not one of
+    /// the points although it is that of the problem file: then nothing tells what units the statements should have.
     ///
     /// # Errors
     /// They are others.
     pub(crate) fn check_units(
         &self,
         points: &[CertifiedPoint<OrbitProof>],
-    ) -> Result<(), RefusedProof> {
+    ) -> Result<bool, RefusedProof> {
         /// A rough orbit is no more than so many times smaller or larger.
         const ROUGH: f64 = 2.0;
         let mut proofs = points.iter().filter_map(CertifiedPoint::proof);
         let refused = Err(RefusedProof::Problem("the unit of a state or of time"));
         let Some(first) = proofs.next() else {
-            return Ok(());
+            return Ok(true);
         };
         let units = &first.posed.units;
         if proofs.any(|proof| proof.posed.units != *units) {
             return refused;
         }
-        let OrbitCondition::Value(value) = &first.condition else {
-            return Ok(());
+        let is_first = match &first.condition {
+            OrbitCondition::Value(value) => {
+                points.first().is_some_and(CertifiedPoint::is_proven) && self.system.begins(value)
+            }
+            _ => false,
         };
         let zones = &first.near.zones;
-        let is_first =
-            points.first().is_some_and(CertifiedPoint::is_proven) && self.system.begins(value);
         let period: f64 = zones.iter().map(|zone| zone.duration).sum();
         let largest = |state: usize| {
             zones
@@ -72,7 +74,7 @@ impl RequestedOrbits {
         let has_size = |(state, unit): (usize, &f64)| largest(state) <= ROUGH * unit;
         let lasts = period <= ROUGH * units.time && units.time <= ROUGH * period;
         match !is_first || lasts && states.all(has_size) {
-            true => Ok(()),
+            true => Ok(is_first || self.system.is_restarted()),
             false => refused,
         }
     }
