@@ -466,6 +466,22 @@ fn an_orbit_shrinks_to_a_point_where_its_modes_meet() {
     assert!(off < 1e-6, "{there:?}");
 }
 
+/// The same where a part of the orbit slides: y = 0 draws motions in from above, below it turns about an unstable focus that comes to
+/// y = 0 at m = 1.06. There all that the push of a side does along the surface vanishes, by chance: beside it that is not so.
+#[test]
+fn an_orbit_that_slides_shrinks_to_a_point() {
+    let text = r#"(states: ["x", "y"], parameters: {"m": 0.1}, modes: {
+        "up": (rates: {"x": "-1", "y": "-1"}, until: [(zero: "y", to: "lo")]),
+        "lo": (rates: {"x": "0.6*x - (y + 1) + m", "y": "x + 0.1*(y + 1)"}, until: [(zero: "-y", to: "up")])},
+        sliding: {"sl": ("up", "lo")})"#;
+    let (orbit, point) = settled(text, &[], "m", "lo", &[0.3, -1.0], 200.0);
+    let (seen, all) = follow(&orbit, &point, true, (-1.5, 1.5), 500);
+    meets(&seen, &[(BP, 1.06, "")], 1e-15);
+    let last = all.last().unwrap();
+    let what = last.special.as_ref().unwrap().to_string();
+    assert!(what.contains("boundary equilibrium"), "{what}");
+}
+
 /// A relay whose output has a continuous slope: without hysteresis it would switch without end at rest.
 #[test]
 fn a_relay_without_hysteresis_has_no_period() {

@@ -36,6 +36,9 @@ pub struct AffineOrbit {
     /// Sizes of the components of z.
     sizes: Vector,
     last: Last,
+    /// The first system whose facts were told by points. At a value that is tried where an event is sought they may be zero by chance,
+    /// and do not last.
+    first: Arc<OnceLock<Arc<Posed>>>,
     /// Passages through its zones that are known.
     pub(super) memory: Arc<Memory>,
     /// Sums of states that never change.
@@ -118,6 +121,7 @@ impl AffineOrbit {
             let orbit = AffineOrbit {
                 sizes: sizes(&system, &setting.scales.states),
                 last: Last::default(),
+                first: Arc::default(),
                 memory: Arc::default(),
                 conserved: Arc::default(),
                 origin: Arc::default(),
@@ -142,6 +146,7 @@ impl AffineOrbit {
         };
         if !(kept.is_empty() && self.sequence.kept().is_empty()) {
             self.sequence = self.sequence.keeping(kept);
+            self.first = Arc::default();
         }
         self
     }
@@ -267,6 +272,9 @@ impl AffineOrbit {
             Some((known, posed)) if known == bits => posed,
             last => Arc::new(self.posed_at(point, value, last.map(|(_, posed)| posed))?),
         };
+        if posed.facts.iter().any(|facts| facts.generic.is_some()) {
+            self.first.get_or_init(|| posed.clone());
+        }
         if let Ok(mut last) = self.last.lock() {
             *last = Some((bits, posed.clone()));
         }
@@ -317,6 +325,7 @@ impl AffineOrbit {
         if system.size() != self.sizes.len() {
             return Err(OrbitFailure::NoZones);
         }
+        let known = self.first.get().cloned().or(known);
         let known = known.filter(|posed| posed.has_same_zeros(&system, &self.sequence));
         let lasting = known
             .as_ref()
