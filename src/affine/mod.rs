@@ -29,6 +29,7 @@ pub mod monitored;
 pub mod motion;
 pub mod orbit;
 pub mod origin;
+mod phases;
 mod products;
 pub mod program;
 pub mod recurrence;

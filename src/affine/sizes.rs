@@ -12,9 +12,6 @@ use crate::linalg::periodic_schur::balance;
 /// A rate or a slope has changed where it does by this part of what it was.
 const CHANGED: f64 = 0.5;
 
-/// States are so many times as large as where something begins to change.
-const BEYOND: f64 = 4.0;
-
 /// Sizes that are tried, as powers of the root of 10: from 1e-12 to 1e12.
 const SIZES: std::ops::RangeInclusive<i32> = -24..=24;
 
@@ -50,8 +47,8 @@ impl AffineSystem {
             }
             Some(&along * self.least_size(mode, &known, &along)?)
         };
-        let made = together().unwrap_or_else(|| Vector::from_element(n, 1.0 / BEYOND));
-        Vector::from_fn(n, |state, _| BEYOND * own[state].unwrap_or(made[state]))
+        let made = together().unwrap_or_else(|| Vector::from_element(n, 1.0));
+        Vector::from_fn(n, |state, _| own[state].unwrap_or(made[state]))
     }
 
     /// How far along a direction, either way, something differs from what it is at a state; `None` where nothing does.

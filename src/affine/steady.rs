@@ -5,8 +5,6 @@
 //! within δ, or is singular, an equilibrium is degenerate: steps of Newton's method then shrink like 1 − 1/m to a zero of
 //! order m, and steps of m times the length are quadratic again.
 
-use std::f64::consts::TAU;
-
 use nalgebra::Complex;
 
 use super::mode::{AffineMode, AffineSystem, Row};
@@ -89,6 +87,9 @@ const SMALLEST: f64 = 1e-12;
 /// in their own units.
 const ALIKE: f64 = 8.0;
 
+/// Equilibria lie up to so many times as far out as where something begins to change.
+const BEYOND: f64 = 4.0;
+
 /// Newton's steps from each of them; toward a degenerate equilibrium steps after which their ratio is seen, and then steps
 /// of m times the length.
 const STEPS: usize = 60;
@@ -113,9 +114,6 @@ const NOTHING: f64 = 1e-30;
 
 /// More degenerate equilibria than this are a family.
 const FEW: usize = 4;
-
-/// Parts of the period over which guards are bounded.
-const PARTS: usize = 4000;
 
 /// What vanishes where a mode rests.
 pub(super) struct Rates {
@@ -179,7 +177,7 @@ impl RestState {
 
 impl AffineSystem {
     /// The equilibria of a mode: the one of an affine mode; of another all that Newton's method finds where no state
-    /// exceeds 10, or 10 times its size, in the order of the first state.
+    /// exceeds 10, or 40 times its size, in the order of the first state.
     ///
     /// # Errors
     /// Why there is none, or a family of them.
@@ -196,12 +194,15 @@ impl AffineSystem {
             return Ok(vec![self.equilibrium(mode, &rest)]);
         }
         let (mut found, mut far): (Vec<RestState>, Vec<RestState>) = Default::default();
+        // in units of 1 and, where the mode has others, in its own
+        let plain = Vector::from_element(n, 1.0);
         let sizes = self.sizes(mode);
-        let alike = sizes
+        let is_alike = sizes
             .iter()
             .all(|size| (1.0 / ALIKE..=ALIKE).contains(size));
-        let plain = Vector::from_element(n, 1.0);
-        let units = std::iter::once(&plain).chain((!alike).then_some(&sizes));
+        let own = (!is_alike).then(|| sizes * BEYOND);
+        let farthest = own.as_ref().unwrap_or(&plain).sup(&plain) * FARTHEST;
+        let units = std::iter::once(&plain).chain(&own);
         let starts =
             units.flat_map(|units| (0..STARTS).map(|start| place(start, n).component_mul(units)));
         for state in starts {
@@ -209,8 +210,8 @@ impl AffineSystem {
                 .settle(mode, &state)
                 .or_else(|| self.settle_degenerate(mode, &state));
             if let Some(rest) = rest {
-                let mut within = rest.state.iter().zip(&sizes);
-                let near = within.all(|(x, size)| x.abs() <= FARTHEST * size.max(1.0));
+                let mut within = rest.state.iter().zip(&farthest);
+                let near = within.all(|(x, farthest)| x.abs() <= *farthest);
                 let list = if near { &mut found } else { &mut far };
                 if !list.iter().any(|known| known.is_same(&rest)) {
                     list.push(rest);
@@ -429,6 +430,10 @@ impl AffineSystem {
             let (one, other) = (key(one), key(other));
             one.0.total_cmp(&other.0).then(one.1.total_cmp(&other.1))
         });
+        let known_states = rest.state.iter().zip(&rest.error);
+        let known_states: Vec<Interval> = known_states
+            .map(|(x, error)| Interval::around(*x, *error))
+            .collect();
         Equilibrium {
             mode,
             state: rest.state.iter().copied().collect(),
@@ -439,125 +444,10 @@ impl AffineSystem {
                 decays.then_some(true)
             },
             slopes: rest.slopes.clone(),
-            place: self.place(mode, rest),
+            place: self.place(mode, &known_states),
             isolation: rest.isolation,
         }
     }
-
-    /// Whether a form depends on the phase.
-    fn turns(&self, row: &Vector) -> bool {
-        let base = self.size() - self.program.made();
-        let phases: Vec<usize> = (self.states + 1..base).collect();
-        let mut components = (0..row.len()).filter(|c| row[*c] != 0.0);
-        components.any(|c| self.program.depends(c, &phases))
-    }
-
-    /// Where a state lies by the guards of its mode.
-    fn place(&self, mode: usize, rest: &RestState) -> Place {
-        let states = rest.state.iter().zip(&rest.error);
-        let states: Vec<Interval> = states
-            .map(|(x, error)| Interval::around(*x, *error))
-            .collect();
-        let mut place = (f64::INFINITY, Place::Admissible);
-        for (guard, own) in self.modes[mode].guards.iter().enumerate() {
-            let least = self.least(mode, &own.row.at, &states);
-            let here = match least {
-                LeastOverPhases { low, .. } if low > 0.0 => continue,
-                LeastOverPhases { high, .. } if high < 0.0 => Place::Virtual {
-                    guard,
-                    at_times: !least.is_negative,
-                },
-                _ => Place::Boundary { guard },
-            };
-            // what is negative for certain comes first
-            let key = if matches!(here, Place::Virtual { .. }) {
-                least.high
-            } else {
-                0.0
-            };
-            if key < place.0 {
-                place = (key, here);
-            }
-        }
-        place.1
-    }
-
-    /// Bounds of the least value of a form over all phases, where the states lie in these intervals; no finer than its
-    /// sign takes.
-    fn least(&self, mode: usize, row: &Vector, states: &[Interval]) -> LeastOverPhases {
-        let at = |phase: Interval| {
-            let z = self.enclosed(mode, states, phase);
-            let terms = row.iter().zip(&z).filter(|(c, _)| **c != 0.0);
-            let sum = terms.fold(Interval::ZERO, |sum, (c, z)| sum + Interval::point(*c) * *z);
-            if sum.is_empty() {
-                Interval::ENTIRE
-            } else {
-                sum
-            }
-        };
-        if !self.turns(row) {
-            let Interval { low, high } = at(Interval::ZERO);
-            return LeastOverPhases {
-                low,
-                high,
-                is_negative: true,
-            };
-        }
-        // parts of the period with the form over each; the one that may have the least value is halved
-        let mut parts = vec![(Interval::new(0.0, TAU.next_up()), Interval::ENTIRE)];
-        let mut least = f64::INFINITY;
-        let mut largest = f64::NEG_INFINITY;
-        loop {
-            let lowest = (0..parts.len())
-                .min_by(|one, other| parts[*one].1.low.total_cmp(&parts[*other].1.low));
-            let Some(lowest) = lowest else { break };
-            let low = parts[lowest].1.low;
-            if low > 0.0 || least < 0.0 || parts.len() >= PARTS {
-                break;
-            }
-            let (part, _) = parts.swap_remove(lowest);
-            let middle = part.middle();
-            for part in [
-                Interval::new(part.low, middle),
-                Interval::new(middle, part.high),
-            ] {
-                parts.push((part, at(part)));
-            }
-            let inside = at(Interval::point(middle));
-            (least, largest) = (least.min(inside.high), largest.max(inside.low));
-        }
-        // whether it is positive at times is seen at phases alone
-        let phases = (0..64).map(|part| at(Interval::point(TAU * f64::from(part) / 64.0)).low);
-        LeastOverPhases {
-            low: parts
-                .iter()
-                .fold(f64::INFINITY, |low, (_, values)| low.min(values.low)),
-            high: least,
-            is_negative: phases.fold(largest, f64::max) <= 0.0,
-        }
-    }
-
-    /// z where states and phase lie in intervals.
-    fn enclosed(&self, mode: usize, states: &[Interval], phase: Interval) -> Vec<Interval> {
-        let n = self.states;
-        let base = self.size() - self.program.made();
-        let mut z = states.to_vec();
-        z.resize(n + 1, Interval::ONE);
-        for harmonic in 1..=(base - n - 1) / 2 {
-            let angle = Interval::point(harmonic as f64) * phase;
-            z.extend([angle.cos(), angle.sin()]);
-        }
-        self.modes[mode].field.enclose(&mut z);
-        z
-    }
-}
-
-/// Bounds of the least value of a form over all phases.
-struct LeastOverPhases {
-    low: f64,
-    high: f64,
-    /// Whether it is nowhere seen to be positive.
-    is_negative: bool,
 }
 
 /// First-order bound of what rounding of the rates leaves in each state: |J⁻¹| times the rounding of the terms of each.

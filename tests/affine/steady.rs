@@ -155,6 +155,11 @@ fn guards_are_judged_at_every_phase() {
         Place::Admissible
     );
     assert_eq!(place("0.2499 + sin(phase) + sin(phase)^2 - x", 0), at_times);
+    // the least value of s + s² is told to rounding, as that of one harmonic
+    for (above, expected) in [(1e-13, Place::Admissible), (-1e-13, at_times)] {
+        let zero = format!("0.25 + {above:e} + sin(phase) + sin(phase)^2 - x");
+        assert_eq!(place(&zero, 0), expected, "{above:e}");
+    }
 }
 
 /// A double well in units of 1e-9: ẍ = x − 10¹⁸x³ − cẋ rests at 0, a saddle, and at ±1e-9, foci.
