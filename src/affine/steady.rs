@@ -200,9 +200,9 @@ impl AffineSystem {
         let is_alike = sizes
             .iter()
             .all(|size| (1.0 / ALIKE..=ALIKE).contains(size));
-        let own = (!is_alike).then(|| sizes * BEYOND);
-        let farthest = own.as_ref().unwrap_or(&plain).sup(&plain) * FARTHEST;
-        let units = std::iter::once(&plain).chain(&own);
+        let scaled = (!is_alike).then(|| sizes * BEYOND);
+        let farthest = scaled.as_ref().unwrap_or(&plain).sup(&plain) * FARTHEST;
+        let units = std::iter::once(&plain).chain(&scaled);
         let starts =
             units.flat_map(|units| (0..STARTS).map(|start| place(start, n).component_mul(units)));
         for state in starts {
