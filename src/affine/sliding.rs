@@ -3,7 +3,7 @@
 //! On the surface h = 0 the motion follows the combination of both fields that stays in it. It lasts while both fields
 //! point at the surface, and it ends, too, where another guard of one of the two modes is zero: as that mode would.
 
-use super::dual::Dual;
+use super::dual::{Coefficient, Dual, Measured};
 use super::evaluation::{FormMode, FormSwitch};
 use super::expression::{Algebra, Obstacle, Operation};
 use super::form::Form;
@@ -157,16 +157,16 @@ impl AffineSystem {
         let across_by = [0, 1].map(|p| {
             surface.by[p].rows(0, self.states).dot(&direction.at) + normal.dot(&direction.by[p])
         });
+        let across = Dual::new(across, across_by);
         let mut matrix = below.clone();
         for state in 0..self.states {
-            let weight = direction.at[state] / across;
-            let row = Row {
-                at: below.at.row(state).transpose() - &toward.at * weight,
-                by: [0, 1].map(|p| {
-                    let by = (direction.by[p][state] - weight * across_by[p]) / across;
-                    below.by[p].row(state).transpose() - &toward.by[p] * weight - &toward.at * by
-                }),
-            };
+            let weight = direction.dual(state).over(across);
+            let mut row = below.row(state);
+            for column in 0..self.size() {
+                // what rounding leaves of a rate that cancels would act on all that follows from it
+                let held = weight.times(toward.dual(column)).negative();
+                row.set(column, row.dual(column).cancelled(held));
+            }
             matrix.set_row(state, &row);
         }
         Some(SlidingField {

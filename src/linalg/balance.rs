@@ -144,11 +144,13 @@ pub fn balance(matrix: &Matrix, slow: f64) -> (Vector, f64) {
     (scales, norm)
 }
 
-/// Scales what acts on others that do not act back, where that is next to nothing beside the rates of what it acts on, so that it
-/// is this part of them. What is acted on comes first.
+/// Scales what acts on others that do not act back, where that is next to nothing beside the rates of what it acts on, or far
+/// more than they are, so that it is this part of them. What is acted on comes first.
 fn lead(matrix: &Matrix, acts: &Acts, scales: &mut Vector, rates: &[f64]) {
     /// It adds little to the norm, and what follows is as small as this at least.
     const LEAST: f64 = 1.0 / 64.0;
+    /// Left alone, what is larger would make what it acts on large too, and with it what that acts on small.
+    const MOST: f64 = 64.0;
     let size = matrix.nrows();
     let mut order: Vec<usize> = (0..size).collect();
     order.sort_by_key(|j| acts.count(*j));
@@ -167,7 +169,7 @@ fn lead(matrix: &Matrix, acts: &Acts, scales: &mut Vector, rates: &[f64]) {
         let exponent = (LEAST / largest).log2().floor();
         for j in group {
             led[j] = true;
-            if exponent > 0.0 && exponent < 100.0 {
+            if (exponent > 0.0 || largest > MOST) && exponent.abs() < 100.0 {
                 scales[j] *= exponent.exp2();
             }
         }

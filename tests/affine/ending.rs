@@ -11,6 +11,7 @@ use brakewave::orbit::special::Special;
 
 use crate::affine::branches::{Seen, follow, meets, settled};
 use crate::affine::counts::rows;
+use crate::affine::rests::in_units;
 use crate::affine::systems::{BRAKE_BY_HAND, TWO_MASSES, system, values};
 
 /// Why a branch ends, as its last point says.
@@ -321,32 +322,37 @@ fn stick_that_is_missing_is_named() {
 
 /// The second mass moves only where the spring between them pulls harder than its friction, k·max x > g. As the force
 /// falls its motion dies away where max x = g/k for the first mass alone, with a stiffness of 1 + k: its slips in closed
-/// form, with the instants of release and rest by bisection, give the force.
+/// form, with the instants of release and rest by bisection, give the force. It is the same with a speed in other units,
+/// though what stays zero in stick acts on the rest by as much as these are.
 #[test]
 fn a_part_of_the_motion_comes_to_rest() {
     const ALONE: f64 = 0.563_952_062_234_286_7;
-    let (orbit, point) = settled(
-        TWO_MASSES,
-        &[("A", 0.7), ("g", 0.3)],
-        "A",
-        "pp",
-        &[0.0, 0.5, 0.0, 0.1],
-        100.0,
-    );
-    let (seen, all) = follow(&orbit, &point, false, (0.3, 1.0), 2000);
-    meets(&seen, &[(MX, ALONE, "")], 1e-8);
-    let reason = why(&all);
-    assert!(
-        reason.contains("the motion of `y`, `u` comes to rest while the rest moves on"),
-        "{reason}"
-    );
-    let last = all.last().unwrap();
-    assert!(
-        (last.parameter - ALONE).abs() <= last.uncertainty && last.uncertainty < 1e-7,
-        "{} {:e}",
-        last.parameter,
-        last.uncertainty
-    );
+    for [v, u] in [[1.0, 1.0], [1e3, 1.0], [1e-9, 1.0], [1e9, 1.0], [1.0, 1e6]] {
+        let source = in_units(TWO_MASSES, &[1.0, v, 1.0, u], false);
+        let text = ron::to_string(&source).unwrap();
+        let (orbit, point) = settled(
+            &text,
+            &[("A", 0.7), ("g", 0.3)],
+            "A",
+            "pp",
+            &[0.0, 0.5 / v, 0.0, 0.1 / u],
+            100.0,
+        );
+        let (seen, all) = follow(&orbit, &point, false, (0.3, 1.0), 2000);
+        meets(&seen, &[(MX, ALONE, "")], 1e-8);
+        let reason = why(&all);
+        assert!(
+            reason.contains("the motion of `y`, `u` comes to rest while the rest moves on"),
+            "{v:e}, {u:e}: {reason}"
+        );
+        let last = all.last().unwrap();
+        assert!(
+            (last.parameter - ALONE).abs() <= last.uncertainty && last.uncertainty < 1e-8,
+            "{v:e}, {u:e}: {} {:e}",
+            last.parameter,
+            last.uncertainty
+        );
+    }
 }
 
 /// A neuron with leak and drive I + k sin φ fires once in a period: a closed branch on which the phase of its spike winds

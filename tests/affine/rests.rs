@@ -91,6 +91,9 @@ pub fn in_units(text: &str, units: &[f64], reversed: bool) -> Source {
         }
         found
     };
+    for (_, defined) in &mut source.define.0 {
+        *defined = written(defined);
+    }
     for (_, mode) in &mut source.modes.0 {
         for (name, rate) in &mut mode.rates.0 {
             *rate = format!("({})/{:?}", written(rate), unit(name).unwrap());
