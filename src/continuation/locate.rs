@@ -165,14 +165,15 @@ pub fn turning<S: System>(system: &S, [from, to]: &[Node; 2], tolerance: f64) ->
     fold.flatten().map(|(place, _)| place)
 }
 
+/// Part of the smaller value at the ends of a step below which what is least in it comes near zero.
+const DEEP: f64 = 0.5;
+
 /// A function that is positive at both ends of a step: its value and its slope along the curve at either end.
 pub(crate) type Ends = [(f64, f64); 2];
 
 /// How far along a step of length `ds` a function is least that falls at its beginning and rises at its
-/// end, by the cubic that shares values and slopes; `None` where that takes less than half of the smaller
-/// value away, and it does not come near zero.
+/// end, by the cubic that shares values and slopes; `None` where it does not come near zero.
 pub(crate) fn dip(ds: f64, [(m0, d0), (m1, d1)]: Ends) -> Option<f64> {
-    const DEEP: f64 = 0.5;
     let (d0, d1) = (ds * d0, ds * d1);
     if !(d0 < 0.0 && d1 > 0.0) {
         return None;
@@ -185,11 +186,11 @@ pub(crate) fn dip(ds: f64, [(m0, d0), (m1, d1)]: Ends) -> Option<f64> {
     (least < DEEP * m0.min(m1)).then_some(x * ds)
 }
 
-/// How far along a step the tangents at both ends of a function meet below zero; `None` where they do not. The larger or
-/// smaller of two functions that pass one another has a kink there, which no cubic has.
+/// How far along a step the tangents at both ends of a function meet near zero or below; `None` where they do not. The larger
+/// or smaller of two functions that pass one another has a kink there, which no cubic has.
 pub(crate) fn kink(ds: f64, [(m0, d0), (m1, d1)]: Ends) -> Option<f64> {
     let s = (m1 - d1 * ds - m0) / (d0 - d1);
-    (0.0 < s && s < ds && m0 + d0 * s < 0.0).then_some(s)
+    (0.0 < s && s < ds && m0 + d0 * s < DEEP * m0.min(m1)).then_some(s)
 }
 
 /// What a function does within a step that is positive at both ends.

@@ -354,7 +354,8 @@ pub(crate) fn point(
     let multipliers = asked.then(|| {
         let all = &examination.multipliers;
         let known = all.iter().all(Multiplier::is_known);
-        if known { all.clone() } else { Vec::new() }
+        let all = all.iter().filter(|_| known);
+        all.map(|one| one.at(kind)).collect::<Vec<_>>()
     });
     // at a graze there are none; where all are trivial nothing grows
     let known = multipliers.as_ref().filter(|all| !all.is_empty());

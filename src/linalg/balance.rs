@@ -144,8 +144,8 @@ pub fn balance(matrix: &Matrix, slow: f64) -> (Vector, f64) {
     (scales, norm)
 }
 
-/// Scales what acts on others that do not act back, where that is next to nothing beside the rates of what it acts on, or far
-/// more than they are, so that it is this part of them. What is acted on comes first.
+/// Scales what acts on others that do not act back, where that is next to nothing beside the rates of what it acts on, or is
+/// far more on all of it, so that it is this part of them. What is acted on comes first.
 fn lead(matrix: &Matrix, acts: &Acts, scales: &mut Vector, rates: &[f64]) {
     /// It adds little to the norm, and what follows is as small as this at least.
     const LEAST: f64 = 1.0 / 64.0;
@@ -160,16 +160,19 @@ fn lead(matrix: &Matrix, acts: &Acts, scales: &mut Vector, rates: &[f64]) {
             continue;
         }
         let group: Vec<usize> = (0..size).filter(|j| acts.goes_round(*j, first)).collect();
-        let leads = |j: &usize| {
-            let others = (0..size).filter(|i| !acts.goes_round(*i, first));
-            let sizes = others.map(|i| matrix[(i, *j)] * scales[*j] / (scales[i] * rates[i]));
-            sizes.fold(0.0, f64::max)
-        };
-        let largest = group.iter().map(leads).fold(0.0, f64::max);
-        let exponent = (LEAST / largest).log2().floor();
+        let others = || (0..size).filter(|i| !acts.goes_round(*i, first));
+        let on = |i: usize, j: usize| matrix[(i, j)] * scales[j] / (scales[i] * rates[i]);
+        let on_each = others().map(|i| group.iter().map(|j| on(i, *j)).fold(0.0, f64::max));
+        let sizes = on_each.filter(|size| *size > 0.0);
+        let (least, most) = sizes.fold((f64::INFINITY, 0.0), |(least, most), size| {
+            (f64::min(least, size), f64::max(most, size))
+        });
+        // where it is far more on some of them, their own scales are too small
+        let wanted = if least > MOST { least } else { most };
+        let exponent = (LEAST / wanted).log2().floor();
         for j in group {
             led[j] = true;
-            if (exponent > 0.0 || largest > MOST) && exponent.abs() < 100.0 {
+            if (exponent > 0.0 || least > MOST) && exponent.abs() < 100.0 {
                 scales[j] *= exponent.exp2();
             }
         }

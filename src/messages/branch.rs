@@ -191,6 +191,9 @@ impl<H: Display> Display for orbit::special::Close<H> {
             orbit::special::Close::Fold => {
                 f.write_str("the slope of the parameter, which vanishes at a fold,")
             }
+            orbit::special::Close::Circle => {
+                f.write_str("the distance of a multiplier from the unit circle")
+            }
         }
     }
 }

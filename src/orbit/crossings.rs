@@ -236,8 +236,7 @@ fn told_beside<O: Orbit>(
     if low.known_outside().or(high.known_outside()).is_none() {
         return of_orbit;
     }
-    let last = place.node.tangent.len() - 1;
-    let along = place.node.tangent[last].abs() * orbit.unit().abs();
+    let along = along(orbit, step, place);
     let outside = |s: f64| SeenStability::at(orbit, step, s)?.known_outside();
     let passes = |beside: &f64| {
         let before = outside(place.s - beside);
@@ -287,8 +286,7 @@ fn rounding_beside<O: Orbit>(
     };
     let order = 2.0 * (0.5 * (order - 1.0)).round().max(0.0) + 1.0;
     let off = near * (ROUNDING.min(error) / growth).powf(1.0 / order);
-    let last = place.node.tangent.len() - 1;
-    off.min(step.ds) * place.node.tangent[last].abs() * orbit.unit().abs()
+    off.min(step.ds) * along(orbit, step, place)
 }
 
 /// An arclength, and what happens there.
@@ -344,15 +342,11 @@ fn counted<O: Orbit>(
         let seen: u64 = events.iter().map(|(_, located)| number(located)).sum();
         let folds = fold.is_some_and(|fold| (fold - s).abs() <= step.at_once());
         match (change.map(i64::unsigned_abs), both) {
+            // a zero of a sign there may be one of a branch that crosses this one
             (Some(passing), Some((before, after))) if !folds && passing != seen => {
-                let event = BranchEvent::Passing {
-                    outside: [before.outside(), after.outside()],
-                    between: None,
-                };
-                let first = events.into_iter().next().filter(|_| passing > 0);
-                found.extend(
-                    first.map(|(place, located)| (place, LocatedEvent { event, ..located })),
-                );
+                if passing > 0 && passings(orbit, step, before, after, &mut found).is_none() {
+                    found.push(within_step(orbit, step, [before, after], &events[0].0.node));
+                }
             }
             _ => found.extend(events),
         }
@@ -488,9 +482,8 @@ fn passings<O: Orbit>(
         normal: &step.from.tangent,
         through: &place.node.point,
     };
-    let last = place.node.tangent.len() - 1;
     let slope = (ends.1.1 - ends.0.1).abs() / (high.s - low.s);
-    let blur = place.node.tangent[last].abs() * (error / slope + width) * orbit.unit().abs();
+    let blur = along(orbit, step, &place) * (error / slope + width);
     let rounding = uncertainty(orbit, &mut plane, &place);
     // where branches cross the equations are singular: no more than the step
     let rounding = rounding.min(moved(orbit, step));
@@ -503,6 +496,14 @@ fn passings<O: Orbit>(
     };
     found.push((place, located));
     Some(())
+}
+
+/// How far the parameter moves along a branch at a place within a step, for 1 of its length. Where branches cross the tangent may be
+/// that of another one.
+fn along<O: Orbit>(orbit: &O, step: &Step<O>, place: &Place) -> f64 {
+    let tangent = &place.node.tangent;
+    let slope = tangent[tangent.len() - 1].abs() * orbit.unit().abs();
+    slope.max(moved(orbit, step) / step.ds)
 }
 
 /// How far the parameter moves within a step.

@@ -13,6 +13,9 @@ use crate::linalg::Vector;
 /// Part of a step over which the slope of a tangent is taken as a difference.
 const DIFFERENCE: f64 = 1e-4;
 
+/// The same where the slope jumps: what rounding leaves of it is less than the jump.
+const SHARP: f64 = 1e-8;
+
 /// A margin below this is zero where a step starts from an event; between two zeros of one that lie close
 /// together margins are as small as 1e-12.
 const VANISHED: f64 = 1e-13;
@@ -102,8 +105,8 @@ pub(super) fn within<O: Orbit>(
         take(least, &what, &rounding);
     }
     take(folds(orbit, step), &|| Close::Fold, &|_| locate::FOLD_SLOPE);
-    if let Some(s) = passing_twice(orbit, step, located) {
-        pair = pair.min(s);
+    for (least, error) in at_the_circle(orbit, step, located) {
+        take(least, &|| Close::Circle, &|_| error);
     }
     if pair.is_finite() {
         return Within::Pair(pair);
@@ -172,21 +175,22 @@ fn folds<O: Orbit>(orbit: &O, step: &Step<O>) -> LeastWithin {
 /// end: elsewhere nothing is looked for.
 const NEAR_CIRCLE: f64 = 1e-2;
 
-/// Where a multiplier, or a pair, is on the other side of the unit circle than at both ends of a step in which nothing is known to
-/// happen.
-fn passing_twice<O: Orbit>(
+/// How near a multiplier, or a pair, comes to the unit circle from either side within a step in which nothing is known to happen, and
+/// what it is known to there; negative where it is on the other side than at both ends.
+fn at_the_circle<O: Orbit>(
     orbit: &O,
     step: &Step<O>,
     located: &[(Place, LocatedEvent<O>)],
-) -> Option<f64> {
+) -> Vec<(LeastWithin, f64)> {
     let [before, after] = [step.before, step.after].map(crossings::outside);
-    let count = before.filter(|count| after == Some(*count) && located.is_empty())?;
+    let count = before.filter(|count| after == Some(*count) && located.is_empty());
     let [first, last] = [step.before, step.after].map(Examined::growths);
-    let (first, last) = (first?, last?);
-    let beside = DIFFERENCE * step.ds;
+    let Some(((count, first), last)) = count.zip(first).zip(last) else {
+        return Vec::new();
+    };
     // the least that is outside, and the largest that is inside
     let ranks = count.checked_sub(1).into_iter().chain([count]);
-    ranks.into_iter().find_map(|rank| {
+    let least = |rank: usize| {
         let (g0, g1) = (first.get(rank)?.log, last.get(rank)?.log);
         if g0.abs().min(g1.abs()) > NEAR_CIRCLE {
             return None;
@@ -196,25 +200,37 @@ fn passing_twice<O: Orbit>(
             let growths = orbit.examination(point).ok()?.growths()?;
             growths.get(rank).map(|one| (side * one.log, one.error))
         };
-        let slope = |node: &Node, known: f64, way: f64| {
-            let (value, _) = growth(&(&node.point + &node.tangent * (way * beside)))?;
-            Some(way * (value - known) / beside)
+        let slope = |node: &Node, known: f64, beside: f64| {
+            let (value, _) = growth(&(&node.point + &node.tangent * beside))?;
+            Some((value - known) / beside)
         };
-        let d0 = slope(step.from, side * g0, 1.0).filter(|d0| *d0 < 0.0)?;
-        let d1 = slope(step.to, side * g1, -1.0)?;
+        let beside = DIFFERENCE * step.ds;
+        let d0 = slope(step.from, side * g0, beside).filter(|d0| *d0 < 0.0)?;
+        let d1 = slope(step.to, side * g1, -beside)?;
         let ends = [(side * g0, d0), (side * g1, d1)];
-        // where two multipliers pass one another the one of a rank has a kink
-        let guess = locate::kink(step.ds, ends).or_else(|| locate::dip(step.ds, ends))?;
-        let mut blur = f64::INFINITY;
-        let (tolerance, within) = (step.steps.tolerance, (step.ds, guess));
-        let least = locate::least_from(orbit, step.from, within, ends, tolerance, |node| {
-            let (value, error) = growth(&node.point)?;
-            blur = error;
-            Some((value, slope(node, value, 1.0)?))
-        });
-        match least {
-            LeastWithin::Found(place, value) if value < -BELOW_ROUNDING * blur => Some(place.s),
-            _ => None,
-        }
-    })
+        let mut error = f64::INFINITY;
+        let mut near = |guess: f64, beside: f64| {
+            let (tolerance, within) = (step.steps.tolerance, (step.ds, guess));
+            let least = locate::least_from(orbit, step.from, within, ends, tolerance, |node| {
+                let (value, known_to) = growth(&node.point)?;
+                error = known_to;
+                Some((value, slope(node, value, beside)?))
+            });
+            match least {
+                LeastWithin::Found(place, value) => Some((place, value)),
+                _ => None,
+            }
+        };
+        // where two multipliers pass one another the one of a rank has a kink, which a difference smears
+        let (found, smeared) = match locate::kink(step.ds, ends) {
+            Some(guess) => {
+                let (place, _) = near(guess, beside)?;
+                let beside = SHARP * step.ds;
+                (near(place.s, beside)?, d1.max(-d0) * beside)
+            }
+            None => (near(locate::dip(step.ds, ends)?, beside)?, 0.0),
+        };
+        Some((LeastWithin::Found(found.0, found.1), error + smeared))
+    };
+    ranks.filter_map(least).collect()
 }

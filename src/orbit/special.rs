@@ -230,6 +230,8 @@ pub enum Close<H> {
     Margin(H),
     /// The slope of the parameter along the branch, which vanishes at a fold.
     Fold,
+    /// How far multipliers are from the unit circle, which comes to zero where one leaves it as another enters it.
+    Circle,
 }
 
 /// Why a step along a branch was refused.

@@ -4,7 +4,7 @@
 use std::fs;
 
 use brakewave::EventType;
-use brakewave::hybrid::{OrbitItem, OrbitRunner};
+use brakewave::hybrid::{Note, OrbitItem, OrbitRunner};
 use brakewave::orbit::Stability;
 use brakewave::orbit::legs::Run;
 use brakewave::problem::{Any, SystemProblem, parse_any, read_any};
@@ -13,6 +13,11 @@ use super::ending::CLOCK;
 
 /// The rows of a branch, and how many points it has at most.
 fn branch(problem: &SystemProblem, most: usize) -> Vec<OrbitItem> {
+    walked(problem, most).0
+}
+
+/// What is found along a branch, and what could not be settled.
+fn walked(problem: &SystemProblem, most: usize) -> (Vec<OrbitItem>, Vec<Note>) {
     let continuation = problem.continuation.as_ref().unwrap();
     let mut runner =
         OrbitRunner::begin(problem, continuation, None).unwrap_or_else(|error| panic!("{error}"));
@@ -20,16 +25,21 @@ fn branch(problem: &SystemProblem, most: usize) -> Vec<OrbitItem> {
     while runner.progress().end.is_none() && items.len() < most {
         items.extend(runner.step());
     }
-    items
+    let notes = runner.notes().to_vec();
+    (items, notes)
 }
 
 pub(super) fn rows(text: &str) -> Vec<OrbitItem> {
+    rows_and_notes(text).0
+}
+
+pub(super) fn rows_and_notes(text: &str) -> (Vec<OrbitItem>, Vec<Note>) {
     let Any::System(problem) =
         parse_any(text, "test.ron").unwrap_or_else(|error| panic!("{error}"))
     else {
         panic!("a system");
     };
-    branch(&problem, 1000)
+    walked(&problem, 1000)
 }
 
 /// A problem of a system with its start and its continuation.

@@ -5,11 +5,13 @@ use std::f64::consts::PI;
 use std::fs;
 
 use brakewave::EventType::{self, BP, GR, NS, PD};
+use brakewave::affine::orbit::Multiplier;
 use brakewave::affine::orbit::SlidingBifurcation;
-use brakewave::hybrid::{OrbitEvent, OrbitItem};
+use brakewave::hybrid::{Note, OrbitEvent, OrbitItem};
 use brakewave::orbit::Stability;
+use brakewave::orbit::special::Close;
 
-use super::counts::{events, has_no_silent_change, problem, rows};
+use super::counts::{events, has_no_silent_change, problem, rows, rows_and_notes};
 use super::rests::{Course, meets, number};
 
 /// States that a clock resets at every tick, by these expressions: multipliers are what these multiply by.
@@ -32,13 +34,13 @@ fn ticks(resets: &[&str]) -> String {
     )
 }
 
-fn of_ticks(resets: &[&str]) -> Vec<OrbitItem> {
+fn of_ticks(resets: &[&str]) -> (Vec<OrbitItem>, Vec<Note>) {
     let states: String = (0..resets.len())
         .map(|index| format!(", \"x{index}\": 0.0"))
         .collect();
     let orbit = format!(r#"(start: Given(mode: "m", state: {{"s": 0.0{states}}}, period: 1.0))"#);
     let continuation = r#"(parameter: "a", range: (0.3, 2.0), toward: Up)"#;
-    rows(&problem(&ticks(resets), &orbit, continuation))
+    rows_and_notes(&problem(&ticks(resets), &orbit, continuation))
 }
 
 fn found(items: &[OrbitItem], kind: EventType) -> Vec<&OrbitEvent> {
@@ -57,9 +59,9 @@ fn value(event: &OrbitEvent, parameter: &str) -> f64 {
 #[test]
 fn one_leaves_and_another_enters_within_a_step() {
     for (kind, sign) in [(PD, "-"), (BP, "")] {
-        for apart in [3e-3, 1e-4] {
+        for apart in [3e-3, 1e-4, 1e-7] {
             let other = format!("{sign}(1.5 - 0.5*a + 0.5*{apart:e})*x1");
-            let items = of_ticks(&[&format!("{sign}a*x0"), &other]);
+            let (items, _) = of_ticks(&[&format!("{sign}a*x0"), &other]);
             let seen = events(&items, "a");
             let places: Vec<f64> = seen.iter().map(|(_, a, _)| *a).collect();
             assert!(seen.iter().all(|(seen, ..)| *seen == kind), "{seen:?}");
@@ -71,6 +73,41 @@ fn one_leaves_and_another_enters_within_a_step() {
             has_no_silent_change(&items, "one in, one out");
         }
     }
+}
+
+/// At one value no orbit beside it tells that one leaves as the other enters: the point says what is not decided there.
+#[test]
+fn one_that_leaves_as_another_enters_is_not_passed_in_silence() {
+    let (items, notes) = of_ticks(&["-a*x0", "-(1.5 - 0.5*a)*x1"]);
+    assert!(events(&items, "a").is_empty());
+    let [Note::Close { value, what, .. }] = &notes[..] else {
+        panic!("{notes:?}");
+    };
+    assert!(*what == Close::Circle && (1.0..1.02).contains(value));
+}
+
+/// Three maps, each coupled to the others: the multiplier a + 3/20 of what is across their mean is double, and where it passes 1 the
+/// orbit is known to a root of rounding. Its multipliers are known no better.
+#[test]
+fn multipliers_that_a_symmetry_makes_pass_at_once_hold_what_is_true() {
+    let cell = |own: usize| {
+        let [one, other] = [(own + 1) % 3, (own + 2) % 3];
+        let off = format!("(x{own} - 0.3)");
+        format!("0.3 + a*{off} - 0.05*(x{one} + x{other} - 2*x{own}) + {off}^2 - {off}^3")
+    };
+    let cells = [0, 1, 2].map(cell);
+    let (items, _) = of_ticks(&cells.each_ref().map(String::as_str));
+    let special = |item: &&OrbitItem| item.point.kind == Some(BP);
+    let item = items.iter().find(special).unwrap();
+    let event = item.event.as_ref().unwrap();
+    let off = (value(event, "a") - 0.85).abs();
+    assert!(
+        off <= event.uncertainty && event.uncertainty < 1e-6,
+        "{event:?}"
+    );
+    let passes = |one: &&Multiplier| !one.trivial && (one.value - 1.0).norm() <= one.error;
+    let passing = item.point.multipliers.iter().filter(passes);
+    assert_eq!(passing.count(), 2, "{:?}", item.point.multipliers);
 }
 
 /// Where a multiplier passes slowly its rounding moves the place by that over its speed; where it passes flat, by a root.
@@ -92,7 +129,7 @@ fn the_error_of_a_place_knows_how_fast_a_multiplier_passes() {
         (BP, vec!["(1 + (a - 1)*1e-6)*x0"], 1e-8),
     ];
     for (kind, resets, most) in cases {
-        let items = of_ticks(&resets);
+        let (items, _) = of_ticks(&resets);
         let [event] = found(&items, kind)[..] else {
             panic!("{resets:?}: {:?}", events(&items, "a"));
         };

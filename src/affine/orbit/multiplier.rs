@@ -2,6 +2,8 @@
 
 use nalgebra::Complex;
 
+use crate::orbit::EventType;
+
 /// A Floquet multiplier.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Multiplier {
@@ -39,6 +41,24 @@ impl Multiplier {
     /// Whether the orbit grows along it.
     pub fn is_outside(&self) -> bool {
         !self.trivial && self.value.norm() > 1.0 + ON_CIRCLE.max(self.error)
+    }
+
+    /// The same at an event of this kind: one that is this near to where it passes does pass, and the orbit may be known less well
+    /// than its multipliers, as where branches cross at which a symmetry makes two of them pass at once.
+    pub fn at(self, kind: Option<EventType>) -> Multiplier {
+        /// Where two pass at once an orbit is known to the root of rounding.
+        const PASSES: f64 = 1e-7;
+        let off = match kind {
+            Some(EventType::LP | EventType::BP) => (self.value - 1.0).norm(),
+            Some(EventType::PD) => (self.value + 1.0).norm(),
+            Some(EventType::NS) => (self.value.norm() - 1.0).abs(),
+            _ => return self,
+        };
+        let passes = !self.trivial && off <= PASSES;
+        Multiplier {
+            error: self.error.max(if passes { off } else { 0.0 }),
+            ..self
+        }
     }
 
     /// Whether it may not be told from one on the unit circle.
