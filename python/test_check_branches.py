@@ -14,7 +14,7 @@ from test_check_orbits import FRICTION, read_ron, ron
 
 from brakewave.ball_walk import walk
 from brakewave.ball_waves import Wave
-from brakewave.balls import Refused, prove_zero
+from brakewave.balls import Refused, differences, prove_zero
 from brakewave.check import Point
 
 CLOCK = """(
@@ -204,6 +204,26 @@ class Branches(Certified):
         # a value that is asked for is no event
         code, told, verified, words = self.left_out("arcs", "UZ")
         self.assertEqual((code, verified), (3, 0), told)
+
+    def test_distances_of_waves_that_are_too_large(self):
+        """What the program proves is not refuted, and ten times as much is refused, at folds as elsewhere."""
+        for kind in ("LP", "CO"):
+            larger = lambda found: f"{found[1]}{float(found[2]) * 10!r},"
+            change = lambda text: re.sub(rf"(kind: {kind},.*?unique: )([\d.e-]+),", larger, text, count=1, flags=re.S)
+            self.refused_by_both("friction_waves", change, f"{kind} no other within", ["certificate.ron"], True)
+        # where even the balls show it, and where it is less than what is proven
+        less = lambda found: f"{found[1]}{float(found[2]) / 8!r},"
+        forged = self.edited("friction_waves", lambda text: re.sub(r"(kind: LP,.*?unique: )([\d.e-]+),", less, text, count=1, flags=re.S))
+        self.assertRegex(check(forged)[1], r"LP no other within .*: proven again")
+
+    def test_a_jacobian_of_a_fold(self):
+        """In balls, against differences."""
+        certificate = read_ron((self.folders["friction_waves"] / "certificate.ron").read_text(encoding="utf-8"))
+        proof = next(point for point in certificate["points"] if point["kind"] == "LP")["outcome"].value
+        wave = Wave(proof["posed"], proof["near"], proof["condition"])
+        middle = prove_zero(wave.equations, wave.guess).middle
+        one, other = wave.slope(middle, [1] * len(middle)), differences(wave.equations, middle)
+        self.assertLess(max(float(abs(a - b).upper()) for a, b in zip(one.entries(), other.entries())), 1e-25)
 
     def test_an_inequality_on_the_way(self):
         """From the onset of reverse slip on the wave without it solves all equations, and is refused where it is followed."""

@@ -235,7 +235,12 @@ class Wave:
 
     def switches(self, x):
         """The equations of the switches and of the period, and the parts of the wave."""
-        m, c, zones, matrices, begins, ends, *_ = parts = self.parts(x)
+        parts = self.parts(x)
+        return self.joined(parts), parts
+
+    def joined(self, parts):
+        """The equations of the switches and of the period."""
+        m, c, zones, matrices, begins, ends, *_ = parts
         front, out = m.d / c, []
         for i, (regime, entry) in enumerate(self.zones):
             end, (v, w, _) = ends[i - 1], zones[i]
@@ -255,7 +260,7 @@ class Wave:
             else:
                 moves = [w - 1, stop]
             out += [end[V] - v, *moves]
-        return out + [sum(t for _, _, t in zones) * c * self.sign - 2 * arb.pi() / self.mode], parts
+        return out + [sum(t for _, _, t in zones) * c * self.sign - 2 * arb.pi() / self.mode]
 
     def margin(self, x, parts):
         """The margin that vanishes, and where it is a minimum its derivative."""

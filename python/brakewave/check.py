@@ -25,6 +25,7 @@ try:
     from flint import acb, acb_mat, arb, ctx
 
     from .ball_arcs import join
+    from .ball_cuts import is_refuted
     from .ball_layers import Layered, LayeredSigns
     from .ball_orbits import Orbit, agree, counted, kind_of, listed, zones_of
     from .ball_spectrum import Perturbed
@@ -421,6 +422,14 @@ class Point(Statements):
         wave.divided = first.divided | last.divided
         walk(wave, [x, self.x], self.signs, (1, -1) if first.kind == "Fold" else (1,))
         super().arc()
+
+    def unique(self):
+        try:
+            super().unique()
+        except NotCovered:
+            refuted = not isinstance(self.solved, Layered) and is_refuted(self.solved, self.zero.middle, double(self.said["unique"]))
+            must(not refuted, "Krawczyk's operator does not map so large a box into its interior")
+            raise
 
     def table(self):
         must(self.row is None or " ".join(map(str, self.row)) == self.COLUMNS, "the columns are others")
