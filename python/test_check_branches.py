@@ -56,7 +56,7 @@ def replaced(text, old, new):
 
 @unittest.skipUnless(BINARY, "no binary of brakewave")
 class Branches(Certified):
-    PROBLEMS = {"clock": CLOCK, "rest": REST, "waves": WAVES, "friction": FRICTION, "fold": FOLD, "ball": BALL, "arcs": WAVES, "friction_waves": WAVES_OF_FRICTION}
+    PROBLEMS = {"clock": CLOCK, "rest": REST, "waves": WAVES, "friction": FRICTION, "fold": FOLD, "ball": BALL, "arcs": WAVES, "friction_waves": WAVES_OF_FRICTION, "wave_fold": WAVES_OF_FRICTION}
     OPTIONS = {"fold": ["--arcs"], "arcs": ["--arcs"], "friction_waves": ["--arcs"]}
 
     def beside(self, name, source):
@@ -210,15 +210,15 @@ class Branches(Certified):
         for kind in ("LP", "CO"):
             larger = lambda found: f"{found[1]}{float(found[2]) * 10!r},"
             change = lambda text: re.sub(rf"(kind: {kind},.*?unique: )([\d.e-]+),", larger, text, count=1, flags=re.S)
-            self.refused_by_both("friction_waves", change, f"{kind} no other within", ["certificate.ron"], True)
+            self.refused_by_both("wave_fold", change, f"{kind} no other within", ["certificate.ron"], True)
         # where even the balls show it, and where it is less than what is proven
         less = lambda found: f"{found[1]}{float(found[2]) / 8!r},"
-        forged = self.edited("friction_waves", lambda text: re.sub(r"(kind: LP,.*?unique: )([\d.e-]+),", less, text, count=1, flags=re.S))
+        forged = self.edited("wave_fold", lambda text: re.sub(r"(kind: LP,.*?unique: )([\d.e-]+),", less, text, count=1, flags=re.S))
         self.assertRegex(check(forged)[1], r"LP no other within .*: proven again")
 
     def test_a_jacobian_of_a_fold(self):
         """In balls, against differences."""
-        certificate = read_ron((self.folders["friction_waves"] / "certificate.ron").read_text(encoding="utf-8"))
+        certificate = read_ron((self.folders["wave_fold"] / "certificate.ron").read_text(encoding="utf-8"))
         proof = next(point for point in certificate["points"] if point["kind"] == "LP")["outcome"].value
         wave = Wave(proof["posed"], proof["near"], proof["condition"])
         middle = prove_zero(wave.equations, wave.guess).middle
