@@ -5,10 +5,17 @@
 Where the binary or python-flint is not there the tests are skipped, and say so (see test_check.py).
 """
 
+import re
+import subprocess
 import unittest
 
 from test_check import BINARY, ROOT, WAVES, Certified, check
 from test_check_orbits import FRICTION, read_ron, ron
+
+from brakewave.ball_walk import walk
+from brakewave.ball_waves import Wave
+from brakewave.balls import Refused, differences, prove_zero
+from brakewave.check import Point
 
 CLOCK = """(
     system: (
@@ -37,6 +44,8 @@ FOLD = (
 )"""
 )
 """An end, a doubling, and a fold with a multiplier of -60 before: a product of matrices over its zones is wide."""
+WAVES_OF_FRICTION = (ROOT / "problems/mode4_friction.ron").read_text(encoding="utf-8")
+"""Waves with a fold between two of one sequence of zones."""
 BALL = (ROOT / "problems/bouncing_ball.ron").read_text(encoding="utf-8")
 
 
@@ -47,8 +56,8 @@ def replaced(text, old, new):
 
 @unittest.skipUnless(BINARY, "no binary of brakewave")
 class Branches(Certified):
-    PROBLEMS = {"clock": CLOCK, "rest": REST, "waves": WAVES, "friction": FRICTION, "fold": FOLD, "ball": BALL}
-    OPTIONS = {"fold": ["--arcs"]}
+    PROBLEMS = {"clock": CLOCK, "rest": REST, "waves": WAVES, "friction": FRICTION, "fold": FOLD, "ball": BALL, "arcs": WAVES, "friction_waves": WAVES_OF_FRICTION, "wave_fold": WAVES_OF_FRICTION}
+    OPTIONS = {"fold": ["--arcs"], "arcs": ["--arcs"], "friction_waves": ["--arcs"]}
 
     def beside(self, name, source):
         """Exit code and words of the checker of a certificate beside another problem."""
@@ -159,6 +168,80 @@ class Branches(Certified):
         code, told = check(self.folders["fold"])
         self.assertEqual(len([line for line in told.splitlines() if "arc: proven again" in line]), 2, told)
         self.assertNotIn("refused", told)
+
+    def left_out(self, name, kind):
+        """Exit codes and words of the checker and of the program of a certificate that leaves a point out and states the arc over it."""
+        changed = self.copied(name, "changed")
+        text = (changed / "certificate.ron").read_text(encoding="utf-8")
+        point = re.search(rf"^        \(\n            label: (\d+),\n            kind: {kind},.*?^        \),\n", text, re.M | re.S)
+        (changed / "certificate.ron").write_text(text.replace(point[0], ""), encoding="utf-8")
+        rows = (changed / "certificates.csv").read_text(encoding="utf-8").splitlines(keepends=True)
+        rows = [row for row in rows if not row.startswith(f"{point[1]},")]
+        (changed / "certificates.csv").write_text("".join(rows), encoding="utf-8")
+        code, told = check(changed)
+        (self.work / "changed/theorem.md").unlink()
+        run = subprocess.run([BINARY, "certify", "--verify", "changed"], cwd=self.work, capture_output=True, text=True)
+        return code, told, run.returncode, run.stdout
+
+    def test_arcs_of_waves(self):
+        for name in ("arcs", "friction_waves"):
+            code, told = check(self.folders[name])
+            self.assertEqual(code, 3, told)
+            self.assertNotIn("refused", told)
+            self.assertIn("arc: not covered: what lies between two points", told)
+
+    def test_arcs_of_waves_over_an_event(self):
+        """An event that is left out is found on the way from one point to the other."""
+        for name, kind, reason in [
+            ("arcs", "RV", "its ends have not one sequence of zones"),
+            ("arcs", "GR", "its ends have not one sequence of zones"),
+            ("friction_waves", "LP", "the curve does not lead to its last end"),
+        ]:
+            code, told, verified, words = self.left_out(name, kind)
+            self.assertEqual((code, verified), (1, 1), told)
+            self.assertIn(f"arc: refused: {reason}", told)
+            self.assertIn("refused: the arc before it", words)
+        # a value that is asked for is no event
+        code, told, verified, words = self.left_out("arcs", "UZ")
+        self.assertEqual((code, verified), (3, 0), told)
+
+    def test_distances_of_waves_that_are_too_large(self):
+        """What the program proves is not refuted, and ten times as much is refused, at folds as elsewhere."""
+        for kind in ("LP", "CO"):
+            larger = lambda found: f"{found[1]}{float(found[2]) * 10!r},"
+            change = lambda text: re.sub(rf"(kind: {kind},.*?unique: )([\d.e-]+),", larger, text, count=1, flags=re.S)
+            self.refused_by_both("wave_fold", change, f"{kind} no other within", ["certificate.ron"], True)
+        # where even the balls show it, and where it is less than what is proven
+        less = lambda found: f"{found[1]}{float(found[2]) / 8!r},"
+        forged = self.edited("wave_fold", lambda text: re.sub(r"(kind: LP,.*?unique: )([\d.e-]+),", less, text, count=1, flags=re.S))
+        self.assertRegex(check(forged)[1], r"LP no other within .*: proven again")
+
+    def test_a_jacobian_of_a_fold(self):
+        """In balls, against differences."""
+        certificate = read_ron((self.folders["wave_fold"] / "certificate.ron").read_text(encoding="utf-8"))
+        proof = next(point for point in certificate["points"] if point["kind"] == "LP")["outcome"].value
+        wave = Wave(proof["posed"], proof["near"], proof["condition"])
+        middle = prove_zero(wave.equations, wave.guess).middle
+        one, other = wave.slope(middle, [1] * len(middle)), differences(wave.equations, middle)
+        self.assertLess(max(float(abs(a - b).upper()) for a, b in zip(one.entries(), other.entries())), 1e-25)
+
+    def test_an_inequality_on_the_way(self):
+        """From the onset of reverse slip on the wave without it solves all equations, and is refused where it is followed."""
+        certificate = read_ron((self.folders["arcs"] / "certificate.ron").read_text(encoding="utf-8"))
+        first = certificate["points"][0]["outcome"].value
+        wave = Wave(first["posed"], first["near"], first["condition"])
+        ends = []
+        for value in ("0.2", "0.06"):
+            wave.condition = wave.condition._replace(value=value)
+            guess = ends[0] if ends else wave.guess
+            for step in range(8 if ends else 1):
+                part = 0.2 + (float(value) - 0.2) * (step + 1) / 8
+                wave.condition = wave.condition._replace(value=repr(part) if ends else value)
+                guess = wave.enclosed(prove_zero(wave.equations, guess))
+            ends.append(guess)
+        with self.assertRaises(Refused) as refused:
+            walk(wave, ends, Point.signs, (1,))
+        self.assertRegex(str(refused.exception), "on the way Q > −fP in stick is not shown")
 
     def test_an_arc_that_leads_elsewhere(self):
         # over a fold that is left out: the branch that begins there leads to another orbit at the same value

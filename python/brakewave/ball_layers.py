@@ -72,7 +72,9 @@ class Layered(Wave):
                 self.guess[3 * i + 1] = ((entries[3 * i + 1] - starts[0]) / (starts[1] - starts[0])).mid()
 
     def is_condition(self, watch, zone):
-        """P may be least in reverse slip, too."""
+        """P may be least in reverse slip, too, and Q < fP end at a release."""
+        if watch == "Release":
+            return self.zones[zone][1] == "Release"
         sliding = watch == "Pressure" and self.zones[zone][0] in SLIDING
         return sliding or super().is_condition(watch, zone)
 

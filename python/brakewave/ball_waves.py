@@ -5,11 +5,10 @@ Written from the equations of docs/theory.md, apart from the program. check.py s
 
 from collections import namedtuple
 
-from flint import acb, arb
+from flint import acb, acb_mat, arb
 
 from .balls import (
     Dual,
-    NotCovered,
     apply,
     decimal,
     differences,
@@ -35,8 +34,7 @@ NAMES = ["Nu", "Xi", "Gamma"]
 def model(posed, parameter):
     """The numbers of the model. `parameter` takes the place of the one that varies."""
     written, varies = posed["written"], posed["parameter"]
-    if varies not in [*NAMES, "Friction", "Mismatch", "MassDamping", "StiffnessDamping"]:
-        raise NotCovered(f"branches in {varies}")
+    must(varies in [*NAMES, "Friction", "Mismatch", "MassDamping", "StiffnessDamping"], f"{varies} is not in the equations")
     must(varies not in NAMES or written["origin"].name == "Geometry", f"{varies} is not in the equations")
     must(varies != "StiffnessDamping" or written.get("material") is not None, f"{varies} is not in the equations")
     number = lambda name, text: parameter if name == varies else decimal(text)
@@ -114,14 +112,10 @@ class Wave:
         self.count = len(self.zones)
         must(self.count and len(near["zones"]) == self.count, "zones without a state")
         for (before, _), (regime, entry) in zip(self.zones[-1:] + self.zones, self.zones):
-            if entry == "Section":
-                raise NotCovered("waves without switches")
             must(entry in ENTRIES, f"there is no switch {entry}")
             befores, afters = ENTRIES[entry]
             fits = before in befores and regime in afters and (entry != "Reversal" or before != regime)
             must(fits, f"{entry} does not lead from {before} to {regime}")
-        if posed["impact"] not in ("Frictionless", "Coulomb"):
-            raise NotCovered(f"impacts of {posed['impact']}")
         self.coulomb = posed["impact"] == "Coulomb"
         arrests = any(entry == "ArrestedLanding" for _, entry in self.zones)
         must(self.coulomb or not arrests, "an impact without friction arrests")
@@ -132,6 +126,8 @@ class Wave:
             self.zone = whole(margin["zone"], self.count)
             must(self.is_condition(self.watch, self.zone), f"{self.watch} is no condition of zone {self.zone}")
         self.vanishing = self.zone if self.watch == "Duration" else None
+        # zones in whose last condition the known zero is divided out, for they may have no length
+        self.divided = {self.vanishing} - {None}
         # waves run in the direction of D
         self.sign = 1 if model(posed, decimal(repr(double(near["parameter"])))).d.real > 0 else -1
         self.guess = [acb(double(x)) for x in [*sum(near["zones"], ()), near["excess"], near["parameter"]]]
@@ -155,10 +151,9 @@ class Wave:
 
     def is_condition(self, watch, zone):
         """Whether a margin is a condition of a zone."""
-        if watch not in CONDITIONS:
-            raise NotCovered(f"the margin {watch}")
         (regime, entry), (goes, via) = self.zones[zone], self.zones[(zone + 1) % self.count]
-        return CONDITIONS[watch](regime, entry, goes, via)
+        # without material damping a release has no margin, and no zone has D/c for one
+        return watch in CONDITIONS and CONDITIONS[watch](regime, entry, goes, via)
 
     def is_real(self, sector):
         """Whether e^{2πij/k} is real, so that eigenvalues of a sector come in conjugate pairs."""
@@ -240,14 +235,18 @@ class Wave:
 
     def switches(self, x):
         """The equations of the switches and of the period, and the parts of the wave."""
-        m, c, zones, matrices, begins, ends, *_ = parts = self.parts(x)
+        parts = self.parts(x)
+        return self.joined(parts), parts
+
+    def joined(self, parts):
+        """The equations of the switches and of the period."""
+        m, c, zones, matrices, begins, ends, *_ = parts
         front, out = m.d / c, []
         for i, (regime, entry) in enumerate(self.zones):
             end, (v, w, _) = ends[i - 1], zones[i]
             place = W if entry in ("Arrest", "Reversal") else U
             stop, order = end[place] - int(place == W), KNOWN_ZEROS[place].get(self.zones[i - 1][1], 0)
-            if (i - 1) % self.count == self.vanishing and order:
-                # a zone without length: the known zero of its last condition is divided out
+            if (i - 1) % self.count in self.divided and order:
                 stop = tail(matrices[i - 1], zones[i - 1][2], begins[i - 1], order)[place]
             if entry == "Release":
                 moves = [w - 1, m.h * v + m.damping - m.static * (m.g * m.mismatch + front)]
@@ -261,7 +260,7 @@ class Wave:
             else:
                 moves = [w - 1, stop]
             out += [end[V] - v, *moves]
-        return out + [sum(t for _, _, t in zones) * c * self.sign - 2 * arb.pi() / self.mode], parts
+        return out + [sum(t for _, _, t in zones) * c * self.sign - 2 * arb.pi() / self.mode]
 
     def margin(self, x, parts):
         """The margin that vanishes, and where it is a minimum its derivative."""
@@ -306,8 +305,24 @@ class Wave:
         units = [unit for y, _, t in zones for unit in (abs(y).max(period), rate, abs(t).max(period))]
         units += [middle[self.base - 2], arb(double(self.posed["unit"]))] + [abs(y).max(arb(1)) for y in middle[self.base :]]
         radii = [unit * (arb(double(distance)) / units[self.base - 1]) for unit in units]
-        found = lambda box, _: jacobian(self.equations, box, radii)
+        found = lambda box, _: self.slope(box, radii)
         return injective(found, middle, radii, [self.base - 2, self.base - 1])
+
+    def slope(self, box, units):
+        """The Jacobian of the equations over a box, its columns times `units`."""
+        if self.kind != "Fold":
+            return jacobian(self.equations, box, units)
+        # of F = 0, F_x v = 0 and an entry of v put to 1
+        count, x, v = self.base - 1, [acb(y) for y in box[: self.base]], [acb(y) for y in box[self.base :]] + [0]
+        columns = []
+        for j, unit in enumerate(units[: self.base]):
+            seeds = [Dual(Dual(y, unit if i == j else 0), Dual(z, 0)) for i, (y, z) in enumerate(zip(x, v))]
+            found = [(dual(y.v).d, dual(y.d).d) for y in map(dual, self.switches(seeds)[0])]
+            columns.append([one for one, _ in found] + [other for _, other in found] + [0])
+        for j, unit in enumerate(units[self.base :]):
+            share = unit / units[j]
+            columns.append([0] * count + [y * share for y in columns[j][:count]] + [unit if j == self.largest else 0])
+        return acb_mat(columns).transpose()
 
 
 # ------------------------------------------------------------------------------------------------ inequalities

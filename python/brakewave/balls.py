@@ -97,7 +97,7 @@ def decimal(text):
 
 # ---------------------------------------------------------------------------- numbers with derivatives, matrices
 class Dual:
-    """v + dε with ε² = 0."""
+    """v + dε with ε² = 0. Both may have derivatives in another direction themselves."""
 
     def __init__(self, v, d=0):
         self.v, self.d = v, d
@@ -187,14 +187,14 @@ def exponential(rows, time=1):
     held = sorted(held)
     block = [values[i] + [slopes[i][j] for j in held] for i in range(n)]
     block += [[0] * n + [values[i][j] for j in held] for i in held]
-    both = as_matrix([[entry * time.v for entry in row] for row in block]).exp().tolist()
+    both = exponential(block, time.v)
     still, moved = [row[:n] for row in both[:n]], [[0] * n for _ in range(n)]
     for i, row in enumerate(both[:n]):
         for j, entry in zip(held, row[n:]):
             moved[i][j] = entry
     if not time.d == 0:
-        grown = (as_matrix(values) * as_matrix(still) * time.d).tolist()
-        moved = [[a + b for a, b in zip(*lines)] for lines in zip(moved, grown)]
+        grown = [[y * time.d for y in apply(values, column)] for column in zip(*still)]
+        moved = [[a + b for a, b in zip(*lines)] for lines in zip(moved, zip(*grown))]
     return [[Dual(*pair) for pair in zip(*lines)] for lines in zip(still, moved)]
 
 

@@ -4,7 +4,7 @@ from flint import arb
 
 from .ball_equilibria import Rest
 from .balls import NotCovered, Tagged, double, must, whole
-from .statements import Statements, fields, is_written
+from .statements import EQUILIBRIA, Statements, condition_of, fields, is_written
 
 NEAREST = 1e-7
 """An equilibrium in doubles is known to this share of its units."""
@@ -31,18 +31,13 @@ class EquilibriumPoint(Statements):
     def fields(self):
         """That nothing is stated but what is proven here, and that it is of its kind."""
         point, proof, said = self.point, self.proof, self.said
-        fields(point, "label kind parameter leg outcome", "arc")
-        fields(proof, "posed condition near statement", "beyond")
+        self.head()
+        fields(proof, "posed condition near statement", "beyond", condition=EQUILIBRIA["condition"])
         fields(self.posed, "system values parameter units")
         fields(proof["near"], "mode state parameter")
-        fields(said, "parameter states unique inequalities", "omega lyapunov growing")
-        self.head()
+        fields(said, "parameter states unique inequalities", "omega lyapunov growing", lyapunov=EQUILIBRIA["lyapunov"])
         must(point.get("arc") is None, "arcs of equilibria are not proven")
-        name, value = (proof["condition"], None) if isinstance(proof["condition"], str) else proof["condition"]
-        plain = name == "Fold" and value is None
-        must(plain or name in ("Value", "Hopf", "Boundary") and value is not None, "a condition that there is not")
-        if isinstance(value, dict):
-            fields(value, {"Hopf": "omega", "Boundary": "guard"}.get(name, ""))
+        name = condition_of(proof)
         must((said.get("omega") is not None) == (name == "Hopf"), "ω is stated where no pair is imaginary, or not where one is")
         must(said.get("lyapunov") is None or name == "Hopf", "a Lyapunov coefficient is stated where no pair is imaginary")
         must(proof.get("beyond") is None or name == "Boundary", "a mode beyond is stated where no guard is zero")
@@ -52,8 +47,7 @@ class EquilibriumPoint(Statements):
             fields(proof["beyond"], "mode guard persists")
             must(isinstance(proof["beyond"]["persists"], bool), "`persists` is neither true nor false")
         lyapunov = said.get("lyapunov")
-        within = [lyapunov.value] if isinstance(lyapunov, Tagged) and lyapunov.name == "Within" else []
-        must(lyapunov in (None, "Vertical") or within, "a Lyapunov coefficient that is none")
+        within = [lyapunov.value] if isinstance(lyapunov, Tagged) else []
         frequencies = [said["omega"]] if said.get("omega") is not None else []
         for interval in [said["parameter"], *said["states"], *frequencies, *within]:
             fields(interval, "low high")
@@ -90,9 +84,9 @@ class EquilibriumPoint(Statements):
         must(all(other.posed["units"] == units for other in self.earlier), "the units are not those of the points before")
         rest = self.solved
         known = bool(self.earlier)
-        if rest.kind == "Value":
+        if condition_of(self.proof) == "Value":
             self.asked(begins, restarted)
-            if not restarted and not self.earlier and not self.skipped and is_written(begins, rest.condition):
+            if rest is not None and not restarted and not self.earlier and not self.skipped and is_written(begins, rest.condition):
                 known = True
                 must(all(abs(x.real) <= 2 * unit for x, unit in zip(rest.y, rest.units)), "the unit of a state is less than it is at the first equilibrium")
         if restarted:

@@ -11,6 +11,8 @@ from flint import acb, arb
 from .ball_equilibria import evaluated
 from .balls import Named, NotCovered, Number, Tagged, decimal, double, exact, must, whole
 
+NUMBERS = "numbers of the problem"
+"""The statement that needs no solution of the equations."""
 WIDEST = 0.01
 """A distance of uniqueness is stated up to this share of the units."""
 ROUNDINGS, CANCELLED = Fraction(1, 2**48), Fraction(1, 10**9)
@@ -26,14 +28,79 @@ def number(cell):
     return cell
 
 
-def fields(record, needed, optional=""):
-    """Refuses a record with other fields than these, all of which but the optional ones it has."""
+def fields(record, needed, optional="", **enums):
+    """Refuses a record with other fields than these, all of which but the optional ones it has. Those that are enums are read against
+    their names."""
     must(isinstance(record, dict), "something else stands in the place of a record")
     needed, optional = needed.split(), optional.split()
     for name in needed:
         must(name in record, f"`{name}` is not there")
     for name in record:
         must(name in needed or name in optional, f"`{name}` is no field of it")
+    for name, names in enums.items():
+        if name in needed or record.get(name) is not None:
+            variant(record[name], names)
+
+
+def variant(value, names):
+    """What stands in the place of an enum, as a name and what it holds. Refused is a name that is none of these, or that holds something
+    of another kind."""
+    name, held = value if isinstance(value, Tagged) else (value, None)
+    must(isinstance(name, Named) and name in names, f"{name!r} is none of {', '.join(names)}")
+    kind = names[name]
+    must(isinstance(value, Tagged) == (kind is not None), f"{name} {'holds nothing' if kind is None else 'without what it holds'}")
+    if kind is not None:
+        kind(held)
+    return name, held
+
+
+# what a name of an enum may hold
+def text(held):
+    must(isinstance(held, str) and not isinstance(held, Named), f"{held!r} is no text in quotes")
+
+
+def texts(count):
+    def check(held):
+        must(isinstance(held, tuple) and len(held) == count, f"there are not {count} numbers")
+        for one in held:
+            text(one)
+
+    return check
+
+
+def record(needed, **enums):
+    return lambda held: fields(held, needed, **enums)
+
+
+def something(held):
+    """It is looked at where the statement is."""
+
+
+def plain(names):
+    """Names that hold nothing."""
+    return dict.fromkeys(names.split())
+
+
+OPEN = {"Open": text}
+OUTCOMES, GROWTH, ARCS = {"Proven": something} | OPEN, {"Proven": something} | OPEN, {"Proven": None} | OPEN
+TYPES = plain("EP MX UZ LP PD NS HB BP GR RV CO ST SL BE HC")
+"""The names of every enum of a certificate: one that is none of them is no statement that is true and not treated here."""
+WAVES = {
+    "parameter": plain("Mismatch Friction MassDamping StiffnessDamping Gamma Nu Xi Smoothing"),
+    "impact": plain("Frictionless Coulomb"),
+    "origin": {"Geometry": texts(3), "Given": texts(5)},
+    "regime": plain("Stick Slip Separation Reverse Contact"),
+    "entry": plain("Release Arrest Reversal TakeOff Landing ArrestedLanding Section Touch"),
+    "watch": plain("Duration Pressure LandingPressure Rate Tension LandingRate Impulse Gap LandingSpeed LowerForce UpperForce Release Coupling"),
+    "verdict": {"Stable": record("beyond")} | plain("Unstable Neutral HighFrequency"),
+}
+WAVES["condition"] = {"Value": text, "Fold": None, "Crossing": record("sector omega"), "Margin": record("watch zone time", watch=WAVES["watch"])}
+ORBITS = {"watch": plain("Duration Speed") | dict.fromkeys(("Onset", "Inside", "End", "Condition", "Before"), whole)}
+ORBITS["condition"] = {"Value": text, "Torus": record("angle"), "Margin": record("watch zone time", watch=ORBITS["watch"])} | plain("Fold Doubling Branching")
+EQUILIBRIA = {
+    "condition": {"Value": text, "Fold": None, "Hopf": record("omega"), "Boundary": record("guard")},
+    "lyapunov": {"Within": record("low high"), "Vertical": None},
+}
 
 
 def inside(ball, low, high):
@@ -75,6 +142,17 @@ def is_written(number, told):
     return apart <= ROUNDINGS * abs(there)
 
 
+def head_of(point, parameter=None):
+    """That a point has the fields of one, whether it is proven or not. The parameter is one of an enum, or has a name of its own."""
+    growth = {} if parameter is None else {"growth": GROWTH, "parameter": parameter}
+    fields(point, "label kind parameter leg outcome", "arc growth" if growth else "arc", kind=TYPES, outcome=OUTCOMES, arc=ARCS, **growth)
+
+
+def condition_of(proof):
+    """Name of what singles out a point."""
+    return proof["condition"] if isinstance(proof["condition"], str) else proof["condition"].name
+
+
 class Statements:
     """A point that is said to be proven, with the problem and the row of the table that belong to it."""
 
@@ -83,10 +161,12 @@ class Statements:
         self.proof = point["outcome"].value
         self.posed, self.said = self.proof["posed"], self.proof["statement"]
         self.growth, self.discs, self.others = point.get("growth"), {}, {}
+        # the equations of the point, once they have a zero that is proven
+        self.solved = None
 
     def common(self):
         """Names of statements on all points and what checks them."""
-        yield "numbers of the problem", self.numbers
+        yield NUMBERS, self.numbers
         yield "type", self.type
         yield "inequalities", self.inequalities
         yield f"no other within {double(self.said['unique']):.0e}", self.unique
@@ -97,16 +177,14 @@ class Statements:
     def first(self):
         """That no point before it is of the same event."""
         for other in self.earlier:
-            same = hasattr(other, "solved") and other.point["kind"] == self.point["kind"] and self.is_event_of(other)
+            same = other.solved is not None and other.point["kind"] == self.point["kind"] and self.is_event_of(other)
             must(not same, f"it is that of label {whole(other.point['label'])}")
 
-    def head(self):
+    def head(self, parameter=None):
         """That what every point has, whatever it is of, is of its kind."""
         point = self.point
-        must(isinstance(point["kind"], Named), "the type is no name of one")
+        head_of(point, parameter)
         whole(point["label"]), whole(point.get("leg", 0.0)), whole(self.said["inequalities"])
-        arc = point.get("arc")
-        must(arc in (None, "Proven") or isinstance(arc, Tagged) and arc.name == "Open" and isinstance(arc.value, str), "an arc that is neither proven nor open")
 
     def distance_is_one(self, unit):
         told = double(self.said["unique"])

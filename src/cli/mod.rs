@@ -23,6 +23,7 @@ mod simulate;
 mod spectrum;
 mod steady;
 mod summary;
+mod verify;
 
 use std::io::{self, Write};
 use std::process::ExitCode;

@@ -455,17 +455,17 @@ pub(crate) fn theorems_agree<P: Certified>(
     Ok(store::read(&path)?.lines().eq(expected.lines()))
 }
 
-/// Whether a table beside a certificate, if there is one, has the rows of its points: the same cells, but for ends of intervals
-/// that may lie farther out.
+/// Whether the table beside a certificate has the rows of its points: the same cells, but for ends of intervals that may lie
+/// farther out. `None` where there is no table.
 ///
 /// # Errors
 /// When it cannot be read.
 pub(crate) fn table_agrees<P: Certified>(
     path: &Path,
     points: &[CertifiedPoint<P>],
-) -> Result<bool, StoreError> {
+) -> Result<Option<bool>, StoreError> {
     if !path.is_file() {
-        return Ok(true);
+        return Ok(None);
     }
     let expected = table::table(points.iter().map(P::row));
     let expected = table::Table::parse(expected.as_bytes());
@@ -488,10 +488,13 @@ pub(crate) fn table_agrees<P: Certified>(
             _ => stored.text(row, column) == expected.text(row, column),
         }
     };
-    Ok(is_whole
-        && stored.columns().eq(expected.columns())
-        && stored.len() == expected.len()
-        && (0..stored.len()).all(|row| expected.columns().all(|column| agrees(row, column))))
+    let rows_agree = |row: usize| expected.columns().all(|column| agrees(row, column));
+    Ok(Some(
+        is_whole
+            && stored.columns().eq(expected.columns())
+            && stored.len() == expected.len()
+            && (0..stored.len()).all(rows_agree),
+    ))
 }
 
 /// A certificate of any kind.
@@ -499,6 +502,17 @@ pub(crate) enum Read {
     Waves(Certificate),
     Orbits(Certificate<orbit::OrbitProof>),
     Equilibria(Certificate<equilibrium::EquilibriumProof>),
+}
+
+impl Read {
+    /// Whether it has no points.
+    pub(crate) fn is_empty(&self) -> bool {
+        match self {
+            Read::Waves(certificate) => certificate.points.is_empty(),
+            Read::Orbits(certificate) => certificate.points.is_empty(),
+            Read::Equilibria(certificate) => certificate.points.is_empty(),
+        }
+    }
 }
 
 /// Reads a certificate.

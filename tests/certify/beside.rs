@@ -222,6 +222,34 @@ fn what_stands_beside_it_says_the_same() {
     assert_eq!(code, Some(0), "{words}");
 }
 
+/// What cannot be compared because a file is not there is said, and a certificate alone is not wholly verified.
+#[test]
+fn what_is_not_there_is_not_compared() {
+    let folder = TempDir::new().unwrap();
+    for text in [CLOCK, EQUILIBRIA, WAVES] {
+        let out = certified(text, folder.path());
+        let file = out.join("certificate.ron");
+        for path in [&out, &file] {
+            let (code, words) = brakewave(&["certify", "--verify", path.to_str().unwrap()]);
+            assert_eq!(code, Some(0), "{words}");
+            assert!(!words.contains("not compared"), "{words}");
+        }
+        let mut removed = Vec::new();
+        for name in ["certificates.csv", "source.ron"] {
+            fs::remove_file(out.join(name)).unwrap();
+            removed.push(name);
+            let (code, words) = brakewave(&["certify", "--verify", out.to_str().unwrap()]);
+            assert_eq!(code, Some(1), "{words}");
+            assert!(words.contains(": verified"), "{words}");
+            assert!(!words.contains("refused"), "{words}");
+            for name in &removed {
+                assert!(words.contains(&format!("{name}: not compared")), "{words}");
+            }
+            assert_eq!(words.matches("not compared").count(), removed.len());
+        }
+    }
+}
+
 /// Without the orbit or the equilibrium that the branch begins with nothing tells the units of `unique`, and this is said.
 #[test]
 fn units_without_their_orbit() {
