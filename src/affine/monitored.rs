@@ -38,6 +38,12 @@ pub fn read(
     monitors.collect()
 }
 
+/// A system with these monitors alone, which were read before.
+pub fn keeping(system: &System, written: &Ordered<MonitorSource>) -> System {
+    let monitors = read(&system.source, written);
+    system.clone().with_monitors(monitors.unwrap_or_default())
+}
+
 /// A system in which the expressions of its monitors are laid out, too. The flows of its modes have nothing to do with what
 /// these expressions are made of.
 #[derive(Clone, Debug, PartialEq)]

@@ -14,7 +14,9 @@ use crate::affine::equilibrium::plane::{
 use crate::affine::equilibrium::{
     EquilibriumCurve, EquilibriumFailure, EquilibriumMargin, EquilibriumScales, RestMode,
 };
-use crate::affine::system::System;
+use crate::affine::monitor::{Monitor, MonitorSource};
+use crate::affine::monitored;
+use crate::affine::system::{Ordered, System};
 use crate::hybrid::equilibrium::NoEquilibriumStart;
 use crate::linalg::{Matrix, Vector};
 use crate::orbit::{EventType, Orbit};
@@ -27,6 +29,9 @@ pub struct EquilibriaInPlane {
     parameters: [usize; 2],
     widths: [f64; 2],
     scales: EquilibriumScales,
+    /// The monitor that keeps its value, by its name, where one does.
+    #[serde(default, skip_serializing_if = "Ordered::is_empty")]
+    monitor: Ordered<MonitorSource>,
     #[serde(skip)]
     posed: PosedPlane,
 }
@@ -74,19 +79,30 @@ impl EquilibriaInPlane {
         known: Option<&EquilibriumScales>,
     ) -> Result<EquilibriaInPlane, EquilibriumFailure> {
         Ok(EquilibriaInPlane {
-            system: curve.setting.system.clone(),
+            system: curve.setting.system.clone().with_monitors(Vec::new()),
             values: curve.values_at(point),
             parameters,
             widths,
             scales: curve.wide_scales(point, known)?,
+            monitor: Ordered::default(),
             posed: PosedPlane::default(),
         })
     }
 
+    /// The same with a monitor that keeps its value.
+    pub fn keeping(self, monitor: &Monitor) -> EquilibriaInPlane {
+        EquilibriaInPlane {
+            monitor: Ordered(vec![(monitor.name.clone(), monitor.source.clone())]),
+            posed: PosedPlane::default(),
+            ..self
+        }
+    }
+
     fn plane(&self, signature: &RestMode) -> Result<&EquilibriumPlane, EquilibriumFailure> {
         let posed = self.posed.0.get_or_init(|| {
+            let system = monitored::keeping(&self.system, &self.monitor);
             EquilibriumPlane::new(
-                (&self.system, &self.values),
+                (&system, &self.values),
                 self.parameters,
                 &self.scales,
                 self.widths,

@@ -4,12 +4,12 @@ use super::equilibria::{CriticalEquilibrium, EquilibriaInPlane};
 use super::plane::ParameterPlane;
 use super::point::CurveLimits;
 use super::run::Singular;
-use super::search::event;
-use super::start::{CurveStart, NoCurve, pose};
+use super::search::{KeptMonitor, event, wanted};
+use super::start::{CurveStart, FixedMonitor, NoCurve, pose, pose_constant};
 use crate::affine::equilibrium::start::EquilibriumRequest;
 use crate::affine::equilibrium::{EquilibriumCurve, EquilibriumScales};
 use crate::hybrid::equilibrium::{
-    EquilibriumRunner, LabelledEquilibrium, NamedEquilibrium, NoEquilibriumStart,
+    EquilibriumItem, EquilibriumRunner, LabelledEquilibrium, NamedEquilibrium, NoEquilibriumStart,
 };
 use crate::linalg::Vector;
 use crate::orbit::{EventType, Orbit};
@@ -28,13 +28,21 @@ pub fn find_of_equilibria(
 ) -> Result<CurveStart<EquilibriaInPlane>, NoCurve<EquilibriaInPlane>> {
     let branch = begin().map_err(NoCurve::Run)?;
     let kind = curve.event.kind();
-    let wanted = kind.map_or_else(String::new, |kind| kind.to_string());
+    let kept = KeptMonitor::of(problem, curve);
+    let wanted = wanted(kind, kept.as_ref());
     let asked = (kind, curve.index);
     let scales = branch.state().scales;
-    let item = event::<EquilibriaInPlane, _>(branch, asked, wanted, |item| item.point.kind, watch)?;
+    let of = |item: &EquilibriumItem| match &kept {
+        None => item.point.kind,
+        Some(kept) => kept.event(item.special.as_ref().map(|(_, special)| special)),
+    };
+    let item = event::<EquilibriaInPlane, _>(branch, asked, wanted, of, watch)?;
+    let special = item.special.as_ref().map(|(_, special)| special);
+    let kept = kept.map(|kept| kept.at(special, &item.point.monitors));
+    let kept = kept.map(|kept| kept.ok_or(Singular::NoValue)).transpose()?;
     let unknown = NoCurve::Run(NoEquilibriumStart::Unknown);
     let (saved, kind) = item.saved.zip(item.point.kind).ok_or(unknown)?;
-    pose_equilibrium(problem, (&saved, Some(&scales)), kind, curve)
+    pose_equilibrium(problem, (&saved, Some(&scales)), (kind, kept), curve)
 }
 
 /// The special equilibrium that an earlier run labelled.
@@ -52,14 +60,14 @@ pub fn labelled_of_equilibria(
         let label = saved.label;
         return Err(NoCurve::Kind { label, kind });
     }
-    pose_equilibrium(problem, (saved, None), kind, curve)
+    pose_equilibrium(problem, (saved, None), (kind, None), curve)
 }
 
 /// The equations of a special equilibrium.
 fn pose_equilibrium(
     problem: &SystemProblem,
     (saved, known): (&LabelledEquilibrium, Option<&EquilibriumScales>),
-    kind: EventType,
+    (kind, kept): (EventType, Option<FixedMonitor>),
     section: &SystemCurve,
 ) -> Result<CurveStart<EquilibriaInPlane>, NoCurve<EquilibriaInPlane>> {
     let limits = CurveLimits::of(section);
@@ -86,6 +94,9 @@ fn pose_equilibrium(
         Ok((curve, point))
     };
     let (curve, point) = posed(0)?;
+    if let Some(FixedMonitor { monitor, value }) = kept {
+        return pose_constant(plane.keeping(&monitor), (&curve, &point), value, limits);
+    }
     let spectral = match kind {
         EventType::HB => {
             let unknowns = curve.pair_unknowns(&point).ok_or(Singular::NoNullVector)?;

@@ -162,14 +162,6 @@ impl OrbitsInPlane {
             outside: None,
         }
     }
-
-    /// The system, with the monitor that keeps its value.
-    fn system(&self) -> System {
-        let monitors = monitored::read(&self.system.source, &self.monitor);
-        self.system
-            .clone()
-            .with_monitors(monitors.unwrap_or_default())
-    }
 }
 
 /// Half the sum of a pair that is within this of ±2 is that of two multipliers ±1: the place is known to 1e-12.
@@ -267,7 +259,7 @@ impl ParameterPlane for OrbitsInPlane {
             all[parameter] = value;
         }
         let setting = Setting {
-            system: self.system(),
+            system: monitored::keeping(&self.system, &self.monitor),
             values: all,
             parameter: self.parameters[index],
             second: Some(self.parameters[1 - index]),

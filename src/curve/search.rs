@@ -9,11 +9,12 @@ use super::orbits::OrbitsInPlane;
 use super::plane::ParameterPlane;
 use super::start::{CurveStart, FixedMonitor, NoCurve, of_branch, pose_connection, pose_orbit};
 use super::tube::WavesInPlane;
+use crate::affine::monitor::Monitor;
 use crate::branch::run::{RunError, WaveItem, WaveRunner};
 use crate::hybrid;
-use crate::orbit::EventType;
 use crate::orbit::legs::{self, Run};
 use crate::orbit::special::Special;
+use crate::orbit::{EventType, Orbit};
 use crate::problem::{
     self, Problem, StabilitySection, SystemCurve, SystemCurveEvent, SystemProblem, UserPoint,
 };
@@ -100,10 +101,9 @@ pub fn find_of_system(
 ) -> Result<CurveStart<OrbitsInPlane>, NoCurve<OrbitsInPlane>> {
     let item = found(problem, curve, begin, watch)?;
     let (orbit, point) = item.orbit();
-    let kept = match &curve.event {
-        SystemCurveEvent::Constant(name) => Some(kept_at(&item, name)?),
-        _ => None,
-    };
+    let kept = KeptMonitor::of(problem, curve);
+    let kept = kept.map(|kept| kept.at(item.special.as_ref(), &item.point.monitors));
+    let kept = kept.map(|kept| kept.ok_or(Singular::NoValue)).transpose()?;
     let kind = match kept {
         Some(_) => EventType::UZ,
         None => item.point.kind.unwrap_or(EventType::EP),
@@ -139,49 +139,74 @@ fn found(
     let of_spectrum = kind.is_some_and(EventType::of_spectrum);
     plain.stability = of_spectrum.then(problem::Multipliers::default);
     let branch = begin(&plain).map_err(NoCurve::Run)?;
-    let mut wanted = kind.map_or_else(String::new, |kind| kind.to_string());
-    let kept = match &curve.event {
-        SystemCurveEvent::Constant(name) => Some(name),
-        _ => None,
-    };
-    if let Some(name) = kept {
-        wanted.push_str(&format!(" of {name}"));
-    }
-    let of = |item: &hybrid::OrbitItem| match (kept, &item.special) {
-        (None, _) => item.point.kind,
-        (Some(name), Some(Special::Monitor(known, _))) if known == name => Some(EventType::UZ),
-        // a value that nothing asks for is that of the first point
-        (Some(name), Some(Special::Start)) if !asks_for(problem, name) => Some(EventType::UZ),
-        _ => None,
+    let kept = KeptMonitor::of(problem, curve);
+    let wanted = wanted(kind, kept.as_ref());
+    let of = |item: &hybrid::OrbitItem| match &kept {
+        None => item.point.kind,
+        Some(kept) => kept.event(item.special.as_ref()),
     };
     event::<OrbitsInPlane, hybrid::OrbitRunner>(branch, (kind, curve.index), wanted, of, watch)
 }
 
-/// Whether the branch of a problem asks for a value of a monitor.
-fn asks_for(problem: &SystemProblem, name: &str) -> bool {
-    let stops = problem.continuation.iter().flat_map(|one| &one.stop_at);
-    let mut stops = stops.filter_map(|stop| match stop {
-        UserPoint::Monitor(known, _) => Some(known),
-        UserPoint::Parameter(_) => None,
-    });
-    stops.any(|known| known == name)
+/// The event that a curve begins with, as it is called where it is not found.
+pub(super) fn wanted(kind: Option<EventType>, kept: Option<&KeptMonitor>) -> String {
+    let kind = kind.map_or_else(String::new, |kind| kind.to_string());
+    match kept {
+        Some(kept) => format!("{kind} of {}", kept.monitor.name),
+        None => kind,
+    }
 }
 
-/// The monitor of this name with its value at a point of a branch: the one that was asked for, if any was.
-fn kept_at(item: &hybrid::OrbitItem, name: &str) -> Result<FixedMonitor, NoCurve<OrbitsInPlane>> {
-    let (orbit, _) = item.orbit();
-    let mut monitors = orbit.setting.system.monitors().iter();
-    let monitor = monitors.find(|one| one.name == name).cloned();
-    let value = match &item.special {
-        Some(Special::Monitor(_, value)) => Some(*value),
-        _ => {
-            let mut values = item.point.monitors.iter();
-            values
-                .find(|(known, _)| known == name)
-                .and_then(|(_, value)| *value)
-        }
-    };
-    let kept = monitor.zip(value);
-    let kept = kept.map(|(monitor, value)| FixedMonitor { monitor, value });
-    kept.ok_or(NoCurve::Singular(Singular::NoValue))
+/// The monitor that is constant along a curve.
+pub(super) struct KeptMonitor {
+    monitor: Monitor,
+    /// Whether the branch asks for a value of it.
+    is_asked_for: bool,
+}
+
+impl KeptMonitor {
+    /// That of a curve; `None` where it is the curve of an event.
+    pub(super) fn of(problem: &SystemProblem, curve: &SystemCurve) -> Option<KeptMonitor> {
+        let SystemCurveEvent::Constant(name) = &curve.event else {
+            return None;
+        };
+        let stops = problem.continuation.iter().flat_map(|one| &one.stop_at);
+        let mut stops = stops.filter_map(|stop| match stop {
+            UserPoint::Monitor(known, _) => Some(known),
+            UserPoint::Parameter(_) => None,
+        });
+        let mut monitors = problem.monitors().into_iter();
+        Some(KeptMonitor {
+            monitor: monitors.find(|one| one.name == *name)?,
+            is_asked_for: stops.any(|known| known == name),
+        })
+    }
+
+    /// The event that a point of a branch is for the curve: a value that nothing asks for is that of the first point.
+    pub(super) fn event<O: Orbit>(&self, special: Option<&Special<O>>) -> Option<EventType> {
+        let begins = match special {
+            Some(Special::Monitor(known, _)) => *known == self.monitor.name,
+            Some(Special::Start) => !self.is_asked_for,
+            _ => false,
+        };
+        begins.then_some(EventType::UZ)
+    }
+
+    /// It with its value at a point of a branch where monitors have these: the one that was asked for, if any was.
+    pub(super) fn at<O: Orbit>(
+        self,
+        special: Option<&Special<O>>,
+        monitors: &[(String, Option<f64>)],
+    ) -> Option<FixedMonitor> {
+        let own =
+            |(known, value): &(String, Option<f64>)| value.filter(|_| *known == self.monitor.name);
+        let value = match special {
+            Some(Special::Monitor(_, value)) => Some(*value),
+            _ => monitors.iter().find_map(own),
+        };
+        value.map(|value| FixedMonitor {
+            monitor: self.monitor,
+            value,
+        })
+    }
 }

@@ -300,16 +300,7 @@ pub(super) fn pose_orbit(
     let pair = [index(&curve.parameters.0), index(&curve.parameters.1)];
     let plane = OrbitsInPlane::new(orbit, point, pair, limits.widths());
     if let Some(FixedMonitor { monitor, value }) = kept {
-        within(&plane, &limits)?;
-        let constant = EventCondition::Constant(MonitorStop { monitor: 0, value });
-        let plane = plane.keeping(&monitor);
-        let system = EventSystem::new(plane, orbit.signature().clone(), constant);
-        return Ok(CurveStart {
-            event: kind,
-            point: system.pack(point, &[]),
-            system,
-            limits,
-        });
+        return pose_constant(plane.keeping(&monitor), (orbit, point), value, limits);
     }
     let spectral = match kind {
         EventType::PD => {
@@ -339,6 +330,24 @@ pub(super) fn pose_orbit(
     };
     let start = pose(plane, orbit, point, (kind, spectral), limits)?;
     Ok(symmetric(start, orbit, point))
+}
+
+/// The equations of an orbit at which the one monitor that is kept has a value.
+pub(super) fn pose_constant<P: ParameterPlane>(
+    plane: P,
+    (orbit, point): (&P::Orbit, &Vector),
+    value: f64,
+    limits: CurveLimits,
+) -> Result<CurveStart<P>, NoCurve<P>> {
+    within(&plane, &limits)?;
+    let constant = EventCondition::Constant(MonitorStop { monitor: 0, value });
+    let system = EventSystem::new(plane, orbit.signature().clone(), constant);
+    Ok(CurveStart {
+        event: EventType::UZ,
+        point: system.pack(point, &[]),
+        system,
+        limits,
+    })
 }
 
 /// An event as a result folder tells it.

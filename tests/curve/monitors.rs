@@ -4,10 +4,12 @@
 
 use std::f64::consts::TAU;
 
+use brakewave::EventType;
 use brakewave::curve::search::find_of_system;
 use brakewave::curve::start::{CurveStart, NoCurve};
-use brakewave::curve::{CurveRun, OrbitsInPlane, WholeCurve};
+use brakewave::curve::{CurveRun, OrbitsInPlane, PointType, WholeCurve, find_of_equilibria};
 use brakewave::hybrid::OrbitRunner;
+use brakewave::hybrid::equilibrium::EquilibriumRunner;
 use brakewave::problem::{Any, SystemProblem, parse_any};
 
 /// The oscillator with one impact of speed `hit` a period.
@@ -92,6 +94,74 @@ fn a_monitor_keeps_its_value_along_a_curve() {
         let ends =
             [curve.points.first(), curve.points.last()].map(|end| end.unwrap().parameters[1]);
         assert!(ends.contains(&0.9), "{ends:?}");
+    }
+}
+
+/// The equilibria of FitzHugh's oscillator, w = (v + a)/b and I = w - v + v³/3, along which v, or vw, keeps a value: I(b) is known, and
+/// where a pair of eigenvalues crosses, 1 - v² = εb.
+#[test]
+fn a_monitor_keeps_its_value_along_equilibria() {
+    let of = |monitor: &str, stop_at: &str| {
+        let text = format!(
+            r#"(system: (states: ["v", "w"], parameters: {{"I": 0.0, "b": 0.45, "eps": 0.08, "a": 0.7}},
+                modes: {{"flow": (rates: {{"v": "v - v^3/3 - w + I", "w": "eps*(v + a - b*w)"}})}}),
+            monitor: {{"kept": {monitor}}},
+            equilibrium: (start: Given(mode: "flow", state: {{"v": -1.2, "w": -0.6}})),
+            continuation: (parameter: "I", range: (-1.0, 4.0), toward: Up, stop_at: [{stop_at}]),
+            curve: (event: Constant("kept"), parameters: ("I", "b"), range: ((-2.0, 6.0), (0.1, 0.9))))"#
+        );
+        let Ok(Any::System(problem)) = parse_any(&text, "test") else {
+            panic!("{text}");
+        };
+        let (continuation, section) = (problem.continuation.as_ref(), problem.curve.as_ref());
+        let begin = || EquilibriumRunner::begin(&problem, continuation.unwrap(), None);
+        let start = find_of_equilibria(&problem, section.unwrap(), begin, &mut |_| ()).unwrap();
+        let mut run =
+            CurveRun::begin(&start.system, start.event, &start.point, start.limits).unwrap();
+        while run.step().unwrap().is_some() {}
+        run.curve()
+    };
+    let current = |v: f64, w: f64| w - v + v * v * v / 3.0;
+    let v: f64 = -0.99;
+    let curve = of("Max(\"v\")", "(\"kept\", -0.99)");
+    assert!(!curve.failed && curve.points.len() > 10);
+    for point in &curve.points {
+        let [i, b] = point.parameters;
+        let off = i - current(v, (v + 0.7) / b);
+        assert!(off.abs() <= 1e-13 * (1.0 + i.abs()), "{i}, {b}: {off:e}");
+    }
+    let ends = [curve.points.first(), curve.points.last()].map(|end| end.unwrap().parameters[1]);
+    assert!(ends.contains(&0.1) && ends.contains(&0.9), "{ends:?}");
+    let crossing = (1.0 - v * v) / 0.08;
+    let hopf = PointType::One(EventType::HB);
+    let found: Vec<f64> = curve
+        .points
+        .iter()
+        .filter(|one| one.kind == Some(hopf))
+        .map(|one| one.parameters[1])
+        .collect();
+    assert!(
+        matches!(found[..], [b] if (b - crossing).abs() < 1e-11),
+        "{found:?} for {crossing}"
+    );
+    // that of the first point, where nothing asks for a value
+    let curve = of("Mean(\"v*w\")", "");
+    let kept = {
+        let [i, b] = curve.points[0].parameters;
+        let mut v: f64 = -1.0;
+        for _ in 0..60 {
+            let slope = 1.0 / b - 1.0 + v * v;
+            v -= (current(v, (v + 0.7) / b) - i) / slope;
+        }
+        v * (v + 0.7) / b
+    };
+    assert!(!curve.failed && curve.points.len() > 10);
+    for point in &curve.points {
+        let [i, b] = point.parameters;
+        // v² + av = bk, on the side of the first one
+        let v = -0.35 - (0.1225 + b * kept).sqrt();
+        let off = i - current(v, (v + 0.7) / b);
+        assert!(off.abs() <= 1e-12 * (1.0 + i.abs()), "{i}, {b}: {off:e}");
     }
 }
 

@@ -118,16 +118,35 @@ impl EquilibriumCurve {
             return None;
         }
         let lifted = lifted(&setting.system, &setting.values, &[setting.parameter]).ok()?;
-        EquilibriumCurve::of(Arc::new(setting), Arc::new(lifted), (mode, None))
+        let curve = EquilibriumCurve::of(Arc::new(setting), Arc::new(lifted), (mode, None));
+        curve.map(EquilibriumCurve::observing)
     }
 
     /// The equilibria of another mode.
     pub(super) fn in_mode(&self, mode: usize) -> Option<EquilibriumCurve> {
-        EquilibriumCurve::of(
-            self.setting.clone(),
-            self.lifted.clone(),
-            (mode, self.beside),
-        )
+        let (setting, lifted) = (self.setting.clone(), self.lifted.clone());
+        let curve = EquilibriumCurve::of(setting, lifted, (mode, self.beside));
+        curve.map(EquilibriumCurve::observing)
+    }
+
+    /// The same with the monitors of the system.
+    pub(super) fn observing(self) -> EquilibriumCurve {
+        let EquilibriumSetting {
+            system,
+            values,
+            parameter,
+            ..
+        } = &*self.setting;
+        if system.monitors().is_empty() {
+            return self;
+        }
+        let followed = std::iter::once(*parameter).chain(self.beside.map(|(index, _)| index));
+        let followed: Vec<usize> = followed.collect();
+        let observed = observed(system, values, &followed, self.signature.mode).ok();
+        EquilibriumCurve {
+            observed: observed.map(Arc::new),
+            ..self
+        }
     }
 
     pub(super) fn of(
@@ -155,10 +174,6 @@ impl EquilibriumCurve {
             // there the mode has no values: elsewhere it is as it is
             None => vec![1.0; count],
         };
-        let followed = std::iter::once(setting.parameter).chain(beside.map(|(index, _)| index));
-        let followed: Vec<usize> = followed.collect();
-        let has_monitors = !setting.system.monitors().is_empty();
-        let of_monitors = || observed(&setting.system, &setting.values, &followed, mode).ok();
         Some(EquilibriumCurve {
             signature: RestMode { mode, name },
             rates: all(at.as_ref().map(|at| &at.rates), states),
@@ -166,7 +181,7 @@ impl EquilibriumCurve {
             guards: all(at.as_ref().map(|at| &at.guards), own.guards.len()),
             lifted,
             beside,
-            observed: has_monitors.then(of_monitors).flatten().map(Arc::new),
+            observed: None,
             setting,
         })
     }

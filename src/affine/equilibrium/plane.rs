@@ -115,12 +115,13 @@ impl EquilibriumPlane {
     pub fn curve(&self, mode: usize, values: [f64; 2], index: usize) -> Option<EquilibriumCurve> {
         let ExtendedSystem { setting, lifted } = &self.single[index];
         let other = 1 - index;
-        Some(EquilibriumCurve {
+        let curve = EquilibriumCurve {
             setting: setting.clone(),
             lifted: lifted.clone(),
             beside: Some((self.parameters[other], values[other])),
             ..self.family(mode)?
-        })
+        };
+        Some(curve.observing())
     }
 
     /// Residuals and derivatives of a special equilibrium in its unknowns, of which the parameters are the last.

@@ -151,12 +151,12 @@ impl Checks<'_, SystemProblem> {
 
     /// Refuses the curve of an event that equilibria do not have, or only they.
     pub(super) fn curve_event(&self, event: EventType) -> Check {
-        use EventType::{BE, BP, HB, LP};
+        use EventType::{BE, BP, HB, LP, UZ};
         let (has, what, help) = match self.problem.equilibrium {
             Some(_) => (
-                matches!(event, LP | HB | BE | BP),
+                matches!(event, LP | HB | BE | BP | UZ),
                 "equilibria",
-                "take LP, HB, BE or BP",
+                "take LP, HB, BE, BP or `Constant(\"name\")`",
             ),
             None => (
                 !matches!(event, HB | BE),
@@ -164,10 +164,7 @@ impl Checks<'_, SystemProblem> {
                 "take LP, PD, NS, BP, GR, CO, SL, HC or `Constant(\"name\")`; curves of HB and BE are those of `equilibrium`",
             ),
         };
-        let message = match event {
-            EventType::UZ => format!("{what} have no curve along which a monitor is constant"),
-            _ => format!("{what} have no curve of {event}"),
-        };
+        let message = format!("{what} have no curve of {event}");
         match has {
             true => Ok(()),
             false => self.refuse("curve.event", message, help),
