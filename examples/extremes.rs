@@ -8,7 +8,7 @@
 
 use brakewave::branch::conditioning::conditioning;
 use brakewave::branch::first_wave::first_wave;
-use brakewave::continuation::newton::{self, Fixed, System};
+use brakewave::continuation::newton::{self, Equations, Fixed};
 use brakewave::continuation::{Node, Steps};
 use brakewave::linalg::Vector;
 use brakewave::tube::flow::method::Method;

@@ -5,7 +5,7 @@
 
 use std::convert::Infallible;
 
-use brakewave::continuation::newton::System;
+use brakewave::continuation::newton::Equations;
 use brakewave::continuation::{Path, Steps, locate::turning};
 use brakewave::linalg::{Matrix, Vector};
 
@@ -15,7 +15,7 @@ const SCALE: f64 = 4.0;
 
 struct Bratu;
 
-impl System for Bratu {
+impl Equations for Bratu {
     type Failure = Infallible;
 
     fn unknowns(&self) -> usize {

@@ -24,7 +24,7 @@ use serde::{Deserialize, Serialize};
 
 use super::exponential::plain_propagator;
 use super::mode::AffineSystem;
-use super::motion::{Motion, Place, Step};
+use super::motion::{Moment, Motion, Step};
 use crate::linalg::{Factors, Matrix, Vector};
 
 /// How near its saddle a motion begins, in units of the states: ε² is less than rounding. Where directions grow at different
@@ -334,7 +334,7 @@ impl Connection {
         }
         let direction = &saddle.projection * direction;
         let states = saddle.state.iter().zip(&self.scales.states).zip(&direction);
-        let place = Place {
+        let place = Moment {
             time: 0.0,
             phase: 0.0,
             mode: self.ends[0].mode,

@@ -1,15 +1,15 @@
 //! A motion seen at equal times, at every period of the forcing, and at its switches.
 
 use super::mode::AffineSystem;
-use super::motion::{Halt, Motion, Place, Step, Switching};
+use super::motion::{Halt, Moment, Motion, Step, Switching};
 
 /// What is seen of a motion.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Seen {
     /// Where it is at one of equally spaced times.
-    Sample(Place),
+    Sample(Moment),
     /// Where it is after a whole number of periods of the forcing.
-    Section(Place),
+    Section(Moment),
     /// A switch.
     Switch(Switching),
 }
@@ -33,7 +33,7 @@ impl<'a> Course<'a> {
     /// A motion that begins at a place; `samples` > 0 and `duration` > 0.
     pub fn new(
         system: &'a AffineSystem,
-        place: Place,
+        place: Moment,
         duration: f64,
         samples: usize,
     ) -> Course<'a> {
@@ -50,7 +50,7 @@ impl<'a> Course<'a> {
     }
 
     /// Where the motion is.
-    pub fn place(&self) -> &Place {
+    pub fn place(&self) -> &Moment {
         self.motion.place()
     }
 }

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::mode::AffineSystem;
-use super::steady::Place;
+use super::steady::Admissibility;
 use crate::interval::Interval;
 use crate::linalg::Vector;
 
@@ -20,20 +20,20 @@ impl AffineSystem {
     }
 
     /// Where states in these intervals lie by the guards of a mode.
-    pub(super) fn place(&self, mode: usize, states: &[Interval]) -> Place {
-        let mut place = (f64::INFINITY, Place::Admissible);
+    pub(super) fn place(&self, mode: usize, states: &[Interval]) -> Admissibility {
+        let mut place = (f64::INFINITY, Admissibility::Admissible);
         for (guard, own) in self.modes[mode].guards.iter().enumerate() {
             let least = self.least(mode, &own.row.at, states);
             let here = match least {
                 LeastOverPhases { low, .. } if low > 0.0 => continue,
-                LeastOverPhases { high, .. } if high < 0.0 => Place::Virtual {
+                LeastOverPhases { high, .. } if high < 0.0 => Admissibility::Virtual {
                     guard,
                     at_times: !least.is_negative,
                 },
-                _ => Place::Boundary { guard },
+                _ => Admissibility::Boundary { guard },
             };
             // what is negative for certain comes first
-            let key = if matches!(here, Place::Virtual { .. }) {
+            let key = if matches!(here, Admissibility::Virtual { .. }) {
                 least.high
             } else {
                 0.0

@@ -5,7 +5,7 @@
 //! linear coupling, do so together: in units in which they act on one another alike.
 
 use super::mode::AffineSystem;
-use super::steady::Rates;
+use super::steady::RatesAt;
 use crate::linalg::Vector;
 use crate::linalg::periodic_schur::balance;
 
@@ -15,9 +15,9 @@ const CHANGED: f64 = 0.5;
 /// Sizes that are tried, as powers of the root of 10: from 1e-12 to 1e12.
 const SIZES: std::ops::RangeInclusive<i32> = -24..=24;
 
-impl Rates {
+impl RatesAt {
     /// Whether one that is not zero differs at another state.
-    fn differs(&self, other: &Rates) -> bool {
+    fn differs(&self, other: &RatesAt) -> bool {
         let differ =
             |one: f64, other: f64| one != 0.0 && (other - one).abs() >= CHANGED * one.abs();
         let mut slopes = self.slopes.iter().zip(&other.slopes);

@@ -26,14 +26,14 @@ pub struct Equilibrium {
     /// ∂f/∂x.
     pub slopes: Matrix,
     /// Where it lies by the guards of its mode.
-    pub place: Place,
+    pub place: Admissibility,
     /// Whether others lie next to it.
     pub isolation: Isolation,
 }
 
 /// Where an equilibrium lies by the guards of its mode, over every phase of the forcing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Place {
+pub enum Admissibility {
     /// All of them are positive.
     Admissible,
     /// One is negative: for one phase at least, or for all.
@@ -116,7 +116,7 @@ const NOTHING: f64 = 1e-30;
 const FEW: usize = 4;
 
 /// What vanishes where a mode rests.
-pub(super) struct Rates {
+pub(super) struct RatesAt {
     /// The values.
     pub values: Vector,
     /// Their derivatives by the states.
@@ -125,7 +125,7 @@ pub(super) struct Rates {
     sizes: Vector,
 }
 
-impl Rates {
+impl RatesAt {
     /// Whether one of them is zero to rounding.
     pub(super) fn is_zero(&self, row: usize) -> bool {
         self.values[row].abs() <= ROUNDING * self.sizes[row]
@@ -355,7 +355,7 @@ impl AffineSystem {
     }
 
     /// What vanishes where a mode rests, at a state: its rates, then its surfaces. `None` where one has no value.
-    pub(super) fn rates(&self, mode: usize, state: &Vector) -> Option<Rates> {
+    pub(super) fn rates(&self, mode: usize, state: &Vector) -> Option<RatesAt> {
         let n = self.states;
         let own = &self.modes[mode];
         let AffineMode { matrix, field, .. } = own;
@@ -372,7 +372,7 @@ impl AffineSystem {
         let values = &equations * &z;
         let sizes = equations.abs() * z.abs() + slopes.abs() * state.abs();
         let finite = slopes.iter().chain(&values).all(|x| x.is_finite());
-        finite.then_some(Rates {
+        finite.then_some(RatesAt {
             values,
             slopes,
             sizes,

@@ -17,7 +17,7 @@
 
 use super::exponential::plain_propagator;
 use super::mode::{AffineMode, AffineSystem, Row};
-use super::motion::{Place, Switching};
+use super::motion::{Moment, Switching};
 use super::orbit::passage::{Integrated, Passage, derivative};
 use super::orbit::saltation::{NOTHING, Saltation, rank};
 use super::slots::Slots;
@@ -96,7 +96,7 @@ impl<'a> TangentFrame<'a> {
     /// The state is no number.
     pub fn new(
         system: &'a AffineSystem,
-        place: &Place,
+        place: &Moment,
         count: usize,
         unit: f64,
     ) -> Result<TangentFrame<'a>, NotResolved> {
@@ -140,7 +140,7 @@ impl<'a> TangentFrame<'a> {
     ///
     /// # Errors
     /// A direction is no number.
-    pub fn measure_anew(&mut self, place: &Place) -> Result<(), NotResolved> {
+    pub fn measure_anew(&mut self, place: &Moment) -> Result<(), NotResolved> {
         self.see(&place.state);
         let unit = |size: f64| match size > 0.0 && size.is_finite() {
             true => size.log2().round().exp2(),
@@ -161,7 +161,7 @@ impl<'a> TangentFrame<'a> {
             delay: 0.0,
         });
         self.directions.extend(fresh);
-        let Place { mode, phase, .. } = *place;
+        let Moment { mode, phase, .. } = *place;
         self.land(mode, &place.state, phase);
         let held = self.held(mode, &place.state, phase).len();
         self.growth = vec![0.0; self.count];
@@ -183,7 +183,7 @@ impl<'a> TangentFrame<'a> {
     ///
     /// # Errors
     /// Growth is not resolved.
-    pub fn carry(&mut self, from: &Place, time: f64) -> Result<(), NotResolved> {
+    pub fn carry(&mut self, from: &Moment, time: f64) -> Result<(), NotResolved> {
         self.see(&from.state);
         if self.is_empty() || time <= 0.0 {
             return Ok(());
@@ -202,7 +202,7 @@ impl<'a> TangentFrame<'a> {
     }
 
     /// Along an exact mode, in as many parts as it takes to resolve all directions.
-    fn carry_linear(&mut self, from: &Place, time: f64) -> Result<(), NotResolved> {
+    fn carry_linear(&mut self, from: &Moment, time: f64) -> Result<(), NotResolved> {
         let before = (self.directions.clone(), self.growth.clone());
         let mut parts = 1;
         while parts <= MOST_PARTS {
@@ -235,7 +235,7 @@ impl<'a> TangentFrame<'a> {
             let entries = column.iter_mut().zip(units);
             entries.for_each(|(entry, unit)| *entry *= units[j] / unit);
         }
-        let end = Place {
+        let end = Moment {
             time: 0.0,
             phase: self.phase_of(&passage.end),
             mode,
@@ -270,7 +270,7 @@ impl<'a> TangentFrame<'a> {
     }
 
     /// Applies a flow that ends at a place in its mode. False where a direction is not resolved.
-    fn apply(&mut self, end: &Place, flow: &Matrix) -> bool {
+    fn apply(&mut self, end: &Moment, flow: &Matrix) -> bool {
         let largest = flow.amax();
         if !largest.is_finite() {
             return false;

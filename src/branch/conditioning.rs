@@ -11,7 +11,7 @@
 //! ```
 
 use crate::continuation::Node;
-use crate::continuation::newton::System;
+use crate::continuation::newton::Equations;
 use crate::linalg::{Factors, Matrix, Vector, kernel};
 use crate::tube::flow::FlowError;
 use crate::tube::flow::method::{MAX_INTERVALS, Method};

@@ -3,7 +3,7 @@
 use super::EventType;
 use super::special::{InadmissibleWave, OfWaves, WaveMargin, WaveStop};
 use crate::continuation::Node;
-use crate::continuation::newton::System;
+use crate::continuation::newton::Equations;
 use crate::linalg::{Matrix, Vector};
 use crate::orbit::located::AT_ZERO;
 use crate::orbit::sign::SignVerdict;

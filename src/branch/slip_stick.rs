@@ -1,7 +1,7 @@
 //! The slip-stick wave of a model under every friction law, as a boundary-value problem.
 
 use super::wanted::{NoFirstWave, WaveRequest};
-use crate::continuation::newton::{self, Fixed, System};
+use crate::continuation::newton::{self, Equations, Fixed};
 use crate::linalg::Vector;
 use crate::tube::flow::{FlowError, Slide};
 use crate::tube::model::signature::{Regime, Signature, WaveZone, ZoneEntry};

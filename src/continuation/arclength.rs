@@ -1,12 +1,12 @@
 //! Pseudo-arclength continuation of R(u) = 0, n equations in n + 1 unknowns.
 //!
 //! From a point u₀ with unit tangent t₀ a step predicts u₀ + Δs·t₀, bent as the curve was on its last steps
-//! where evaluations are dear ([`System::KEEPS`]), and corrects in the plane across t₀ through u₀ + Δs·t₀. Lengths are Euclidean in the scaled unknowns, so the scaling of the system is the
+//! where evaluations are dear ([`Equations::KEEPS`]), and corrects in the plane across t₀ through u₀ + Δs·t₀. Lengths are Euclidean in the scaled unknowns, so the scaling of the system is the
 //! norm of the arclength. Keller, in: Applications of Bifurcation Theory (1977).
 
 use serde::{Deserialize, Serialize};
 
-use crate::continuation::newton::{self, Constraint, Failure, Plane, Solution, System};
+use crate::continuation::newton::{self, Constraint, Equations, Failure, Plane, Solution};
 use crate::linalg::{self, Vector};
 
 /// First step along the branch where none is given, in dimensionless scaled arclength.
@@ -81,12 +81,12 @@ impl Node {
 
     /// A point of the zero set with the null vector of the Jacobian of its system as tangent, either way round;
     /// `None` where that cannot be evaluated.
-    pub fn on<S: System>(system: &S, point: Vector) -> Option<Node> {
+    pub fn on<S: Equations>(system: &S, point: Vector) -> Option<Node> {
         Node::within(system, point, f64::INFINITY)
     }
 
     /// The same where no residual is larger than this.
-    pub(crate) fn within<S: System>(system: &S, point: Vector, most: f64) -> Option<Node> {
+    pub(crate) fn within<S: Equations>(system: &S, point: Vector, most: f64) -> Option<Node> {
         let (matrix, residual) = newton::jacobian(system, &point).ok()?;
         if residual > most {
             return None;
@@ -131,7 +131,7 @@ pub enum Refusal<F: std::error::Error> {
 }
 
 /// Unit tangent at a solution, oriented so that it has a positive product with `along`.
-pub fn tangent<S: System>(
+pub fn tangent<S: Equations>(
     system: &S,
     solution: &Solution,
     along: &Vector,
@@ -152,7 +152,7 @@ pub fn tangent<S: System>(
 }
 
 /// Corrects a guess under a constraint and finds the tangent there.
-pub(crate) fn correct<S: System>(
+pub(crate) fn correct<S: Equations>(
     system: &S,
     constraint: &mut impl Constraint<S>,
     guess: &Vector,
@@ -230,7 +230,7 @@ fn bend(before: &[Node], from: &Node, ds: f64) -> Option<Vector> {
 }
 
 /// One step of length `ds` from `from` along its tangent; `before` are nodes before it on the same curve, the last first.
-pub fn advance<S: System>(
+pub fn advance<S: Equations>(
     system: &S,
     from: &Node,
     before: &[Node],
@@ -284,7 +284,7 @@ pub struct Path<'a, S> {
     steps: Steps,
 }
 
-impl<'a, S: System> Path<'a, S> {
+impl<'a, S: Equations> Path<'a, S> {
     /// From a point of the zero set, toward greater values of the parameter or toward smaller ones; `None` where
     /// the system cannot be evaluated or its Jacobian has no full rank.
     pub fn from(system: &'a S, point: Vector, up: bool, steps: Steps) -> Option<Path<'a, S>> {
@@ -300,7 +300,7 @@ impl<'a, S: System> Path<'a, S> {
     }
 }
 
-impl<S: System> Iterator for Path<'_, S> {
+impl<S: Equations> Iterator for Path<'_, S> {
     type Item = [Node; 2];
 
     fn next(&mut self) -> Option<[Node; 2]> {

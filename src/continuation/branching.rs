@@ -5,7 +5,7 @@
 //! quadratic forms (the algebraic branching equation; Keller, Applications of Bifurcation Theory, 1977). Its zeros are
 //! found by Newton's method on the unit sphere.
 
-use super::newton::System;
+use super::newton::Equations;
 use crate::continuation::newton;
 use crate::linalg::{self, Matrix, Vector};
 
@@ -30,7 +30,7 @@ const STEPS: usize = 40;
 impl Branching {
     /// The equation at a point. `None` where there is one tangent only: all singular values but the last are above this
     /// part of the largest. Where the second derivative has no value every direction is a zero.
-    pub fn new<S: System>(system: &S, point: &Vector, part: f64) -> Option<Branching> {
+    pub fn new<S: Equations>(system: &S, point: &Vector, part: f64) -> Option<Branching> {
         let (matrix, _) = newton::jacobian(system, point).ok()?;
         let linalg::NullSpaces { right, left } = linalg::null_spaces(&matrix, part)?;
         if right.ncols() < 2 {
@@ -74,7 +74,7 @@ impl Branching {
 }
 
 /// YᵀF''[Nx, Nz] as symmetric forms in x and z. `None` where F has no value beside the point.
-fn forms<S: System>(
+fn forms<S: Equations>(
     system: &S,
     point: &Vector,
     right: &Matrix,
@@ -109,7 +109,7 @@ mod tests {
         a: f64,
     }
 
-    impl System for Crossing {
+    impl Equations for Crossing {
         type Failure = std::convert::Infallible;
 
         fn unknowns(&self) -> usize {

@@ -1,12 +1,12 @@
 //! A system that tests are made on: a circle has two folds and closes.
 
-use super::newton::System;
+use super::newton::Equations;
 use crate::linalg::{Matrix, Vector};
 
 /// x² + y² = 1, with y as parameter.
 pub(super) struct UnitCircle;
 
-impl System for UnitCircle {
+impl Equations for UnitCircle {
     type Failure = std::convert::Infallible;
 
     fn unknowns(&self) -> usize {

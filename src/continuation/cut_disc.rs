@@ -4,7 +4,7 @@
 
 use super::arclength::{Node, Steps};
 use super::locate::{self, LeastWithin, Place};
-use super::newton::System;
+use super::newton::Equations;
 use super::walk::{self, Curve, CurveBeginning, End, EndOf, Outcome, Segment, Walker, Within};
 use crate::linalg::{Matrix, Vector};
 
@@ -50,7 +50,7 @@ struct DiscBoundary {
     cuts: Vec<Cut>,
 }
 
-impl System for DiscBoundary {
+impl Equations for DiscBoundary {
     type Failure = std::convert::Infallible;
 
     fn unknowns(&self) -> usize {

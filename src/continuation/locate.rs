@@ -3,7 +3,7 @@
 //! A step sets out from u₀ with tangent t₀; s = t₀·(u − u₀) orders what lies within it.
 
 use super::arclength::Node;
-use super::newton::{self, Constraint, Fixed, Plane, System};
+use super::newton::{self, Constraint, Equations, Fixed, Plane};
 use super::zero::{Bracket, zero};
 use crate::linalg::{Factors, Matrix, Vector};
 
@@ -29,7 +29,7 @@ fn settings(tolerance: f64) -> newton::Settings {
 }
 
 /// A solved point as a node: the tangent from a Jacobian evaluated there, oriented like `along`.
-pub fn retangent<S: System>(
+pub fn retangent<S: Equations>(
     system: &S,
     point: &Vector,
     along: &Vector,
@@ -62,7 +62,7 @@ pub fn retangent<S: System>(
 
 /// Solves the system together with a constraint, from a guess within the step that sets out from a node.
 /// The tangent comes from the arclength border: the constraint's own may be singular there.
-pub fn solve<S: System>(
+pub fn solve<S: Equations>(
     system: &S,
     from: &Node,
     guess: &Vector,
@@ -79,12 +79,12 @@ pub fn solve<S: System>(
 }
 
 /// The node at arclength s of the step that sets out from a node; `None` where Newton's method finds none.
-pub fn node_at<S: System>(system: &S, from: &Node, s: f64, tolerance: f64) -> Option<Node> {
+pub fn node_at<S: Equations>(system: &S, from: &Node, s: f64, tolerance: f64) -> Option<Node> {
     node_beside(system, from, (0.0, from), s, tolerance)
 }
 
 /// The same by the tangent of a node of the step that is known, at an arclength of its own.
-fn node_beside<S: System>(
+fn node_beside<S: Equations>(
     system: &S,
     from: &Node,
     (known, near): (f64, &Node),
@@ -106,7 +106,7 @@ fn node_beside<S: System>(
 /// found. `size` is a value that is zero but for rounding; from a bracket as narrow as `width` one more
 /// value is taken. Where no point is found, as where branches cross at the very zero, one beside it is taken, on either side.
 /// `None` where there is none, either.
-pub fn zero_along<S: System>(
+pub fn zero_along<S: Equations>(
     system: &S,
     from: &Node,
     (low, high): ((f64, f64), (f64, f64)),
@@ -145,7 +145,7 @@ pub(crate) const FOLD_SLOPE: f64 = 1e-13;
 
 /// The fold between two places s of a step with slopes of the parameter of different signs, and the slope found:
 /// the zero of the last component of the tangent.
-pub fn fold<S: System>(
+pub fn fold<S: Equations>(
     system: &S,
     from: &Node,
     (low, high): ((f64, f64), (f64, f64)),
@@ -157,7 +157,7 @@ pub fn fold<S: System>(
 }
 
 /// The fold within a step, where the parameter turns back between its ends.
-pub fn turning<S: System>(system: &S, [from, to]: &[Node; 2], tolerance: f64) -> Option<Place> {
+pub fn turning<S: Equations>(system: &S, [from, to]: &[Node; 2], tolerance: f64) -> Option<Place> {
     let last = from.tangent.len() - 1;
     let length = from.tangent.dot(&(&to.point - &from.point));
     let (low, high) = ((0.0, from.tangent[last]), (length, to.tangent[last]));
@@ -205,7 +205,7 @@ pub(crate) enum LeastWithin {
 
 /// The least value of a function within a step of length `ds`: the zero of its slope. `f` gives value and
 /// slope along the curve.
-pub(crate) fn least<S: System>(
+pub(crate) fn least<S: Equations>(
     system: &S,
     from: &Node,
     ds: f64,
@@ -220,7 +220,7 @@ pub(crate) fn least<S: System>(
 }
 
 /// The same from a guess how far along the step that is.
-pub(crate) fn least_from<S: System>(
+pub(crate) fn least_from<S: Equations>(
     system: &S,
     from: &Node,
     (ds, guess): (f64, f64),
@@ -292,7 +292,7 @@ impl Target {
 
     /// The points at which the target is met on a way through points of one step, between which the
     /// unknown is monotone. `None` if one is not found.
-    pub(crate) fn meetings<S: System>(
+    pub(crate) fn meetings<S: Equations>(
         &self,
         system: &S,
         from: &Node,

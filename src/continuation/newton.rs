@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::linalg::{Factors, Matrix, Vector, pseudo_inverse};
 
 /// n equations R(u) = 0 in n + 1 unknowns, scaled so that unknowns and residuals are of order one.
-pub trait System {
+pub trait Equations {
     /// Why the system could not be evaluated at a point.
     type Failure: std::error::Error;
 
@@ -29,7 +29,7 @@ pub trait System {
 }
 
 /// The equation that closes the system.
-pub trait Constraint<S: System> {
+pub trait Constraint<S: Equations> {
     /// Value at `point`; writes the gradient, which comes filled with zeros.
     fn evaluate(
         &mut self,
@@ -48,7 +48,7 @@ pub struct Plane<'a> {
     pub through: &'a Vector,
 }
 
-impl<S: System> Constraint<S> for Plane<'_> {
+impl<S: Equations> Constraint<S> for Plane<'_> {
     fn evaluate(&mut self, _: &S, point: &Vector, gradient: &mut [f64]) -> Result<f64, S::Failure> {
         gradient.copy_from_slice(self.normal.as_slice());
         Ok(self
@@ -69,7 +69,7 @@ pub struct Fixed {
     pub value: f64,
 }
 
-impl<S: System> Constraint<S> for Fixed {
+impl<S: Equations> Constraint<S> for Fixed {
     fn evaluate(&mut self, _: &S, point: &Vector, gradient: &mut [f64]) -> Result<f64, S::Failure> {
         gradient[self.index] = 1.0;
         Ok(point[self.index] - self.value)
@@ -159,7 +159,7 @@ pub(crate) fn evaluations() -> u64 {
 ///
 /// # Errors
 /// One of them cannot be evaluated there.
-pub fn bordered<S: System>(
+pub fn bordered<S: Equations>(
     system: &S,
     constraint: &mut impl Constraint<S>,
     point: &Vector,
@@ -188,7 +188,7 @@ const MOST_ROUNDED: f64 = 1e-6;
 /// Largest noise seen in each equation: what its values a few hundred roundings beside a point differ
 /// from the linear ones. Cancellation inside an equation shows here, not in its derivatives.
 /// `None` where it cannot be evaluated.
-pub fn noise<S: System>(system: &S, matrix: &Matrix, point: &Vector) -> Option<Vector> {
+pub fn noise<S: Equations>(system: &S, matrix: &Matrix, point: &Vector) -> Option<Vector> {
     const SAMPLES: u32 = 8;
     let n = system.unknowns();
     let value = |point: &Vector| {
@@ -252,7 +252,7 @@ const UNMOVED: f64 = 4.0 * f64::EPSILON;
 const FAR: f64 = 0.1;
 
 /// Solves R(u) = 0 together with the constraint, from a guess.
-pub fn solve<S: System>(
+pub fn solve<S: Equations>(
     system: &S,
     constraint: &mut impl Constraint<S>,
     guess: &Vector,
@@ -343,7 +343,12 @@ pub fn solve<S: System>(
 
 /// The relative residual at a point from which a correction is nothing but rounding; `None` where it is more. There
 /// the equations hold to rounding: what is left moves the unknowns and nothing else.
-fn rounded<S: System>(system: &S, at: &Bordered, point: &Vector, correction: f64) -> Option<f64> {
+fn rounded<S: Equations>(
+    system: &S,
+    at: &Bordered,
+    point: &Vector,
+    correction: f64,
+) -> Option<f64> {
     let relative = relative_residual(&at.matrix, at.right_side.as_slice());
     let bounded = || {
         let noise = noise(system, &at.matrix, point)?;
@@ -359,7 +364,7 @@ fn rounded<S: System>(system: &S, at: &Bordered, point: &Vector, correction: f64
 ///
 /// # Errors
 /// The system cannot be evaluated after the last halving.
-fn damped<S: System>(
+fn damped<S: Equations>(
     system: &S,
     constraint: &mut impl Constraint<S>,
     (point, residual): (&Vector, f64),
@@ -409,7 +414,7 @@ pub fn relative_residual(matrix: &Matrix, residual: &[f64]) -> f64 {
 }
 
 /// Jacobian of the system alone, n × (n+1), and its residual.
-pub fn evaluated<S: System>(system: &S, point: &Vector) -> Result<(Matrix, Vector), S::Failure> {
+pub fn evaluated<S: Equations>(system: &S, point: &Vector) -> Result<(Matrix, Vector), S::Failure> {
     let n = system.unknowns();
     let mut matrix = Matrix::zeros(n - 1, n);
     let mut residual = Vector::zeros(n - 1);
@@ -418,7 +423,7 @@ pub fn evaluated<S: System>(system: &S, point: &Vector) -> Result<(Matrix, Vecto
 }
 
 /// Jacobian of the system alone, n × (n+1), and the largest relative residual.
-pub fn jacobian<S: System>(system: &S, point: &Vector) -> Result<(Matrix, f64), S::Failure> {
+pub fn jacobian<S: Equations>(system: &S, point: &Vector) -> Result<(Matrix, f64), S::Failure> {
     let (matrix, residual) = evaluated(system, point)?;
     let size = relative_residual(&matrix, residual.as_slice());
     Ok((matrix, size))
@@ -432,7 +437,7 @@ mod tests {
     /// x_i² = x_{i+1} + 2 in 300 unknowns, the last of them given: as large as a wave with many zones.
     struct Chain;
 
-    impl System for Chain {
+    impl Equations for Chain {
         type Failure = std::convert::Infallible;
 
         fn unknowns(&self) -> usize {

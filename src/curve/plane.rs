@@ -4,7 +4,7 @@ use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
 
 use super::point::{Gone, PointType, RegionName, What};
-use crate::continuation::newton::System;
+use crate::continuation::newton::Equations;
 use crate::linalg::{Matrix, Vector};
 use crate::orbit::monitor::MonitorStop;
 use crate::orbit::{Data, EventType, Orbit};
@@ -16,7 +16,7 @@ pub type SignatureOf<P> = <<P as ParameterPlane>::Orbit as Orbit>::Signature;
 /// Their parameters.
 pub type ParameterOf<P> = <<P as ParameterPlane>::Orbit as Orbit>::Parameter;
 /// Why their equations cannot be evaluated.
-pub type FailureOf<P> = <<P as ParameterPlane>::Orbit as System>::Failure;
+pub type FailureOf<P> = <<P as ParameterPlane>::Orbit as Equations>::Failure;
 /// What an examination of them finds.
 pub type ExaminationOf<P> = <<P as ParameterPlane>::Orbit as Orbit>::Examination;
 

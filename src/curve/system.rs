@@ -36,7 +36,7 @@ use super::plane::{
 use super::tube::WavesInPlane;
 use crate::continuation::Node;
 use crate::continuation::locate::retangent;
-use crate::continuation::newton::{Constraint, System};
+use crate::continuation::newton::{Constraint, Equations};
 use crate::linalg::{Matrix, Vector};
 use crate::orbit::monitor::MonitorStop;
 use crate::orbit::{AtZero, Orbit};
@@ -484,7 +484,7 @@ impl<P: ParameterPlane> EventSystem<P> {
     }
 }
 
-impl<P: ParameterPlane> System for EventSystem<P> {
+impl<P: ParameterPlane> Equations for EventSystem<P> {
     type Failure = NotEvaluated<P>;
 
     fn unknowns(&self) -> usize {

@@ -1,7 +1,7 @@
 //! Lyapunov exponents of a motion over its samples.
 
 use crate::affine::mode::AffineSystem;
-use crate::affine::motion::{Halt, Motion, Place, Step};
+use crate::affine::motion::{Halt, Moment, Motion, Step};
 use crate::affine::tangent::TangentFrame;
 
 /// A Lyapunov exponent, per unit of time.
@@ -41,7 +41,7 @@ pub(super) struct PerturbedMotion<'a> {
 impl<'a> PerturbedMotion<'a> {
     pub fn new(
         system: &'a AffineSystem,
-        start: Place,
+        start: Moment,
         unit: f64,
         count: usize,
     ) -> PerturbedMotion<'a> {
@@ -63,7 +63,7 @@ impl<'a> PerturbedMotion<'a> {
         }
     }
 
-    pub fn place(&self) -> &Place {
+    pub fn place(&self) -> &Moment {
         self.motion.place()
     }
 

@@ -8,7 +8,7 @@ use std::ops::Range;
 
 use super::exponents::{Exponent, PerturbedMotion};
 use crate::affine::mode::AffineSystem;
-use crate::affine::motion::{Halt, Motion, Place, Step};
+use crate::affine::motion::{Halt, Moment, Motion, Step};
 use crate::affine::system::{Ordered, System, SystemError};
 use crate::problem::{SampleSection, Scan, Sweep, SystemProblem};
 
@@ -26,7 +26,7 @@ pub struct ScannedMotion {
     /// `up`, `down` or `fresh`.
     pub sweep: &'static str,
     /// Where samples were taken, at times from the beginning.
-    pub samples: Vec<Place>,
+    pub samples: Vec<Moment>,
     /// Why there are not as many as asked for.
     pub lacks: Option<Lack>,
     /// Lyapunov exponents over the samples, as many as are asked for.
@@ -59,7 +59,7 @@ pub struct Scanner<'a> {
     section: Option<usize>,
     values: Vec<f64>,
     parameter: usize,
-    start: Place,
+    start: Moment,
 }
 
 impl Scan {
@@ -110,7 +110,7 @@ impl<'a> Scanner<'a> {
 
     /// The values of a piece in their order. `before` is where the last sample of the piece before was taken, if
     /// there is one in its sweep.
-    pub fn piece(&self, number: usize, before: Option<Place>) -> Vec<ScannedMotion> {
+    pub fn piece(&self, number: usize, before: Option<Moment>) -> Vec<ScannedMotion> {
         let (sweep, values) = self.scan.piece(number);
         let mut last = before;
         let settled = values.into_iter().map(|(number, value)| {
@@ -131,7 +131,7 @@ impl<'a> Scanner<'a> {
                             let within = self.scan.within.as_ref();
                             let names = &self.system.source.states;
                             let stream = Stream(seed).apart(number as u64);
-                            let inside = |place: Place| {
+                            let inside = |place: Moment| {
                                 let motion = Motion::new(&system, place.clone(), 1.0);
                                 motion.is_inside().then_some(place)
                             };
@@ -157,7 +157,7 @@ impl<'a> Scanner<'a> {
                 .samples
                 .last()
                 .cloned()
-                .map(|last| Place { time: 0.0, ..last });
+                .map(|last| Moment { time: 0.0, ..last });
             settled
         });
         settled.collect()
@@ -167,8 +167,8 @@ impl<'a> Scanner<'a> {
     fn settle(
         &self,
         system: &AffineSystem,
-        start: Place,
-        samples: &mut Vec<Place>,
+        start: Moment,
+        samples: &mut Vec<Moment>,
     ) -> Result<Vec<Exponent>, Lack> {
         let omega = system.omega.value;
         let unit = if omega > 0.0 { TAU / omega } else { 1.0 };
@@ -186,7 +186,7 @@ impl<'a> Scanner<'a> {
             for sample in 0..keep {
                 pass(&mut motion, first + (settle.ceil() + sample as f64) * unit)?;
                 let there = motion.place().clone();
-                samples.push(Place { phase, ..there });
+                samples.push(Moment { phase, ..there });
                 motion.sample();
             }
             return Ok(motion.exponents());
@@ -202,7 +202,7 @@ impl<'a> Scanner<'a> {
                 Step::Section => {
                     let there = motion.place().clone();
                     let phase = there.phase.rem_euclid(TAU);
-                    samples.push(Place { phase, ..there });
+                    samples.push(Moment { phase, ..there });
                     motion.sample();
                 }
             }
@@ -214,11 +214,11 @@ impl<'a> Scanner<'a> {
 /// A start with random states in ranges that is admitted; none where no such state is found.
 pub(crate) fn random(
     names: &[String],
-    start: &Place,
+    start: &Moment,
     within: Option<&Ordered<(f64, f64)>>,
     mut stream: Stream,
-    admit: &dyn Fn(Place) -> Option<Place>,
-) -> Option<Place> {
+    admit: &dyn Fn(Moment) -> Option<Moment>,
+) -> Option<Moment> {
     for _ in 0..TRIES {
         let mut place = start.clone();
         for (name, state) in names.iter().zip(&mut place.state) {

@@ -144,13 +144,15 @@ pub fn balance(matrix: &Matrix, slow: f64) -> (Vector, f64) {
     (scales, norm)
 }
 
-/// Scales what acts on others that do not act back, where that is next to nothing beside the rates of what it acts on, or is
-/// far more on all of it, so that it is this part of them. What is acted on comes first.
+/// Scales what acts on others that do not act back: where that is next to nothing beside the rates of what it acts on it is made a
+/// small part of them, and where it is far more than they are on all of it, no more than many times as large. What is acted on
+/// comes first.
 fn lead(matrix: &Matrix, acts: &Acts, scales: &mut Vector, rates: &[f64]) {
     /// It adds little to the norm, and what follows is as small as this at least.
     const LEAST: f64 = 1.0 / 64.0;
-    /// Left alone, what is larger would make what it acts on large too, and with it what that acts on small.
-    const MOST: f64 = 64.0;
+    /// Rows and columns are made alike afterwards: left alone, what is larger would make what it acts on as large as its root, and
+    /// what that acts on small beside it.
+    const MOST: f64 = 4096.0;
     let size = matrix.nrows();
     let mut order: Vec<usize> = (0..size).collect();
     order.sort_by_key(|j| acts.count(*j));
@@ -167,12 +169,18 @@ fn lead(matrix: &Matrix, acts: &Acts, scales: &mut Vector, rates: &[f64]) {
         let (least, most) = sizes.fold((f64::INFINITY, 0.0), |(least, most), size| {
             (f64::min(least, size), f64::max(most, size))
         });
-        // where it is far more on some of them, their own scales are too small
-        let wanted = if least > MOST { least } else { most };
-        let exponent = (LEAST / wanted).log2().floor();
+        // where it is far more on some of them alone, their own scales are too small
+        let wanted = if most < LEAST {
+            LEAST / most
+        } else if least > MOST {
+            MOST / least
+        } else {
+            1.0
+        };
+        let exponent = wanted.log2().floor();
         for j in group {
             led[j] = true;
-            if (exponent > 0.0 || least > MOST) && exponent.abs() < 100.0 {
+            if exponent.abs() < 100.0 {
                 scales[j] *= exponent.exp2();
             }
         }

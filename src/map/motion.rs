@@ -7,7 +7,7 @@ use serde::Serialize;
 use super::cell::CellRow;
 use super::plane::MapPlane;
 use crate::affine::mode::AffineSystem;
-use crate::affine::motion::{Halt, Motion, Place};
+use crate::affine::motion::{Halt, Moment, Motion};
 use crate::affine::orbit::AffineOrbit;
 use crate::affine::orbit::start::{NoStart as NoOrbit, Search};
 use crate::affine::system::{Ordered, Source, System};
@@ -214,7 +214,7 @@ impl<'a> Motions<'a> {
             let corners = self.plane.corners();
             corners.map(|corner| self.begun(start, corner).0.place(system))
         });
-        let begun: Vec<Place> = begun.flatten().collect();
+        let begun: Vec<Moment> = begun.flatten().collect();
         let sizes = names.enumerate().map(|(state, _)| {
             let all = begun.iter().map(|place| place.state[state].abs());
             all.fold(0.0, f64::max)
@@ -275,19 +275,19 @@ impl<'a> Motions<'a> {
 
 /// A place in the mode that its state lies in: its own or, where it does not fit that, the first of the file with which no
 /// `zero` is negative; with contacts their states follow from slips and gaps.
-pub(super) fn fitting(system: &System, affine: &AffineSystem, place: Place) -> Place {
+pub(super) fn fitting(system: &System, affine: &AffineSystem, place: Moment) -> Moment {
     let of_contacts = system.contradicted(affine, &place);
     if let Some((_, name)) = of_contacts {
         let mode = system.mode(&name).unwrap_or(place.mode);
-        return Place { mode, ..place };
+        return Moment { mode, ..place };
     }
-    let inside = |place: &Place| Motion::new(affine, place.clone(), 1.0).is_inside();
+    let inside = |place: &Moment| Motion::new(affine, place.clone(), 1.0).is_inside();
     if !system.source.contacts.is_empty() || inside(&place) {
         return place;
     }
     // a sliding mode lies in its surface alone
     let written = 0..system.source.modes.0.len();
-    let others = written.map(|mode| Place {
+    let others = written.map(|mode| Moment {
         mode,
         ..place.clone()
     });

@@ -2,7 +2,7 @@
 
 use super::attractors::Attractors;
 use super::motion::{MotionOutcome, Motions, OrbitMark, Settled, SettledOrbit, fitting};
-use crate::affine::motion::{Motion, Place};
+use crate::affine::motion::{Moment, Motion};
 use crate::affine::system::Ordered;
 use crate::hybrid::NoFirstPoint;
 use crate::hybrid::scan::{Stream, random};
@@ -84,7 +84,7 @@ impl<'a> Draws<'a> {
         let start = self.start.place(system)?;
         let stream = Stream(self.shares.seed).apart(draw as u64);
         let within = self.shares.within.as_ref();
-        let inside = |place: Place| {
+        let inside = |place: Moment| {
             let place = fitting(system, &affine, place);
             let motion = Motion::new(&affine, place.clone(), 1.0);
             motion.is_inside().then_some(place)

@@ -2,7 +2,7 @@
 //! no tube and no file.
 //!
 //! An orbit passes through zones in a known order, its *signature*. For one signature it solves a boundary-value
-//! problem, a [`System`], and its inequalities hold while its *margins* are positive: durations, least values
+//! problem, its [`Equations`], and its inequalities hold while its *margins* are positive: durations, least values
 //! of guards within a zone, conditions of switches. The margin that vanishes first ends the signature, and one
 //! of the [`Candidate`]s goes on.
 //!
@@ -42,7 +42,7 @@ use serde::de::DeserializeOwned;
 
 use crate::continuation::Node;
 use crate::continuation::locate::Place;
-use crate::continuation::newton::{self, Constraint, Plane, System};
+use crate::continuation::newton::{self, Constraint, Equations, Plane};
 use crate::continuation::walk::Segment;
 use crate::linalg::{Matrix, Vector};
 pub use event::{EventType, UnknownType};
@@ -110,7 +110,7 @@ pub struct Candidate<O> {
 pub(crate) const WITHOUT_LENGTH: usize = 0;
 
 /// The boundary-value problem of one signature in scaled unknowns, of which the last is the parameter.
-pub trait Orbit: System<Failure: Data> + Clone + Debug + PartialEq {
+pub trait Orbit: Equations<Failure: Data> + Clone + Debug + PartialEq {
     /// Sequence of zones.
     type Signature: Data + Display;
     /// Name of the parameter.

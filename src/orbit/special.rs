@@ -236,7 +236,7 @@ pub enum Close<H> {
 
 /// Why a step along a branch was refused.
 pub type StepRefused<O> =
-    Refused<<O as crate::continuation::newton::System>::Failure, OrbitRefusal<O>>;
+    Refused<<O as crate::continuation::newton::Equations>::Failure, OrbitRefusal<O>>;
 
 /// How the walk along a branch ended.
 pub type Ending<O> = End<StepRefused<O>, BranchStop<O>>;

@@ -8,7 +8,7 @@ use super::origin::ProblemOrigin;
 use super::render::Format;
 use super::store::{GrowingFile, Store, StoreError};
 use crate::affine::course::Seen;
-use crate::affine::motion::Place;
+use crate::affine::motion::Moment;
 use crate::affine::system::System;
 use crate::problem::SystemProblem;
 use crate::table::{line_of, number};
@@ -73,7 +73,7 @@ impl<'a> MotionFolder<'a> {
     pub(crate) fn write(&mut self, seen: &Seen) -> Result<(), StoreError> {
         let mode = |mode: usize| self.system.mode_name(mode).into_owned();
         let numbers = |values: &[f64]| values.iter().copied().map(number).collect::<Vec<_>>();
-        let row = |first: Vec<String>, place: &Place| {
+        let row = |first: Vec<String>, place: &Moment| {
             line_of(&[first, numbers(&place.state), vec![mode(place.mode)]].concat())
         };
         match seen {

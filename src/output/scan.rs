@@ -3,7 +3,7 @@
 use super::layout::{SCAN, SCAN_ORIGIN};
 use super::rows::{RowFiles, Rowed};
 use super::store::FolderKind;
-use crate::affine::motion::Place;
+use crate::affine::motion::Moment;
 use crate::affine::system::System;
 use crate::hybrid::exponents::Exponent;
 use crate::hybrid::scan::{ScannedMotion, Scanner};
@@ -59,7 +59,7 @@ fn exponent(exponent: Exponent) -> [String; 2] {
 pub(crate) fn lines(system: &System, settled: &[ScannedMotion]) -> String {
     let mut text = String::new();
     for one in settled {
-        let row = |sample: String, place: Option<&Place>, why: String| {
+        let row = |sample: String, place: Option<&Moment>, why: String| {
             let states = 0..system.source.states.len();
             let states = states.map(|state| place.map(|place| number(place.state[state])));
             let mode = place.map(|place| system.mode_name(place.mode).into_owned());
@@ -86,7 +86,7 @@ pub(crate) fn lines(system: &System, settled: &[ScannedMotion]) -> String {
 }
 
 /// Where the last sample of the last value of a piece was taken, if it has one.
-pub(crate) fn last(problem: &SystemProblem, scanner: &Scanner, rows: &str) -> Option<Place> {
+pub(crate) fn last(problem: &SystemProblem, scanner: &Scanner, rows: &str) -> Option<Moment> {
     let text = problem.header() + rows;
     let table = Table::parse(text.as_bytes()).ok()?;
     let value = |row: usize| table.text(row, "value").to_owned();
@@ -99,7 +99,7 @@ pub(crate) fn last(problem: &SystemProblem, scanner: &Scanner, rows: &str) -> Op
         .find(|row| !table.text(*row, "sample").is_empty())?;
     let states = problem.system.source.states.iter();
     let state = states.map(|name| table.field(row, name));
-    Some(Place {
+    Some(Moment {
         time: 0.0,
         phase: table.field(row, "phase")?,
         mode: scanner.system.mode(table.text(row, "mode"))?,

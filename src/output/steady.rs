@@ -7,7 +7,7 @@ use super::origin::ProblemOrigin;
 use super::render::Format;
 use super::store::{FolderKind, Store, StoreError};
 use crate::affine::mode::AffineMode;
-use crate::affine::steady::{Isolation, Place};
+use crate::affine::steady::{Admissibility, Isolation};
 use crate::affine::system::{System, SystemError};
 use crate::problem::{Problem, SystemProblem};
 use crate::table::{line_of, number};
@@ -101,14 +101,14 @@ pub(crate) fn equilibria(system: &System, values: &[f64]) -> Result<String, Syst
 }
 
 /// What an equilibrium is by where it lies, and the switch that it lies beyond or on.
-fn position(system: &System, mode: &AffineMode, place: Place) -> (&'static str, String) {
+fn position(system: &System, mode: &AffineMode, place: Admissibility) -> (&'static str, String) {
     let to = |guard: usize| {
         let exit = mode.guards[guard].exits.last();
         exit.map_or("".into(), |exit| system.mode_name(exit.to))
     };
     match place {
-        Place::Admissible => ("admissible", String::new()),
-        Place::Virtual { guard, at_times } => {
+        Admissibility::Admissible => ("admissible", String::new()),
+        Admissibility::Virtual { guard, at_times } => {
             let during = match at_times {
                 true => " during a part of every period",
                 false => "",
@@ -116,7 +116,7 @@ fn position(system: &System, mode: &AffineMode, place: Place) -> (&'static str, 
             let lies = format!("it lies beyond the switch to {}{during}", to(guard));
             ("virtual", lies)
         }
-        Place::Boundary { guard } => {
+        Admissibility::Boundary { guard } => {
             let lies = format!("to rounding it lies on the switch to {}", to(guard));
             ("boundary", lies)
         }

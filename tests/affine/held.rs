@@ -2,7 +2,7 @@
 //! mode written by hand.
 
 use brakewave::EventType;
-use brakewave::affine::steady::{NoEquilibrium, Place};
+use brakewave::affine::steady::{Admissibility, NoEquilibrium};
 use brakewave::hybrid::equilibrium::{EquilibriumEvent, NamedEquilibrium};
 use brakewave::hybrid::{EarlierPoint, OrbitRunner};
 use brakewave::orbit::legs::Run as _;
@@ -150,7 +150,7 @@ fn friction_sticks_on_a_closed_stop() {
     let own = system(&text.replace("\"w\": 0.5", "\"w\": 0.01"));
     let mode = own.mode("closed.stick").unwrap();
     let found = at(&own, &[]).equilibria(mode).unwrap().remove(0);
-    assert_eq!(found.place, Place::Admissible);
+    assert_eq!(found.place, Admissibility::Admissible);
     assert_eq!(found.stable, Some(true));
     assert_eq!(found.eigenvalues.len(), 1);
     assert!((found.eigenvalues[0] + 0.2).norm() <= 1e-15);

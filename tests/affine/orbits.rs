@@ -7,7 +7,7 @@ use std::sync::Arc;
 use brakewave::affine::orbit::{
     AffineOrbit, Margin, Multiplier, Scales, Sequence, Setting, Way, Zone, ZonePoint,
 };
-use brakewave::continuation::newton::{self, Fixed, Settings, System as _};
+use brakewave::continuation::newton::{self, Equations as _, Fixed, Settings};
 use brakewave::linalg::{Matrix, Vector};
 use brakewave::orbit::sign::SignVerdict;
 use brakewave::orbit::{Examined, Orbit};

@@ -8,7 +8,7 @@ use brakewave::affine::closure::Prescribed;
 use brakewave::affine::orbit::AffineOrbit;
 use brakewave::affine::orbit::start::{Beginning, Search, Wanted, first};
 use brakewave::affine::system::System;
-use brakewave::continuation::newton::{self, System as _};
+use brakewave::continuation::newton::{self, Equations as _};
 use brakewave::linalg::{Matrix, Vector};
 use brakewave::orbit::Orbit;
 use brakewave::tube::model::{Impact, Parameter};

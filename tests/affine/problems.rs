@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use brakewave::affine::motion::{Motion, Place, Step};
+use brakewave::affine::motion::{Moment, Motion, Step};
 use brakewave::hybrid::OrbitRunner;
 use brakewave::orbit::legs::Run as _;
 use brakewave::problem::{Any, OrbitStart, SystemProblem, read_any};
@@ -30,7 +30,7 @@ fn problems() -> Vec<(String, SystemProblem)> {
 }
 
 /// The state at the next entry of a mode from another one, or of a mode that is alone.
-fn next_entry(motion: &mut Motion, mode: usize) -> Place {
+fn next_entry(motion: &mut Motion, mode: usize) -> Moment {
     loop {
         let until = motion.place().time + 1e3;
         match motion.step(until).unwrap() {

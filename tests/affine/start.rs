@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use brakewave::affine::motion::Place;
+use brakewave::affine::motion::Moment;
 use brakewave::affine::orbit::AffineOrbit;
 use brakewave::affine::orbit::behaviour::{Behaviour, behaviour};
 use brakewave::affine::orbit::start::{Beginning, NoStart, Search, Wanted, first, restart};
@@ -526,7 +526,7 @@ fn a_family_of_orbits_has_no_branch() {
 fn motions_are_told_by_how_their_neighbours_part() {
     let looks = |text: &str, state: &[f64], interval: f64| {
         let system = system(text);
-        let place = Place {
+        let place = Moment {
             time: 0.0,
             phase: 0.0,
             mode: 0,

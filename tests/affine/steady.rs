@@ -1,6 +1,6 @@
 //! Equilibria in closed form.
 
-use brakewave::affine::steady::{Equilibrium, Isolation, NoEquilibrium, Place};
+use brakewave::affine::steady::{Admissibility, Equilibrium, Isolation, NoEquilibrium};
 
 use crate::affine::systems::{CHUA, IMPACT, RELAY, at, system};
 
@@ -26,7 +26,11 @@ fn equilibria_of_chua() {
                 found.state
             );
         }
-        assert_eq!(found.place == Place::Admissible, admissible, "{mode}");
+        assert_eq!(
+            found.place == Admissibility::Admissible,
+            admissible,
+            "{mode}"
+        );
         if x != 0.0 {
             let omega = (beta - alpha * (1.0 - n)).sqrt();
             let [first, second, _] = found.eigenvalues[..] else {
@@ -51,10 +55,12 @@ fn a_virtual_equilibrium_and_one_in_sliding() {
     let plus = &affine.equilibria(system.mode("plus").unwrap()).unwrap()[0];
     assert!(
         (plus.state[0] + 0.0625).abs() < 1e-14
-            && matches!(plus.place, Place::Virtual { guard: 0, .. })
+            && matches!(plus.place, Admissibility::Virtual { guard: 0, .. })
     );
     let slide = &affine.equilibria(system.mode("slide").unwrap()).unwrap()[0];
-    assert!(slide.state.iter().all(|x| x.abs() < 1e-14) && slide.place == Place::Admissible);
+    assert!(
+        slide.state.iter().all(|x| x.abs() < 1e-14) && slide.place == Admissibility::Admissible
+    );
     let sum: f64 = slide.eigenvalues.iter().map(|value| value.re).sum();
     assert!((sum - 0.5).abs() < 1e-14);
     // a double eigenvalue is known to the square root of rounding
@@ -135,28 +141,31 @@ fn guards_are_judged_at_every_phase() {
         at(&system(&text), &[]).equilibria(mode).unwrap()[0].place
     };
     let guard = 0;
-    let at_times = Place::Virtual {
+    let at_times = Admissibility::Virtual {
         guard,
         at_times: true,
     };
     assert_eq!(place("0.5 + cos(phase) - x", 0), at_times);
     assert_eq!(
         place("0.5 + cos(phase) - x", 1),
-        Place::Virtual {
+        Admissibility::Virtual {
             guard,
             at_times: false
         }
     );
-    assert_eq!(place("1.5 + cos(phase) - x", 0), Place::Admissible);
-    assert_eq!(place("1 + cos(phase) - x", 0), Place::Boundary { guard });
+    assert_eq!(place("1.5 + cos(phase) - x", 0), Admissibility::Admissible);
+    assert_eq!(
+        place("1 + cos(phase) - x", 0),
+        Admissibility::Boundary { guard }
+    );
     // the least value of s + s², s = sin φ, is −1/4
     assert_eq!(
         place("0.2501 + sin(phase) + sin(phase)^2 - x", 0),
-        Place::Admissible
+        Admissibility::Admissible
     );
     assert_eq!(place("0.2499 + sin(phase) + sin(phase)^2 - x", 0), at_times);
     // the least value of s + s² is told to rounding, as that of one harmonic
-    for (above, expected) in [(1e-13, Place::Admissible), (-1e-13, at_times)] {
+    for (above, expected) in [(1e-13, Admissibility::Admissible), (-1e-13, at_times)] {
         let zero = format!("0.25 + {above:e} + sin(phase) + sin(phase)^2 - x");
         assert_eq!(place(&zero, 0), expected, "{above:e}");
     }

@@ -1,7 +1,7 @@
 //! Systems of the literature: most of them are those of the repository's problem files.
 
 use brakewave::affine::mode::AffineSystem;
-use brakewave::affine::motion::Place;
+use brakewave::affine::motion::Moment;
 use brakewave::affine::system::{Source, System};
 use ron::extensions::Extensions;
 
@@ -96,8 +96,8 @@ pub fn at(system: &System, replaced: &[(&str, f64)]) -> AffineSystem {
 }
 
 /// A place at time zero.
-pub fn place(system: &System, mode: &str, state: &[f64], phase: f64) -> Place {
-    Place {
+pub fn place(system: &System, mode: &str, state: &[f64], phase: f64) -> Moment {
+    Moment {
         time: 0.0,
         phase,
         mode: system.mode(mode).unwrap(),

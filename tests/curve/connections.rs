@@ -4,7 +4,7 @@
 use std::f64::consts::TAU;
 
 use brakewave::EventType;
-use brakewave::continuation::newton::System as _;
+use brakewave::continuation::newton::Equations as _;
 use brakewave::curve::search::find_connection;
 use brakewave::curve::start::CurveStart;
 use brakewave::curve::{CurvePoint, CurveRun, EquilibriaInPlane, PointType, WholeCurve};

@@ -1,6 +1,6 @@
 //! The Jacobian of every kind of event against central differences.
 
-use brakewave::continuation::newton::System;
+use brakewave::continuation::newton::Equations;
 use brakewave::curve::start::CurveStart;
 use brakewave::curve::system::EventSystem;
 use brakewave::linalg::{Matrix, Vector};

@@ -5,7 +5,7 @@
 use std::collections::BTreeSet;
 
 use brakewave::EventType;
-use brakewave::continuation::newton::System as _;
+use brakewave::continuation::newton::Equations as _;
 use brakewave::curve::start::{CurveStart, NoCurve};
 use brakewave::curve::{
     CurveHead, CurvePoint, CurveRun, CurveStep, EquilibriaInPlane, PointType, WholeCurve,

@@ -108,7 +108,7 @@ fn a_monitor_keeps_its_value_along_equilibria() {
             monitor: {{"kept": {monitor}}},
             equilibrium: (start: Given(mode: "flow", state: {{"v": -1.2, "w": -0.6}})),
             continuation: (parameter: "I", range: (-1.0, 4.0), toward: Up, stop_at: [{stop_at}]),
-            curve: (event: Constant("kept"), parameters: ("I", "b"), range: ((-2.0, 6.0), (0.1, 0.9))))"#
+            curve: (event: Constant("kept"), parameters: ("I", "b"), range: ((-3.0, 6.0), (0.1, 0.9))))"#
         );
         let Ok(Any::System(problem)) = parse_any(&text, "test") else {
             panic!("{text}");
@@ -133,7 +133,7 @@ fn a_monitor_keeps_its_value_along_equilibria() {
     let ends = [curve.points.first(), curve.points.last()].map(|end| end.unwrap().parameters[1]);
     assert!(ends.contains(&0.1) && ends.contains(&0.9), "{ends:?}");
     let crossing = (1.0 - v * v) / 0.08;
-    let hopf = PointType::One(EventType::HB);
+    let hopf = PointType::Two(EventType::UZ, EventType::HB);
     let found: Vec<f64> = curve
         .points
         .iter()

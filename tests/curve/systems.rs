@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use brakewave::EventType;
-use brakewave::continuation::newton::System as _;
+use brakewave::continuation::newton::Equations as _;
 use brakewave::curve::search::find_of_system;
 use brakewave::curve::start::{CurveStart, NoCurve};
 use brakewave::curve::{CurvePoint, CurveRun, OrbitsInPlane, PointType, Region, WholeCurve};

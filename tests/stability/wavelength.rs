@@ -8,7 +8,7 @@
 
 use std::collections::BTreeMap;
 
-use brakewave::continuation::newton::System;
+use brakewave::continuation::newton::Equations;
 use brakewave::linalg::{Matrix, Vector};
 use brakewave::problem;
 use brakewave::tube::model::Impact;

@@ -8,7 +8,7 @@
 use brakewave::branch::orbit::Found;
 use brakewave::branch::polish;
 use brakewave::branch::{EventType, ProfileSample};
-use brakewave::continuation::newton::System;
+use brakewave::continuation::newton::Equations;
 use brakewave::linalg::{Matrix, Vector};
 use brakewave::orbit::sign::SignVerdict;
 use brakewave::tube::wave::Wave;

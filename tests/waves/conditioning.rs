@@ -4,7 +4,7 @@
 use brakewave::branch::conditioning::conditioning;
 use brakewave::branch::first_wave::first_wave;
 use brakewave::continuation::locate::retangent;
-use brakewave::continuation::newton::System;
+use brakewave::continuation::newton::Equations;
 use brakewave::linalg::Vector;
 use brakewave::tube::model::coefficients::Geometry;
 use brakewave::tube::model::{Model, Parameter};

@@ -2,7 +2,7 @@
 
 use brakewave::branch::EventType;
 use brakewave::branch::run::{End, WaveRunner};
-use brakewave::continuation::newton::{System, relative_residual};
+use brakewave::continuation::newton::{Equations, relative_residual};
 use brakewave::linalg::Matrix;
 use brakewave::orbit::legs::Run as _;
 use brakewave::problem::parse;

@@ -8,7 +8,7 @@
 
 use std::collections::BTreeSet;
 
-use brakewave::continuation::newton::System;
+use brakewave::continuation::newton::Equations;
 use brakewave::linalg::{Matrix, Vector};
 use brakewave::tube::model::signature::Regime;
 use brakewave::tube::model::{Damping, Model, Parameter};

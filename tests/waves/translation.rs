@@ -17,7 +17,7 @@
 //!   vanish at the entry of a wave but whose derivatives along the shift do not: the row is minus
 //!   those, −V̈/T for m = 1 and −V⃛/T for m = 2, and −U⃛/(2T) after take-off, all at the entry.
 
-use brakewave::continuation::newton::System;
+use brakewave::continuation::newton::Equations;
 use brakewave::linalg::Matrix;
 use brakewave::tube::flow::jet::{DURATION, ENTRY_W, ENTRY_Y, Jet};
 use brakewave::tube::model::signature::{Regime, ZoneEntry};

@@ -2,7 +2,7 @@
 
 use super::law::{BACKWARD, CLOSED, FORWARD, Law, OPEN, STICK};
 use crate::affine::mode::AffineSystem;
-use crate::affine::motion::Place;
+use crate::affine::motion::Moment;
 use crate::affine::system::System;
 
 /// Part of the terms of a slip or a gap below which it is zero: a state is written in so many digits.
@@ -16,7 +16,7 @@ impl System {
     }
 
     /// The first contact that a place contradicts, and the name of the mode with the states that it has instead.
-    pub fn contradicted(&self, at: &AffineSystem, place: &Place) -> Option<(&str, String)> {
+    pub fn contradicted(&self, at: &AffineSystem, place: &Moment) -> Option<(&str, String)> {
         let products = self.products.as_ref()?;
         let (own, digits) = products.digits(place.mode);
         // every slip and every gap is the first guard of its contact in its first state, but for Jenkins elements

@@ -10,7 +10,7 @@ use super::curve::EquilibriumCurve;
 use super::cycle::{CycleGuess, NoCycle};
 use super::field::{Linear, Linearised};
 use crate::affine::mode::AffineSystem;
-use crate::affine::motion::{Motion, Place, Step};
+use crate::affine::motion::{Moment, Motion, Step};
 use crate::continuation::Node;
 use crate::linalg::{Vector, balance};
 
@@ -38,7 +38,7 @@ const BISECTIONS: usize = 50;
 /// Two entries of a mode one after the other.
 struct Returned {
     /// The first of them.
-    place: Place,
+    place: Moment,
     /// Both along the boundary.
     along: [f64; 2],
     /// The time between them.
@@ -77,7 +77,7 @@ impl Boundary<'_> {
         let way = s * self.reach;
         let on_ray = |i: usize| self.place[i] + way * self.normal[i] * self.units[i];
         let state = vec![on_ray(0), on_ray(1)];
-        let start = Place {
+        let start = Moment {
             time: 0.0,
             phase: 0.0,
             mode: self.mode,
@@ -86,7 +86,7 @@ impl Boundary<'_> {
         let mut motion = Motion::new(self.system, start, self.until);
         let first = self.entry(&mut motion)?;
         let second = self.entry(&mut motion)?;
-        let along = |place: &Place| {
+        let along = |place: &Moment| {
             let [x, y] = [0, 1].map(|i| (place.state[i] - self.place[i]) / self.units[i]);
             n * y - m * x
         };
@@ -98,7 +98,7 @@ impl Boundary<'_> {
     }
 
     /// The next entry of the mode from another one.
-    fn entry(&self, motion: &mut Motion) -> Option<Place> {
+    fn entry(&self, motion: &mut Motion) -> Option<Moment> {
         loop {
             match motion.step(self.until).ok()? {
                 Step::Switched(switching) if switching.to == self.mode => {

@@ -13,7 +13,7 @@ use super::field::{Linear, Linearised, LocalField, Of, lifted, observed};
 use crate::affine::mode::AffineSystem;
 use crate::affine::monitored::MonitoredSystem;
 use crate::affine::system::System;
-use crate::continuation::newton::System as Equations;
+use crate::continuation::newton::Equations;
 use crate::linalg::{Matrix, Vector, balance, known_eigenvalues, solve};
 
 /// The mode that an equilibrium is one of.

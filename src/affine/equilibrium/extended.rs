@@ -22,7 +22,7 @@ use super::curve::{EquilibriumCurve, EquilibriumFailure, EquilibriumScales, Equi
 use super::field::{Linearised, Of};
 use super::normal_form::Eigenvector;
 use crate::continuation::Node;
-use crate::continuation::newton::{self, Constraint, System};
+use crate::continuation::newton::{self, Constraint, Equations};
 use crate::linalg::{self, Matrix, Vector};
 use crate::orbit::{AtZero, Examined as _, Orbit as _};
 
@@ -110,7 +110,7 @@ pub(super) fn locate(
 }
 
 /// What rounding leaves in the last unknown of a solution.
-fn rounding<S: System>(
+fn rounding<S: Equations>(
     system: &S,
     constraint: &mut impl Constraint<S>,
     found: &Vector,
@@ -426,7 +426,7 @@ pub(super) fn turned(vector: &[Complex<f64>]) -> (Vector, Vector) {
     (part(turn, |q| q.re), part(turn, |q| q.im))
 }
 
-impl System for Extended<'_> {
+impl Equations for Extended<'_> {
     type Failure = EquilibriumFailure;
 
     fn unknowns(&self) -> usize {

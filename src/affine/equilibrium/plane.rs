@@ -11,7 +11,7 @@ use super::spectrum::eigenvalues;
 use crate::affine::mode::AffineSystem;
 use crate::affine::system::System;
 use crate::continuation::Node;
-use crate::continuation::newton::System as _;
+use crate::continuation::newton::Equations as _;
 use crate::linalg::{Matrix, Vector, balance};
 
 /// What makes an equilibrium special beside its own equations, with the vector that normalises the critical one.

@@ -14,7 +14,7 @@ use crate::linalg::Vector;
 
 /// Where a motion is.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Place {
+pub struct Moment {
     /// Time since the beginning.
     pub time: f64,
     /// Phase of the forcing; zero without.
@@ -108,7 +108,7 @@ pub struct Motion<'a> {
     flows: Arc<Slots<ModeFlow>>,
     /// Longest piece of a flow.
     longest: f64,
-    place: Place,
+    place: Moment,
     /// Whether the state has just been entered, so that guards may be zero.
     fresh: bool,
     /// Time at which the zone began.
@@ -144,7 +144,7 @@ struct WatchedSection {
 
 impl<'a> Motion<'a> {
     /// A motion that begins at a place; pieces are no longer than `longest`.
-    pub fn new(system: &'a AffineSystem, place: Place, longest: f64) -> Motion<'a> {
+    pub fn new(system: &'a AffineSystem, place: Moment, longest: f64) -> Motion<'a> {
         Motion {
             flows: Arc::new(Slots::new(system.modes.len())),
             longest,
@@ -193,7 +193,7 @@ impl<'a> Motion<'a> {
 
     /// Whether every guard of the mode is positive at the place, or about to be.
     pub fn is_inside(&self) -> bool {
-        let Place {
+        let Moment {
             state, phase, mode, ..
         } = &self.place;
         let flow = self.flow(&self.flows, *mode);
@@ -207,7 +207,7 @@ impl<'a> Motion<'a> {
     }
 
     /// Where it is.
-    pub fn place(&self) -> &Place {
+    pub fn place(&self) -> &Moment {
         &self.place
     }
 
@@ -225,7 +225,7 @@ impl<'a> Motion<'a> {
 
     /// The same; none where the motion has only come below its section.
     fn move_on(&mut self, until: f64) -> Result<Option<Step>, Halt> {
-        let Place {
+        let Moment {
             time: start,
             phase,
             mode,
@@ -316,7 +316,7 @@ impl<'a> Motion<'a> {
 
     /// Refuses a mode in which the forces of contacts make no motion.
     fn check_contacts(&self) -> Result<(), Halt> {
-        let Place { time, mode, .. } = self.place;
+        let Moment { time, mode, .. } = self.place;
         match self.system.modes[mode].obstruction.clone() {
             Some(mistake) => Err(Halt::Obstructed {
                 time,
@@ -358,7 +358,7 @@ impl<'a> Motion<'a> {
         if !self.fresh {
             return Ok(None);
         }
-        let Place { time, mode, .. } = self.place;
+        let Moment { time, mode, .. } = self.place;
         self.still.clear();
         for (guard, known) in orders.iter_mut().enumerate() {
             let tangent = self.tangent.filter(|(known, _)| *known == guard);
@@ -443,7 +443,7 @@ impl<'a> Motion<'a> {
 
     /// Goes over to the mode that a guard leads to, so long after the last place.
     fn switch(&mut self, guard: usize, elapsed: f64, z: &Vector) -> Result<Step, Halt> {
-        let Place {
+        let Moment {
             time: start,
             phase,
             mode,
@@ -489,7 +489,7 @@ impl<'a> Motion<'a> {
         let before = z.rows(0, self.system.states).iter().copied().collect();
         let phase = phase + self.system.omega.value * elapsed;
         self.tangent = exit.tangent.filter(|_| lasted > 0.0);
-        self.place = Place {
+        self.place = Moment {
             time,
             phase: phase.rem_euclid(std::f64::consts::TAU),
             mode: to,

@@ -1,7 +1,7 @@
 //! What a motion looks like that settles on no orbit: by how fast motions next to it part, and by whether it comes back.
 
 use crate::affine::mode::AffineSystem;
-use crate::affine::motion::{Motion, Place, Step};
+use crate::affine::motion::{Moment, Motion, Step};
 
 /// What a motion looks like after it was given time to settle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,7 +56,7 @@ fn apart(one: &[f64], other: &[f64], sizes: &[f64]) -> f64 {
 }
 
 /// What a motion from a place looks like, watched at intervals; `None` where it does not go on, or none beside it does.
-pub fn behaviour(system: &AffineSystem, place: &Place, interval: f64) -> Option<Behaviour> {
+pub fn behaviour(system: &AffineSystem, place: &Moment, interval: f64) -> Option<Behaviour> {
     let mut sizes = vec![0.0; place.state.len()];
     let mut motion = Motion::new(system, place.clone(), interval);
     for index in 1..=INTERVALS / 2 {
@@ -75,12 +75,12 @@ pub fn behaviour(system: &AffineSystem, place: &Place, interval: f64) -> Option<
 /// The same by a motion beside it that differs in one state at first, or in all.
 fn parting(
     system: &AffineSystem,
-    place: &Place,
+    place: &Moment,
     interval: f64,
     sizes: &[f64],
     axis: Option<usize>,
 ) -> Option<Behaviour> {
-    let beside = |place: &Place, by: &dyn Fn(usize) -> f64| {
+    let beside = |place: &Moment, by: &dyn Fn(usize) -> f64| {
         let mut place = place.clone();
         (0..place.state.len()).for_each(|index| place.state[index] += by(index));
         Motion::new(system, place, interval)
@@ -135,12 +135,12 @@ fn parting(
 
 /// Where a motion that does not switch is after a time, and how long it takes from there until it is back, to a thousandth of
 /// its size; `None` where it is not within some hundreds of the time in which it moves by its size.
-pub fn cycle(system: &AffineSystem, place: &Place, longest: f64) -> Option<(Place, f64)> {
+pub fn cycle(system: &AffineSystem, place: &Moment, longest: f64) -> Option<(Moment, f64)> {
     /// Steps per time in which the motion moves by its size, and steps at most.
     const STEPS: f64 = 16.0;
     const MOST: usize = 20_000;
     const BACK: f64 = 1e-3;
-    let rates = |place: &Place| {
+    let rates = |place: &Moment| {
         let z = system.lift(place.mode, &place.state, place.phase);
         let rates = &system.modes[place.mode].matrix.at * z;
         rates
@@ -189,7 +189,7 @@ pub fn cycle(system: &AffineSystem, place: &Place, longest: f64) -> Option<(Plac
 fn time_of_change(
     motion: &mut Motion,
     longest: f64,
-    rates: impl Fn(&Place) -> Vec<f64>,
+    rates: impl Fn(&Moment) -> Vec<f64>,
     sizes: &mut [f64],
 ) -> Option<f64> {
     const PARTS: u32 = 512;

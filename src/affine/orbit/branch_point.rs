@@ -17,7 +17,7 @@
 use super::layout::AffineOrbit;
 use crate::continuation::Node;
 use crate::continuation::locate::{Place, node_at};
-use crate::continuation::newton::{self, System};
+use crate::continuation::newton::{self, Equations};
 use crate::linalg::{self, Factors, Matrix, Vector};
 use crate::orbit::Orbit;
 

@@ -12,7 +12,7 @@
 use super::OrbitStop;
 use super::layout::{AffineOrbit, OrbitAt};
 use crate::affine::mode::AffineSystem;
-use crate::affine::motion::{Halt, Motion, Place, Step};
+use crate::affine::motion::{Halt, Moment, Motion, Step};
 use crate::linalg::Vector;
 use crate::orbit::Orbit;
 
@@ -196,7 +196,7 @@ impl AffineOrbit {
 
     /// Whether the guard where a motion does not go on is zero there, and not negative since it began: one that was moved off
     /// what a stick holds comes into the next mode beyond its guard.
-    fn halts_at_zero(&self, system: &AffineSystem, place: &Place, halt: &Halt) -> bool {
+    fn halts_at_zero(&self, system: &AffineSystem, place: &Moment, halt: &Halt) -> bool {
         /// In units of the guard: the least δ is a hundred times as large.
         const AT_ZERO: f64 = 1e-11;
         let Some((mode, guard)) = halt.place() else {
@@ -210,10 +210,10 @@ impl AffineOrbit {
 
 impl OrbitAt<'_> {
     /// The place in the middle of a zone.
-    pub(super) fn middle(&self, zone: usize) -> Option<Place> {
+    pub(super) fn middle(&self, zone: usize) -> Option<Moment> {
         let half = 0.5 * self.zones[zone].duration;
         let z = self.along(zone, std::iter::once(half)).ok()?.pop()?;
-        Some(Place {
+        Some(Moment {
             time: 0.0,
             phase: self.zones[zone].phase + self.posed.system.omega.value * half,
             mode: self.orbit.sequence.zone(zone).mode,

@@ -9,11 +9,11 @@ use super::setting::{OrbitFailure, Scales};
 use super::signature::exit_of;
 use crate::affine::closure::Prescribed;
 use crate::affine::mode::Row;
-use crate::continuation::newton::{self, System};
+use crate::continuation::newton::{self, Equations};
 use crate::linalg::{self, Matrix, Vector};
 
 /// Where the equations are written.
-struct Equations<'a> {
+struct Filled<'a> {
     at: &'a OrbitAt<'a>,
     residual: &'a mut [f64],
     jacobian: &'a mut Matrix,
@@ -21,7 +21,7 @@ struct Equations<'a> {
     closing: Option<&'a mut Matrix>,
 }
 
-impl Equations<'_> {
+impl Filled<'_> {
     /// Adds a jet of a zone to an equation, times a factor.
     fn add(&mut self, row: usize, zone: usize, jet: &Jet, factor: f64) {
         self.residual[row] += factor * jet.value;
@@ -153,7 +153,7 @@ impl Equations<'_> {
     }
 }
 
-impl System for AffineOrbit {
+impl Equations for AffineOrbit {
     type Failure = OrbitFailure;
 
     const KEEPS: bool = true;
@@ -239,7 +239,7 @@ impl AffineOrbit {
         let (width, count) = (self.width(), self.zones());
         let n = states.len();
         residual[..self.unknowns_of_zones()].fill(0.0);
-        let mut equations = Equations {
+        let mut equations = Filled {
             at: &at,
             residual,
             jacobian,

@@ -12,7 +12,7 @@ use super::setting::OrbitFailure;
 use crate::affine::mode::Row;
 use crate::continuation::Node;
 use crate::continuation::locate::{self, Place};
-use crate::continuation::newton::{self, Plane, System};
+use crate::continuation::newton::{self, Equations, Plane};
 use crate::linalg::{self, Matrix, Vector};
 use crate::orbit::Orbit;
 
@@ -58,7 +58,7 @@ struct Half<'a> {
     kept: Kept,
 }
 
-impl System for Half<'_> {
+impl Equations for Half<'_> {
     type Failure = OrbitFailure;
 
     fn unknowns(&self) -> usize {

@@ -6,12 +6,12 @@ use serde::{Deserialize, Serialize};
 
 use crate::continuation::arclength::{self, Node, Steps};
 use crate::continuation::locate::Place;
-use crate::continuation::newton::System;
+use crate::continuation::newton::Equations;
 
 /// A zero curve of a system, what is watched along it, and what happens where that vanishes.
 pub trait Curve: Sized {
     /// Its equations.
-    type System: System;
+    type System: Equations;
     /// Tells curves apart that have different equations.
     type Name: Clone + PartialEq;
     /// Values of the watched functions at a node.
@@ -164,7 +164,7 @@ pub enum Refused<F: Error, R: Error> {
 
 /// Why a step of a curve was refused.
 pub(crate) type RefusalOf<C> =
-    Refused<<<C as Curve>::System as System>::Failure, <C as Curve>::Refusal>;
+    Refused<<<C as Curve>::System as Equations>::Failure, <C as Curve>::Refusal>;
 
 /// How a curve ended.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

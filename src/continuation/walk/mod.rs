@@ -16,7 +16,7 @@ pub(crate) use curve::{EndOf, RefusalOf};
 
 use super::arclength::{self, Node, Steps};
 use super::locate::Place;
-use super::newton::System;
+use super::newton::Equations;
 
 /// A curve being followed.
 #[derive(Clone, Debug)]
@@ -320,7 +320,7 @@ pub(crate) const SHORTER: f64 = 0.25;
 
 /// The first step from a point along its tangent, times one of these signs, that `admit` admits, and its length. Tried from
 /// `ds` down, `tries` times. `admit` sees the node that sets out and the step or why there is none.
-pub fn enter<S: System, T>(
+pub fn enter<S: Equations, T>(
     system: &S,
     (node, signs): (&Node, &[f64]),
     mut ds: f64,

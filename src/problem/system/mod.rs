@@ -24,7 +24,7 @@ use super::{
 use crate::affine::closure::Prescribed;
 use crate::affine::monitor::{Monitor, MonitorSource};
 use crate::affine::monitored;
-use crate::affine::motion::Place;
+use crate::affine::motion::Moment;
 use crate::affine::system::{Ordered, Source, System, SystemError};
 
 /// Most periods of the forcing in one orbit.
@@ -296,14 +296,14 @@ impl OrbitStart {
 impl BeginningSection {
     /// The place at time zero with the states in the order of the system; `None` where the system has no such
     /// mode, or another state.
-    pub fn place(&self, system: &System) -> Option<Place> {
+    pub fn place(&self, system: &System) -> Option<Moment> {
         let states = system.source.states.iter();
         // the spring of a Jenkins element is at rest unless it is said not to be
         let state = states.map(|name| match self.state.index(name) {
             Some(index) => Some(self.state.0[index].1),
             None => system.is_stretch(name).then_some(0.0),
         });
-        Some(Place {
+        Some(Moment {
             time: 0.0,
             phase: self.phase,
             mode: system.mode(&self.mode)?,

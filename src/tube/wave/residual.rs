@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::{Wave, WaveAt, WaveScales};
-use crate::continuation::newton::{self, System};
+use crate::continuation::newton::{self, Equations};
 use crate::linalg::{Matrix, Vector};
 use crate::tube::flow::jet::{DURATION, ENTRY_W, ENTRY_Y, Jet, LAYER, RADIAL_LAYER};
 use crate::tube::flow::{FlowError, Frame, Quantities, SlidingFlow, ZoneEnd};
@@ -195,7 +195,7 @@ impl Wave {
     }
 }
 
-impl System for Wave {
+impl Equations for Wave {
     type Failure = FlowError;
 
     fn unknowns(&self) -> usize {

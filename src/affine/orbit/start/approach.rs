@@ -9,7 +9,7 @@ use super::returns::{Recurrence, Returns, returning};
 use super::switches::{closed, from_switch, next_switch, run, sizes};
 use super::{Beginning, Search, Wanted};
 use crate::affine::mode::AffineSystem;
-use crate::affine::motion::{Motion, Place, Step, Switching};
+use crate::affine::motion::{Moment, Motion, Step, Switching};
 use crate::affine::orbit::behaviour::{Behaviour, RETURNED, behaviour, cycle};
 use crate::affine::orbit::layout::AffineOrbit;
 use crate::linalg::Vector;
@@ -49,7 +49,7 @@ impl<'a> Approach<'a> {
             (None, Search::Guess(time)) => time,
             (None, Search::Settles(_)) => settle.max(1.0),
         };
-        let place = Place {
+        let place = Moment {
             time: 0.0,
             phase: beginning.phase,
             mode: beginning.mode,
@@ -136,10 +136,10 @@ impl<'a> Approach<'a> {
 
     /// The orbit within one mode that takes about this time from where the motion began, or the cycle on which it settles: a
     /// guess may lie beside that.
-    pub fn unswitched(&self, begin: Place, time: f64) -> Result<(AffineOrbit, Vector), NoStart> {
+    pub fn unswitched(&self, begin: Moment, time: f64) -> Result<(AffineOrbit, Vector), NoStart> {
         /// Periods after which a motion is on its cycle.
         const SETTLED: f64 = 40.0;
-        let orbit = |place: Place, period: f64| {
+        let orbit = |place: Moment, period: f64| {
             OrbitGuess::unswitched(place, period).orbit(self.wanted, &FROM_A_GUESS)
         };
         orbit(begin, time).or_else(|reason| {
@@ -164,7 +164,7 @@ impl<'a> Approach<'a> {
             return Err(NoStart::Rests { time, place });
         }
         let here = self.motion.place();
-        let rests = |place: &Place| rests(self.system, place, &self.beginning.state);
+        let rests = |place: &Moment| rests(self.system, place, &self.beginning.state);
         match reason {
             // of what decays for ever numbers are lost in the end
             NoStart::Halted(_) if rests(&settled) => {
@@ -237,7 +237,7 @@ impl<'a> Approach<'a> {
             )?;
         }
         // a switch that leads to where infinitely many others end
-        let leads = |(_, switching, _): &&(Place, Switching, f64)| {
+        let leads = |(_, switching, _): &&(Moment, Switching, f64)| {
             let exits = &self.system.modes[switching.from].guards[switching.guard].exits;
             exits.get(switching.exit).map(|exit| exit.to) == Some(switching.to)
         };

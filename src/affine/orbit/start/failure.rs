@@ -1,6 +1,6 @@
 //! Why there is no first orbit, in words.
 
-use crate::affine::motion::{Halt, Place};
+use crate::affine::motion::{Halt, Moment};
 use crate::affine::orbit::Inadmissible;
 use crate::affine::orbit::behaviour::Behaviour;
 use crate::affine::orbit::layout::AffineOrbit;
@@ -36,7 +36,7 @@ pub enum NoStart {
         /// Time of the last switch, or of the beginning.
         time: f64,
         /// Where it rests.
-        place: Place,
+        place: Moment,
     },
     /// Some states stand still for ever, where the motion happened to leave them, while the rest moves with the forcing.
     #[error(

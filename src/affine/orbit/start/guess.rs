@@ -3,7 +3,7 @@
 use super::Wanted;
 use super::failure::NoStart;
 use super::unknowns::pose;
-use crate::affine::motion::{Place, Switching};
+use crate::affine::motion::{Moment, Switching};
 use crate::affine::orbit::layout::{AffineOrbit, ZonePoint};
 use crate::affine::orbit::multiplier::Multiplier;
 use crate::affine::orbit::signature::{Way, Zone};
@@ -27,9 +27,9 @@ const FROM_NEARBY: Settings = Settings {
 
 /// Zones of a motion that returns: where they begin, how they end, how long they last. None where it never switches.
 pub(super) struct OrbitGuess {
-    pub zones: Vec<(Place, Switching, f64)>,
+    pub zones: Vec<(Moment, Switching, f64)>,
     /// Where a motion that never switches begins, at phase 0 with a forcing, and how long it takes until it is back.
-    pub whole: Option<(Place, f64)>,
+    pub whole: Option<(Moment, f64)>,
     pub periods: u32,
     /// Where it has returned nearly only: after how many tries, and by how much it is off then.
     pub nearly: Option<(u32, f64)>,
@@ -37,7 +37,7 @@ pub(super) struct OrbitGuess {
 
 impl OrbitGuess {
     /// That of a motion that never switches without forcing.
-    pub fn unswitched(place: Place, period: f64) -> OrbitGuess {
+    pub fn unswitched(place: Moment, period: f64) -> OrbitGuess {
         OrbitGuess {
             zones: Vec::new(),
             whole: Some((place, period)),
@@ -87,7 +87,7 @@ impl OrbitGuess {
     }
 }
 
-fn zone(wanted: &Wanted, place: &Place, way: Option<Way>, duration: f64) -> (Zone, ZonePoint) {
+fn zone(wanted: &Wanted, place: &Moment, way: Option<Way>, duration: f64) -> (Zone, ZonePoint) {
     let name = wanted.system.mode_name(place.mode).into_owned();
     let zone = Zone::new(place.mode, way, name);
     let point = ZonePoint::new(place.state.clone(), duration, place.phase);

@@ -17,7 +17,7 @@ use serde::{Deserialize, Serialize};
 use super::layout::AffineOrbit;
 use super::row::SavedOrbit;
 use crate::affine::closure::Prescribed;
-use crate::affine::motion::Place;
+use crate::affine::motion::Moment;
 use crate::affine::system::System;
 use crate::linalg::Vector;
 use approach::Approach;
@@ -35,8 +35,8 @@ pub struct Beginning {
     pub phase: f64,
 }
 
-impl From<Place> for Beginning {
-    fn from(place: Place) -> Beginning {
+impl From<Moment> for Beginning {
+    fn from(place: Moment) -> Beginning {
         Beginning {
             mode: place.mode,
             state: place.state,

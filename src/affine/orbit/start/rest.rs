@@ -3,7 +3,7 @@
 use super::Wanted;
 use super::failure::NoStart;
 use crate::affine::mode::AffineSystem;
-use crate::affine::motion::Place;
+use crate::affine::motion::Moment;
 use crate::affine::orbit::behaviour::RETURNED;
 use crate::linalg::Vector;
 
@@ -12,14 +12,14 @@ pub(super) const ENDLESS: f64 = 1000.0;
 
 /// Whether a motion would not move from a place by a part of its size that counts, in as long a time as was waited for
 /// a switch. Its size is that of the states where it began and where it is: an equilibrium may have none.
-pub(super) fn rests(system: &AffineSystem, place: &Place, begun: &[f64]) -> bool {
+pub(super) fn rests(system: &AffineSystem, place: &Moment, begun: &[f64]) -> bool {
     let states = begun.iter().chain(&place.state);
     let size = states.fold(0.0_f64, |size, x| size.max(x.abs()));
     speed(system, place) * ENDLESS <= RETURNED * size
 }
 
 /// The largest rate of a state at a place.
-pub(super) fn speed(system: &AffineSystem, place: &Place) -> f64 {
+pub(super) fn speed(system: &AffineSystem, place: &Moment) -> f64 {
     let z = system.lift(place.mode, &place.state, place.phase);
     let rates = &system.modes[place.mode].matrix.at * z;
     rates.rows(0, system.states).amax()
@@ -28,7 +28,7 @@ pub(super) fn speed(system: &AffineSystem, place: &Place) -> f64 {
 /// The states that stand still for ever in the mode of a place, whatever the others and the phase do, if one of them could
 /// stand elsewhere as well: none where they do not, or where a law holds them where they are. Sizes are those of the states
 /// over the whole motion.
-fn standing(system: &AffineSystem, place: &Place, sizes: &[f64]) -> Vec<usize> {
+fn standing(system: &AffineSystem, place: &Moment, sizes: &[f64]) -> Vec<usize> {
     let n = system.states;
     let matrix = &system.modes[place.mode].matrix.at;
     let rates = matrix * system.lift(place.mode, &place.state, place.phase);
@@ -59,7 +59,7 @@ fn standing(system: &AffineSystem, place: &Place, sizes: &[f64]) -> Vec<usize> {
 pub(super) fn moves(
     wanted: &Wanted,
     system: &AffineSystem,
-    (place, time): (&Place, f64),
+    (place, time): (&Moment, f64),
     sizes: &[f64],
 ) -> Result<(), NoStart> {
     let states = standing(system, place, sizes);

@@ -7,7 +7,7 @@ use super::failure::NoStart;
 use super::guess::OrbitGuess;
 use super::switches::{MOST_SWITCHES, Switches, closed, next_switch, run};
 use crate::affine::mode::AffineSystem;
-use crate::affine::motion::{Motion, Place, Switching};
+use crate::affine::motion::{Moment, Motion, Switching};
 use crate::affine::orbit::behaviour::RETURNED;
 
 /// One that settles slowly has returned, too, where it is off by no more than this: Newton's method does the rest.
@@ -24,9 +24,9 @@ const DECAYED: f64 = 1e-9;
 /// same as before however fast it decays.
 fn distance(
     system: &AffineSystem,
-    begin: &Place,
-    here: &Place,
-    (switches, returns): (&[(Switching, Place)], usize),
+    begin: &Moment,
+    here: &Moment,
+    (switches, returns): (&[(Switching, Moment)], usize),
     whole: &[f64],
 ) -> f64 {
     let ends = switches
@@ -104,7 +104,7 @@ pub(super) struct Returns<'a> {
     /// Sizes of the states over the whole motion.
     whole: &'a [f64],
     /// Where it is at first and at every return, and how many switches it has come through until then.
-    places: Vec<(Place, usize)>,
+    places: Vec<(Moment, usize)>,
     switches: Switches,
 }
 
@@ -146,7 +146,7 @@ impl<'a> Returns<'a> {
     }
 
     /// Switches between two of them.
-    fn between(&self, from: usize, to: usize) -> &[(Switching, Place)] {
+    fn between(&self, from: usize, to: usize) -> &[(Switching, Moment)] {
         &self.switches[self.places[from].1..self.places[to].1]
     }
 
@@ -183,7 +183,7 @@ impl<'a> Returns<'a> {
             let here = motion.place().clone();
             let turn = (TAU - here.phase.rem_euclid(TAU)) / TAU;
             run(motion, here.time + turn * time / f64::from(returns))?;
-            let place = Place {
+            let place = Moment {
                 phase: 0.0,
                 ..motion.place().clone()
             };

@@ -1,19 +1,19 @@
 //! Switches that a motion comes through, and the zones between them.
 
 use super::failure::NoStart;
-use crate::affine::motion::{Motion, Place, Step, Switching};
+use crate::affine::motion::{Moment, Motion, Step, Switching};
 
 /// Most switches of one orbit.
 pub(super) const MOST_SWITCHES: usize = 400;
 
 /// Switches of a motion, each with the place where the next zone begins.
-pub(in crate::affine::orbit) type Switches = Vec<(Switching, Place)>;
+pub(in crate::affine::orbit) type Switches = Vec<(Switching, Moment)>;
 
 /// The zones of a motion from a switch to the one that comes nearest to this time.
 pub(super) fn from_switch(
     motion: &mut Motion,
     time: f64,
-) -> Result<Vec<(Place, Switching, f64)>, NoStart> {
+) -> Result<Vec<(Moment, Switching, f64)>, NoStart> {
     /// How much later than the time the switch may come.
     const LATE: f64 = 1.25;
     let begin = motion.place().clone();
@@ -59,7 +59,7 @@ pub(super) fn sizes(begin: &[f64], switches: &Switches) -> Vec<f64> {
 }
 
 /// The zones of a motion that has returned after `time` to where it was: from its first switch on.
-pub(super) fn closed(mut switches: Switches, time: f64) -> Vec<(Place, Switching, f64)> {
+pub(super) fn closed(mut switches: Switches, time: f64) -> Vec<(Moment, Switching, f64)> {
     let count = switches.len();
     switches.rotate_left(count.min(1));
     let ends = (0..count).map(|index| switches[index].0.clone());
@@ -76,7 +76,7 @@ pub(super) fn closed(mut switches: Switches, time: f64) -> Vec<(Place, Switching
 pub(super) fn next_switch(
     motion: &mut Motion,
     longest: f64,
-) -> Result<(Switching, Place), NoStart> {
+) -> Result<(Switching, Moment), NoStart> {
     let since = motion.place().time;
     match motion.step(since + longest).map_err(NoStart::Halted)? {
         Step::Switched(switching) => Ok((switching, motion.place().clone())),
