@@ -6,7 +6,7 @@ points. So an event on the way is found, and that there is none is not shown.
 
 from flint import acb, acb_mat, arb, ctx
 
-from .balls import NotCovered, Refused, Tagged, must, prove_zero, size
+from .balls import NotCovered, Refused, Tagged, differences, must, prove_zero, size
 
 STEPS, SHORTEST, LONGEST = 400, 1e-5, 0.125
 """Steps of a curve; the least and the largest length of one in units of the unknowns, of which that of the parameter is the width of the
@@ -55,10 +55,7 @@ class Walk:
 
     def slope(self, z):
         """The Jacobian, by differences."""
-        still = self.equations(z)
-        moved = (self.equations([y + STEP if i == j else y for i, y in enumerate(z)]) for j in range(len(z)))
-        columns = [[((new - old) / STEP).real.mid() for new, old in zip(column, still)] for column in moved]
-        return [list(row) for row in zip(*columns)]
+        return differences(self.equations, z, STEP)
 
     def solved(self, rows, side):
         """The solution of linear equations."""

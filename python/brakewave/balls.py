@@ -269,6 +269,14 @@ def differences(equations, at):
     return acb_mat([[(new - old) / STEP for new, old in zip(column, value)] for column in moved]).transpose()
 
 
+def differences(equations, z, step):
+    """The rows of the Jacobian of real equations at numbers, without bounds: by differences of a step."""
+    still = [acb(y) for y in equations(z)]
+    moved = ([acb(y) for y in equations([y + step if i == j else y for i, y in enumerate(z)])] for j in range(len(z)))
+    columns = [[((new - old) / step).real.mid() for new, old in zip(column, still)] for column in moved]
+    return [list(row) for row in zip(*columns)]
+
+
 def prove_zero(equations, guess):
     """The zero of an analytic map next to `guess`, by Newton's method and the theorem of Newton and Kantorovich.
 

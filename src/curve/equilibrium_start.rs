@@ -38,8 +38,8 @@ pub fn find_of_equilibria(
     };
     let item = event::<EquilibriaInPlane, _>(branch, asked, wanted, of, watch)?;
     let special = item.special.as_ref().map(|(_, special)| special);
-    let kept = kept.map(|kept| kept.at(special, &item.point.monitors));
-    let kept = kept.map(|kept| kept.ok_or(Singular::NoValue)).transpose()?;
+    let kept = kept.map(|kept| kept.at::<EquilibriaInPlane>(special, &item.point.monitors));
+    let kept = kept.transpose()?;
     let unknown = NoCurve::Run(NoEquilibriumStart::Unknown);
     let (saved, kind) = item.saved.zip(item.point.kind).ok_or(unknown)?;
     pose_equilibrium(problem, (&saved, Some(&scales)), (kind, kept), curve)

@@ -102,8 +102,9 @@ pub fn find_of_system(
     let item = found(problem, curve, begin, watch)?;
     let (orbit, point) = item.orbit();
     let kept = KeptMonitor::of(problem, curve);
-    let kept = kept.map(|kept| kept.at(item.special.as_ref(), &item.point.monitors));
-    let kept = kept.map(|kept| kept.ok_or(Singular::NoValue)).transpose()?;
+    let kept =
+        kept.map(|kept| kept.at::<OrbitsInPlane>(item.special.as_ref(), &item.point.monitors));
+    let kept = kept.transpose()?;
     let kind = match kept {
         Some(_) => EventType::UZ,
         None => item.point.kind.unwrap_or(EventType::EP),
@@ -193,18 +194,22 @@ impl KeptMonitor {
     }
 
     /// It with its value at a point of a branch where monitors have these: the one that was asked for, if any was.
-    pub(super) fn at<O: Orbit>(
+    ///
+    /// # Errors
+    /// It has no value there.
+    pub(super) fn at<P: ParameterPlane>(
         self,
-        special: Option<&Special<O>>,
+        special: Option<&Special<P::Orbit>>,
         monitors: &[(String, Option<f64>)],
-    ) -> Option<FixedMonitor> {
+    ) -> Result<FixedMonitor, Singular<P>> {
         let own =
             |(known, value): &(String, Option<f64>)| value.filter(|_| *known == self.monitor.name);
         let value = match special {
             Some(Special::Monitor(_, value)) => Some(*value),
             _ => monitors.iter().find_map(own),
         };
-        value.map(|value| FixedMonitor {
+        let value = value.ok_or(Singular::NoValue)?;
+        Ok(FixedMonitor {
             monitor: self.monitor,
             value,
         })

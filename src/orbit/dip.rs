@@ -222,7 +222,7 @@ fn at_the_circle<O: Orbit>(
             }
         };
         // where two multipliers pass one another the one of a rank has a kink, which a difference smears
-        let (found, smeared) = match locate::kink(step.ds, ends) {
+        let ((place, value), smeared) = match locate::kink(step.ds, ends) {
             Some(guess) => {
                 let (place, _) = near(guess, beside)?;
                 let beside = SHARP * step.ds;
@@ -230,7 +230,7 @@ fn at_the_circle<O: Orbit>(
             }
             None => (near(locate::dip(step.ds, ends)?, beside)?, 0.0),
         };
-        Some((LeastWithin::Found(found.0, found.1), error + smeared))
+        Some((LeastWithin::Found(place, value), error + smeared))
     };
     ranks.filter_map(least).collect()
 }
