@@ -10,7 +10,7 @@ from math import ceil, sqrt
 from flint import acb, acb_mat, arb, ctx
 
 from .ball_waves import DU, TOUCHES, U, V, W, Parts, real
-from .balls import Dual, apply, differences, double, dual, exponential
+from .balls import Dual, apply, double, dual, exponential, slopes
 
 BITS, STEP = 128, arb(2) ** -44
 """Bits of the equations; step of the differences of their Jacobian, in units."""
@@ -50,7 +50,7 @@ class Cut:
         self.normal = None
         if wave.kind == "Fold":
             # v in the unknowns themselves, of which the last entry is that of the parameter
-            slope = differences(self.plain, self.guess, STEP)
+            slope = slopes(self.plain, self.guess, STEP)
             about = acb_mat([[y / unit for y, unit in zip(row[: self.place], self.units)] for row in slope]).mid()
             null = [y.real for y in about.solve(acb_mat([[1]] * self.place), algorithm="approx").entries()]
             length = sum(y * y for y in null).sqrt()
@@ -99,14 +99,14 @@ class Cut:
     def slope(self, z):
         """The Jacobian, in units."""
         if self.normal is None:
-            return acb_mat(differences(self.plain, z, STEP))
+            return acb_mat(slopes(self.plain, z, STEP))
         count, v = self.place, z[self.place + 1 :]
 
         def both(x):
             found = self.plain([Dual(y, w / unit) for y, w, unit in zip(x, [*v, 0], self.units)])
             return [dual(y).v for y in found] + [dual(y).d for y in found]
 
-        rows = differences(both, z[: count + 1], STEP)
+        rows = slopes(both, z[: count + 1], STEP)
         # F_x v is linear in v
         rows = [row + [0] * count if i < count else row + [y / unit for y, unit in zip(rows[i - count][:count], self.units)] for i, row in enumerate(rows)]
         return acb_mat([*rows, [0] * (count + 1) + self.normal])

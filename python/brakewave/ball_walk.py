@@ -6,7 +6,7 @@ points. So an event on the way is found, and that there is none is not shown.
 
 from flint import acb, acb_mat, arb, ctx
 
-from .balls import NotCovered, Refused, Tagged, differences, must, prove_zero, size
+from .balls import NotCovered, Refused, Tagged, must, prove_zero, size, slopes
 
 STEPS, SHORTEST, LONGEST = 400, 1e-5, 0.125
 """Steps of a curve; the least and the largest length of one in units of the unknowns, of which that of the parameter is the width of the
@@ -55,7 +55,7 @@ class Walk:
 
     def slope(self, z):
         """The Jacobian, by differences."""
-        return differences(self.equations, z, STEP)
+        return slopes(self.equations, z, STEP)
 
     def solved(self, rows, side):
         """The solution of linear equations."""

@@ -262,19 +262,16 @@ def size(numbers):
     return largest
 
 
-def differences(equations, at):
-    """The Jacobian by differences of the step STEP."""
+def differences(equations, at, step=STEP):
+    """The Jacobian by differences."""
     value = equations(at)
-    moved = (equations([x + STEP if i == j else x for i, x in enumerate(at)]) for j in range(len(at)))
-    return acb_mat([[(new - old) / STEP for new, old in zip(column, value)] for column in moved]).transpose()
+    moved = (equations([x + step if i == j else x for i, x in enumerate(at)]) for j in range(len(at)))
+    return acb_mat([[(new - old) / step for new, old in zip(column, value)] for column in moved]).transpose()
 
 
-def differences(equations, z, step):
-    """The rows of the Jacobian of real equations at numbers, without bounds: by differences of a step."""
-    still = [acb(y) for y in equations(z)]
-    moved = ([acb(y) for y in equations([y + step if i == j else y for i, y in enumerate(z)])] for j in range(len(z)))
-    columns = [[((new - old) / step).real.mid() for new, old in zip(column, still)] for column in moved]
-    return [list(row) for row in zip(*columns)]
+def slopes(equations, at, step):
+    """The rows of the Jacobian of real equations by differences, without bounds."""
+    return [[y.real.mid() for y in row] for row in differences(equations, at, step).tolist()]
 
 
 def prove_zero(equations, guess):
