@@ -30,16 +30,26 @@ const STEPS: usize = 40;
 impl Branching {
     /// The equation at a point. `None` where there is one tangent only: all singular values but the last are above this
     /// part of the largest. Where the second derivative has no value every direction is a zero.
-    pub fn new<S: Equations>(system: &S, point: &Vector, part: f64) -> Option<Branching> {
+    pub fn at<S: Equations>(system: &S, point: &Vector, part: f64) -> Option<Branching> {
         let (matrix, _) = newton::jacobian(system, point).ok()?;
         let linalg::NullSpaces { right, left } = linalg::null_spaces(&matrix, part)?;
         if right.ncols() < 2 {
             return None;
         }
-        Some(Branching {
-            forms: forms(system, point, &right, &left).unwrap_or_default(),
-            null_space: right,
-        })
+        let forms = forms(system, point, &right, &left).unwrap_or_default();
+        Some(Branching::new(right, forms))
+    }
+
+    /// The equation of symmetric forms in the coordinates in a null space. Where they vanish, or have no value, every direction is
+    /// a zero.
+    pub fn new(null_space: Matrix, mut forms: Vec<Matrix>) -> Branching {
+        let largest = forms.iter().map(Matrix::amax).fold(0.0, f64::max);
+        if largest.is_finite() && largest > 0.0 {
+            forms.iter_mut().for_each(|form| *form /= largest);
+        } else {
+            forms.clear();
+        }
+        Branching { null_space, forms }
     }
 
     /// The unit tangent whose coordinates in the null space are found from these; `None` where Newton's method finds none.
@@ -90,12 +100,8 @@ fn forms<S: Equations>(
             form.set_row(index, &row);
         }
     }
-    let largest = forms.iter().map(Matrix::amax).fold(0.0, f64::max);
-    if !(largest.is_finite() && largest > 0.0) {
-        return None;
-    }
     for form in &mut forms {
-        *form = (&*form + form.transpose()) / (2.0 * largest);
+        *form = (&*form + form.transpose()) * 0.5;
     }
     Some(forms)
 }
@@ -139,7 +145,7 @@ mod tests {
     fn curves_cross_along_the_zeros_of_the_second_order() {
         for a in [4.0, 1.0, 0.09] {
             let crossing = Crossing { a };
-            let branching = Branching::new(&crossing, &Vector::zeros(3), 1e-9).unwrap();
+            let branching = Branching::at(&crossing, &Vector::zeros(3), 1e-9).unwrap();
             for sign in [1.0, -1.0] {
                 let start = Vector::from_vec(vec![1.0, 0.7 * sign, 0.0]);
                 let coordinates = branching.null_space.transpose() * start;
@@ -149,9 +155,9 @@ mod tests {
                 assert!(tangent[2].abs() < 1e-8);
             }
         }
-        let none = Branching::new(&Crossing { a: -1.0 }, &Vector::zeros(3), 1e-9).unwrap();
+        let none = Branching::at(&Crossing { a: -1.0 }, &Vector::zeros(3), 1e-9).unwrap();
         assert_eq!(none.tangent_from(&Vector::from_vec(vec![1.0, 0.3])), None);
         let regular = Vector::from_vec(vec![0.5, 0.2, 0.1]);
-        assert!(Branching::new(&Crossing { a: 1.0 }, &regular, 1e-9).is_none());
+        assert!(Branching::at(&Crossing { a: 1.0 }, &regular, 1e-9).is_none());
     }
 }

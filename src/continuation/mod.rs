@@ -2,6 +2,7 @@
 //!
 //! - [`newton`]: a system, a constraint that closes it, Newton's method;
 //! - [`arclength`]: one step of pseudo-arclength;
+//! - [`branch_point`]: where curves cross;
 //! - [`branching`]: tangents of the curves that pass through one point;
 //! - [`locate`]: points within a step;
 //! - [`limit`]: a point that steps come near and do not reach;
@@ -9,6 +10,7 @@
 //! - [`zero`]: zeros of functions of one variable.
 
 pub mod arclength;
+pub mod branch_point;
 pub mod branching;
 #[cfg(test)]
 mod circle;

@@ -17,6 +17,7 @@ use crate::affine::equilibrium::{
 use crate::affine::monitor::{Monitor, MonitorSource};
 use crate::affine::monitored;
 use crate::affine::system::{Ordered, System};
+use crate::continuation::branch_point::PERFECT;
 use crate::hybrid::equilibrium::NoEquilibriumStart;
 use crate::linalg::{Matrix, Vector};
 use crate::orbit::{EventType, Orbit};
@@ -62,9 +63,6 @@ pub enum CriticalEquilibrium {
     /// An orbit leaves it, a saddle, and returns, or comes to another one.
     Connection(Box<Connection>),
 }
-
-/// β is zero to rounding where branches cross; more than this, in equations of order one, is an imperfect crossing.
-const PERFECT: f64 = 1e-9;
 
 impl EquilibriaInPlane {
     /// Those beside an equilibrium, of a branch with `known` units; `widths` are the units of the parameters.

@@ -90,6 +90,19 @@ pub struct NullSpaces {
 /// Bases of the directions that a matrix with at least as many columns as rows shrinks below a part of its largest
 /// singular value. `None` if the decomposition fails.
 pub fn null_spaces(matrix: &Matrix, part: f64) -> Option<NullSpaces> {
+    spaces(matrix, |values| {
+        let above = values.iter().filter(|value| **value > part * values[0]);
+        above.count()
+    })
+}
+
+/// Bases of the directions that such a matrix shrinks most: so many from the left. `None` if the decomposition fails.
+pub fn least_spaces(matrix: &Matrix, left: usize) -> Option<NullSpaces> {
+    spaces(matrix, |values| values.len().saturating_sub(left))
+}
+
+/// Bases of what remains beyond a rank, which is told from the singular values.
+fn spaces(matrix: &Matrix, rank: impl FnOnce(&[f64]) -> usize) -> Option<NullSpaces> {
     let (rows, columns) = matrix.shape();
     if rows > columns || rows == 0 || !matrix.iter().all(|x| x.is_finite()) {
         return None;
@@ -98,9 +111,8 @@ pub fn null_spaces(matrix: &Matrix, part: f64) -> Option<NullSpaces> {
     let decomposition = view.svd().ok()?;
     let (right, left) = (decomposition.V(), decomposition.U());
     let values = decomposition.S().column_vector();
-    let rank = (0..rows)
-        .filter(|index| values[*index] > part * values[0])
-        .count();
+    let values: Vec<f64> = values.iter().copied().collect();
+    let rank = rank(&values);
     Some(NullSpaces {
         right: Matrix::from_fn(columns, columns - rank, |i, j| right[(i, rank + j)]),
         left: Matrix::from_fn(rows, rows - rank, |i, j| left[(i, rank + j)]),

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 
-use super::located::{AT_ZERO, BranchEvent, LocatedEvent, Step};
+use super::located::{AT_ZERO, BranchEvent, LocatedEvent, Passed, Step};
 use super::{Examined, Growth, Orbit, uncertainty};
 use crate::continuation::Node;
 use crate::continuation::locate::{self, Place};
@@ -184,7 +184,7 @@ fn signs<O: Orbit>(
             Some(orbit.across_folds(index, value, node))
         };
         let ends = ((low.s, before), (high.s, after));
-        let regular = orbit.zero_of(index, step.from, [low.s, high.s], tolerance);
+        let regular = orbit.zero_of(Passed::Zero(index), step.from, [low.s, high.s], tolerance);
         let (place, known, width) = match regular {
             Some((place, known)) => (place, Some(known), WIDTHS[0] * step.ds),
             None => {
@@ -447,6 +447,19 @@ fn passings<O: Orbit>(
     if ranks.is_empty() {
         return Some(());
     }
+    let event = BranchEvent::Passing {
+        outside,
+        between: None,
+    };
+    let several = ranks.len() > 1;
+    let together = several.then(|| {
+        let (what, within) = (Passed::Several(ranks.len()), [low.s, high.s]);
+        orbit.zero_of(what, step.from, within, step.steps.tolerance)
+    });
+    if let Some((place, uncertainty)) = together.flatten() {
+        found.push((place, LocatedEvent { event, uncertainty }));
+        return Some(());
+    }
     let ends = ((low.s, low.mean(&ranks)?), (high.s, high.mean(&ranks)?));
     let mut seen = None;
     let mut value = |node: &Node| {
@@ -488,10 +501,7 @@ fn passings<O: Orbit>(
     // where branches cross the equations are singular: no more than the step
     let rounding = rounding.min(moved(orbit, step));
     let located = LocatedEvent {
-        event: BranchEvent::Passing {
-            outside,
-            between: None,
-        },
+        event,
         uncertainty: rounding + blur,
     };
     found.push((place, located));

@@ -292,7 +292,7 @@ fn tangents<O: Orbit>(candidate: &Candidate<O>) -> Option<Vec<Vector>> {
     if nascent.len() < 2 {
         return None;
     }
-    let branching = Branching::new(orbit, point, NULL)?;
+    let branching = Branching::at(orbit, point, NULL)?;
     let space = &branching.null_space;
     let growths = Matrix::from_fn(nascent.len(), space.ncols(), |row, column| {
         space[(orbit.duration_index(nascent[row]), column)]

@@ -49,6 +49,15 @@ impl<O: Orbit> BranchEvent<O> {
     }
 }
 
+/// What passes the unit circle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Passed {
+    /// What makes the function of this place in [`Examined::tests`](super::Examined::tests) vanish.
+    Zero(usize),
+    /// So many multipliers together.
+    Several(usize),
+}
+
 /// An event and the error of the parameter there, in physical units.
 #[derive(Clone, Debug)]
 pub struct LocatedEvent<O: Orbit> {

@@ -46,7 +46,7 @@ use crate::continuation::newton::{self, Constraint, Equations, Plane};
 use crate::continuation::walk::Segment;
 use crate::linalg::{Matrix, Vector};
 pub use event::{EventType, UnknownType};
-pub use located::{EndWithin, Limit};
+pub use located::{EndWithin, Limit, Passed};
 use monitor::MonitorValue;
 use sign::SignVerdict;
 pub use stability::Stability;
@@ -393,12 +393,11 @@ pub trait Orbit: Equations<Failure: Data> + Clone + Debug + PartialEq {
         None
     }
 
-    /// Where a function of [`Examined::tests`] vanishes between two arclengths of the step that sets out from a node, and
-    /// the error of the parameter there, by equations that are regular where those of the orbit are singular. `None` where
-    /// there are none.
+    /// Where something passes the unit circle between two arclengths of the step that sets out from a node, and the error of the
+    /// parameter there, by equations that are regular where those of the orbit are singular. `None` where there are none.
     fn zero_of(
         &self,
-        _test: usize,
+        _what: Passed,
         _from: &Node,
         _ends: [f64; 2],
         _tolerance: f64,

@@ -292,7 +292,7 @@ fn a_double_multiplier_of_a_symmetry_passes_one() {
     });
     let (off, told) = ((amplitude - DOUBLE).abs(), told.unwrap());
     assert!(
-        off <= told && told < 1e-7,
+        off <= told && told < 1e-11,
         "{amplitude} is off by {off:e}, told {told:e}"
     );
     assert_eq!(what, "two multipliers pass 1");

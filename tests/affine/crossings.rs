@@ -121,6 +121,40 @@ fn branches_cross_without_a_symmetry() {
     assert!((found.parameter - value).abs() <= found.uncertainty);
 }
 
+/// n cells x' = (p + cos t)x - x² + k(sum of all - nx): in step they follow Bernoulli's equation, whose mean is p, so that the n - 1
+/// multipliers across it are exp(-2π(p + nk)). The equations of an orbit lose n - 1 ranks where they pass 1.
+#[test]
+fn many_branches_cross_where_a_symmetry_makes_multipliers_equal() {
+    for (cells, words) in [(3, "two multipliers"), (4, "three multipliers")] {
+        let names: Vec<String> = (1..=cells).map(|cell| format!("x{cell}")).collect();
+        let sum = names.join(" + ");
+        let rate = |x: &String| {
+            format!("\"{x}\": \"(p + cos(phase))*{x} - {x}^2 + k*({sum} - {cells}*{x})\"")
+        };
+        let rates: Vec<String> = names.iter().map(rate).collect();
+        let coupling = -1.2 / f64::from(cells);
+        let text = format!(
+            "(states: {names:?}, parameters: {{\"p\": 2.0, \"k\": {coupling:?}, \"w\": 1.0}}, forcing: \"w\", \
+             modes: {{\"only\": (rates: {{{}}}, until: [])}})",
+            rates.join(", ")
+        );
+        let (orbit, point) = settled(&text, &[], "p", "only", &vec![2.0; names.len()], 60.0);
+        let (_, all) = follow(&orbit, &point, false, (0.9, 2.5), 500);
+        let special: Vec<_> = all.iter().filter(|one| one.special.is_some()).collect();
+        let [crossing, end] = &special[..] else {
+            panic!("{cells}: {} events", special.len());
+        };
+        let (off, told) = ((crossing.parameter - 1.2).abs(), crossing.uncertainty);
+        assert!(
+            off <= told && told < 1e-10,
+            "{cells}: {off:e}, told {told:e}"
+        );
+        let what = crossing.special.as_ref().unwrap().to_string();
+        assert!(what.starts_with(words), "{what}");
+        assert_eq!(end.parameter, 0.9);
+    }
+}
+
 /// A state that decays to zero beside an oscillator is zero along the branch, whatever its rate makes of it in a period.
 #[test]
 fn a_state_that_decays_is_found() {

@@ -693,6 +693,41 @@ fn two_eigenvalues_pass_zero_together() {
     }
 }
 
+/// n cells x' = px - x² + 1 + k(sum of all - nx): the n - 1 eigenvalues across x = (p + √(p² + 4))/2 are -√(p² + 4) - nk, zero at
+/// p = √5 for nk = -3.
+#[test]
+fn many_branches_cross_where_a_symmetry_makes_eigenvalues_equal() {
+    for cells in 3..=5 {
+        let names: Vec<String> = (1..=cells).map(|cell| format!("x{cell}")).collect();
+        let sum = names.join(" + ");
+        let rate = |x: &String| format!("\"{x}\": \"p*{x} - {x}^2 + 1 + k*({sum} - {cells}*{x})\"");
+        let rates: Vec<String> = names.iter().map(rate).collect();
+        let text = format!(
+            "(states: {names:?}, parameters: {{\"p\": 3.0, \"k\": {:?}}}, modes: {{\"flow\": (rates: {{{}}})}})",
+            -3.0 / f64::from(cells),
+            rates.join(", ")
+        );
+        let state = vec![3.3; names.len()];
+        let course = Course {
+            system: &text,
+            state: &state,
+            parameter: "p",
+            range: (0.5, 4.0),
+            ..STARTS[0]
+        };
+        let all = course.events();
+        assert_eq!(all.len(), 1, "{all:#?}");
+        let off = (number(&all[0], "p") - 5.0_f64.sqrt()).abs();
+        let told = all[0].uncertainty;
+        assert!(off <= told && told < 1e-10, "{off:e}, told {told:e}");
+        assert!(
+            all[0]
+                .what
+                .starts_with(&format!("{} eigenvalues", cells - 1))
+        );
+    }
+}
+
 /// Of switches with one `zero` the first whose conditions hold leads on: x = (mu + s)/(1 + s) in the mode with s = 0.3, or 0.5.
 #[test]
 fn conditions_of_a_switch_tell_where_an_equilibrium_goes_on() {

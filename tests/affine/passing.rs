@@ -87,7 +87,7 @@ fn one_that_leaves_as_another_enters_is_not_passed_in_silence() {
 }
 
 /// Three maps, each coupled to the others: the multiplier a + 3/20 of what is across their mean is double, and where it passes 1 the
-/// orbit is known to a root of rounding. Its multipliers are known no better.
+/// equations of an orbit lose two ranks.
 #[test]
 fn multipliers_that_a_symmetry_makes_pass_at_once_hold_what_is_true() {
     let cell = |own: usize| {
@@ -102,7 +102,7 @@ fn multipliers_that_a_symmetry_makes_pass_at_once_hold_what_is_true() {
     let event = item.event.as_ref().unwrap();
     let off = (value(event, "a") - 0.85).abs();
     assert!(
-        off <= event.uncertainty && event.uncertainty < 1e-6,
+        off <= event.uncertainty && event.uncertainty < 1e-12,
         "{event:?}"
     );
     let passes = |one: &&Multiplier| !one.trivial && (one.value - 1.0).norm() <= one.error;

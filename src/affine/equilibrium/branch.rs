@@ -8,12 +8,13 @@ use super::spectrum::{BRANCHING, HOPF, critical_pair};
 use super::{EquilibriumBifurcation, EquilibriumGuard, EquilibriumStop, VirtualEquilibrium};
 use crate::affine::mode::Exit;
 use crate::continuation::Node;
+use crate::continuation::branch_point::branch_point;
 use crate::continuation::locate::{Place, zero_along};
 use crate::continuation::newton;
 use crate::linalg::{Matrix, Vector};
 use crate::orbit::monitor::MonitorValue;
 use crate::orbit::switch::is_in_family;
-use crate::orbit::{Candidate, EventType, Examined, Orbit};
+use crate::orbit::{Candidate, EventType, Examined, Orbit, Passed};
 
 /// A state is the one that a reset leaves alone where they differ by no more than this part of their size: an equilibrium
 /// is known to rounding.
@@ -220,14 +221,18 @@ impl Orbit for EquilibriumCurve {
 
     fn zero_of(
         &self,
-        test: usize,
+        what: Passed,
         from: &Node,
         ends: [f64; 2],
         tolerance: f64,
     ) -> Option<(Place, f64)> {
-        let condition = match test {
-            BRANCHING => Condition::Branching,
-            _ => Condition::Hopf,
+        let (test, condition) = match what {
+            Passed::Zero(BRANCHING) => (BRANCHING, Condition::Branching),
+            Passed::Zero(test) => (test, Condition::Hopf),
+            Passed::Several(count) => {
+                let (place, error) = branch_point(self, count, (from, ends), tolerance, |_| 0.0)?;
+                return Some((place, error * self.unit().abs()));
+            }
         };
         let near = self.near_zero(test, from, ends, tolerance)?;
         let located = locate(self, &near, condition)?;

@@ -22,6 +22,7 @@ use super::curve::{EquilibriumCurve, EquilibriumFailure, EquilibriumScales, Equi
 use super::field::{Linearised, Of};
 use super::normal_form::Eigenvector;
 use crate::continuation::Node;
+use crate::continuation::branch_point::PERFECT;
 use crate::continuation::newton::{self, Constraint, Equations};
 use crate::linalg::{self, Matrix, Vector};
 use crate::orbit::{AtZero, Examined as _, Orbit as _};
@@ -56,9 +57,6 @@ pub(super) struct Located {
     /// Error of the parameter, in physical units.
     pub uncertainty: f64,
 }
-
-/// β is zero to rounding where branches cross; more than this, in equations of order one, is an imperfect crossing.
-const PERFECT: f64 = 1e-9;
 
 /// Settings of Newton's method: one iteration more than needed.
 const NEWTON: newton::Settings = newton::Settings {

@@ -18,7 +18,6 @@ pub mod behaviour;
 mod beside;
 mod bifurcation;
 mod bounds;
-mod branch_point;
 pub mod candidates;
 mod conserved;
 mod critical;
@@ -62,12 +61,15 @@ use nalgebra::Complex;
 
 use crate::affine::system::DEFAULT_FLOW_TOLERANCE;
 use crate::continuation::Node;
+use crate::continuation::branch_point::branch_point;
 use crate::continuation::locate::Place;
 use crate::continuation::newton;
 use crate::continuation::walk::Segment;
 use crate::linalg::{Matrix, Vector};
 use crate::orbit::monitor::MonitorValue;
-use crate::orbit::{Candidate, EndWithin, EventType, Examined, Limit, Orbit, WITHOUT_LENGTH};
+use crate::orbit::{
+    Candidate, EndWithin, EventType, Examined, Limit, Orbit, Passed, WITHOUT_LENGTH,
+};
 
 pub use bifurcation::SlidingBifurcation;
 pub use critical::Critical;
@@ -505,15 +507,24 @@ impl Orbit for AffineOrbit {
 
     fn zero_of(
         &self,
-        test: usize,
+        what: Passed,
         from: &Node,
         ends: [f64; 2],
         tolerance: f64,
     ) -> Option<(Place, f64)> {
-        (test == 1).then(|| {
-            let lost = self.symmetry_lost(from, ends, tolerance);
-            lost.or_else(|| self.branch_point(from, ends, tolerance))
-        })?
+        let crossing = |count: usize| {
+            let off = |point: &Vector| self.left_out(point);
+            let (place, error) = branch_point(self, count, (from, ends), tolerance, off)?;
+            Some((place, error * self.unit().abs()))
+        };
+        match what {
+            Passed::Zero(1) => {
+                let lost = self.symmetry_lost(from, ends, tolerance);
+                lost.or_else(|| crossing(1))
+            }
+            Passed::Zero(_) => None,
+            Passed::Several(count) => crossing(count),
+        }
     }
 
     /// det(M − 1) vanishes at folds, as the parameter along the unit tangent does; their quotient does not.
