@@ -241,11 +241,13 @@ fn a_double_eigenvalue_of_a_symmetry_passes_zero() {
     );
 }
 
-/// At a graze of a damped spring two zones close at once, that of the contact and that in which the spring only relaxes behind it. The
-/// first tells the event, and multipliers there are those of any unit.
-#[test]
-fn zones_that_close_at_one_instant_do_so_in_any_units() {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/problems/gear_rattle.ron");
+/// The one graze of a problem file of the project, and what it is where some texts of the file are replaced by others for each unit.
+fn grazes_alike(
+    (file, parameter): (&str, &str),
+    units: &[&str],
+    in_unit: impl Fn(&str) -> Vec<(&'static str, String)>,
+) -> OrbitItem {
+    let path = format!("{}/problems/{file}.ron", env!("CARGO_MANIFEST_DIR"));
     let plain = fs::read_to_string(path).unwrap();
     let graze = |text: &str| {
         let items = rows(text);
@@ -255,38 +257,66 @@ fn zones_that_close_at_one_instant_do_so_in_any_units() {
         item.unwrap()
     };
     let expected = graze(&plain);
-    let of = |item: &OrbitItem| item.event.clone().unwrap();
-    assert!(
-        of(&expected).what.contains("`open.closed`"),
-        "{}",
-        of(&expected).what
-    );
-    for unit in ["1e3", "1e6", "1e-3"] {
-        let text = plain
-            .replace("d - x", &format!("d - x/{unit}"))
-            .replace("x + d", &format!("x/{unit} + d"))
-            .replace(r#""x": "v", "v""#, &format!(r#""x": "{unit}*v", "v""#));
-        assert_ne!(text, plain);
+    for unit in units {
+        let mut text = plain.clone();
+        for (old, new) in in_unit(unit) {
+            assert!(text.contains(old), "{old}");
+            text = text.replace(old, &new);
+        }
         let item = graze(&text);
-        let (one, other) = (of(&item), of(&expected));
+        let [one, other] = [&item, &expected].map(|item| item.event.clone().unwrap());
         assert_eq!(one.what, other.what, "{unit}");
-        let off = (value(&one, "w") - value(&other, "w")).abs();
+        let off = (value(&one, parameter) - value(&other, parameter)).abs();
         assert!(
             off <= one.uncertainty + other.uncertainty && one.uncertainty < 1e-11,
             "{one:?}"
         );
-        let pairs = item
-            .point
-            .multipliers
-            .iter()
-            .zip(&expected.point.multipliers);
-        for (one, other) in pairs {
+        let [own, others] = [&item, &expected].map(|item| &item.point.multipliers);
+        assert_eq!(own.len(), others.len());
+        for (one, other) in own.iter().zip(others) {
             assert!(
                 (one.value - other.value).norm() <= 1e-9,
                 "{unit}: {one:?} for {other:?}"
             );
         }
     }
+    expected
+}
+
+/// At a graze of a damped spring two zones close at once, that of the contact and that in which the spring only relaxes behind it. The
+/// first tells the event, and multipliers there are those of any unit.
+#[test]
+fn zones_that_close_at_one_instant_do_so_in_any_units() {
+    let expected = grazes_alike(("gear_rattle", "w"), &["1e3", "1e6", "1e-3"], |unit| {
+        vec![
+            ("d - x", format!("d - x/{unit}")),
+            ("x + d", format!("x/{unit} + d")),
+            ("\"x\": \"v\", \"v\"", format!("\"x\": \"{unit}*v\", \"v\"")),
+        ]
+    });
+    let what = expected.event.unwrap().what;
+    assert!(what.contains("`open.closed`"), "{what}");
+}
+
+/// A block sticks for no time at all at a graze: in some units of its speed the guard falls at a rate of exactly zero there, and
+/// what is divided by that vanishes with it.
+#[test]
+fn multipliers_of_a_zone_without_length_are_those_of_any_units() {
+    let expected = grazes_alike(("brake_coupling", "mu"), &["1e3", "1e6", "1e-3"], |unit| {
+        vec![
+            ("\"v - vb\"", format!("\"v/{unit} - vb\"")),
+            (
+                "\"x\": \"v\", \"v\": \"-k1*x - kc*y - c*v + q\"",
+                format!("\"x\": \"v/{unit}\", \"v\": \"{unit}*(-k1*x - kc*y - c*v/{unit} + q)\""),
+            ),
+        ]
+    });
+    let pair = expected
+        .point
+        .multipliers
+        .iter()
+        .filter(|one| one.value.im != 0.0);
+    assert_eq!(pair.count(), 2);
 }
 
 /// Friction as a contact and as two modes with sliding between them: the same events have the same names.

@@ -121,7 +121,10 @@ impl OrbitAt<'_> {
         let refined = || self.refined(zone, passage, (row, exit), rate, &mut saltation);
         let slow = is_slow.then(refined).flatten();
         let magnified = slow.as_ref().map_or(speed.abs().recip(), |(_, by)| *by);
-        let bounds = saltation.bounds(|j| (normal[j] / fall).abs());
+        let bounds = saltation.bounds(|j| match normal[j] {
+            0.0 => 0.0,
+            slope => (slope / fall).abs(),
+        });
         let Saltation {
             reset,
             after,

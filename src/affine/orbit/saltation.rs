@@ -115,11 +115,16 @@ impl Saltation {
         (ratios, off)
     }
 
-    /// Errors of the entries of the whole map, where a perturbation of a state comes to the switch by so much later.
+    /// Errors of the entries of the whole map, where a perturbation of a state comes to the switch by so much later. What has no
+    /// terms has no error where that is infinite, as at a graze.
     pub fn bounds(&self, delay: impl Fn(usize) -> f64) -> Matrix {
         let n = self.reset.nrows();
+        let delayed = |i: usize, j: usize| match self.terms[i] {
+            0.0 => 0.0,
+            terms => terms * delay(j),
+        };
         Matrix::from_fn(n, n, |i, j| {
-            (self.reset[(i, j)].abs() + self.terms[i] * delay(j)) * NOTHING
+            (self.reset[(i, j)].abs() + delayed(i, j)) * NOTHING
         })
     }
 }
