@@ -282,7 +282,8 @@ impl AffineSystem {
         None
     }
 
-    /// The same where the steps shrink by a factor 1 − 1/m: after a few of them, steps of m times the length.
+    /// The same where the steps shrink by a factor 1 − 1/m: after a few of them, every second step is m times as long. What is
+    /// regular beside goes too far then, and is brought back by the steps between.
     fn settle_degenerate(&self, mode: usize, start: &Vector) -> Option<RestState> {
         let mut state = start.clone();
         let mut before = 0.0;
@@ -302,7 +303,10 @@ impl AffineSystem {
                 }
             }
             before = length;
-            state += change * order;
+            let long = (index + 1)
+                .checked_sub(PLAIN_STEPS)
+                .is_some_and(|after| after % 2 == 0);
+            state += change * if long { order } else { 1.0 };
             if !state.iter().all(|x| x.is_finite()) {
                 return None;
             }

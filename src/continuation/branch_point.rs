@@ -39,7 +39,7 @@ pub const PERFECT: f64 = 1e-9;
 const ISOLATED: f64 = 1e-6;
 
 /// Equations (1) at a base u₀.
-struct Bordered<'a, S> {
+struct Reduction<'a, S> {
     system: &'a S,
     base: Vector,
     left: Matrix,
@@ -55,12 +55,12 @@ struct BorderedSolution {
     gradient: Vector,
 }
 
-impl<'a, S: Equations> Bordered<'a, S> {
+impl<'a, S: Equations> Reduction<'a, S> {
     /// The borders at a point where the rank falls by so many; `None` where the decomposition fails.
-    fn new(system: &'a S, base: Vector, fall: usize) -> Option<Bordered<'a, S>> {
+    fn new(system: &'a S, base: Vector, fall: usize) -> Option<Reduction<'a, S>> {
         let (jacobian, _) = newton::jacobian(system, &base).ok()?;
         let linalg::NullSpaces { right, left } = linalg::least_spaces(&jacobian, fall)?;
-        Some(Bordered {
+        Some(Reduction {
             system,
             base,
             left,
@@ -210,7 +210,7 @@ pub fn branch_point<S: Equations>(
     }
     let mut point = node_at(system, from, 0.5 * (low + high), tolerance)?.point;
     for iteration in 1..=MOST {
-        let bordered = Bordered::new(system, point, fall)?;
+        let bordered = Reduction::new(system, point, fall)?;
         let here = bordered.solve(&Vector::zeros(fall + 1))?;
         let forms = bordered.hessians()?;
         let rows: Vec<_> = forms.iter().flat_map(|form| form.row_iter()).collect();

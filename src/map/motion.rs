@@ -84,14 +84,12 @@ impl Settled {
                 | Halt::TwoSurfaces { .. }
                 | Halt::Parted { .. } => "slides",
                 Halt::NoExit { .. }
-                | Halt::Undecided { .. }
                 | Halt::Outside { .. }
                 | Halt::Outward { .. }
                 | Halt::Refused { .. }
-                | Halt::Void { .. }
-                | Halt::Fast { .. }
                 | Halt::NegativeBound { .. }
                 | Halt::Obstructed { .. } => "stuck",
+                Halt::Undecided { .. } | Halt::Void { .. } | Halt::Fast { .. } => UNDECIDED,
             },
             NoOrbit::System(_) => NONE,
             _ => UNDECIDED,

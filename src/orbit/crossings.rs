@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 
-use super::located::{AT_ZERO, BranchEvent, LocatedEvent, Passed, Step};
+use super::located::{AT_ZERO, BranchEvent, Crossed, LocatedEvent, Step};
 use super::{Examined, Growth, Orbit, uncertainty};
 use crate::continuation::Node;
 use crate::continuation::locate::{self, Place};
@@ -184,7 +184,7 @@ fn signs<O: Orbit>(
             Some(orbit.across_folds(index, value, node))
         };
         let ends = ((low.s, before), (high.s, after));
-        let regular = orbit.zero_of(Passed::Zero(index), step.from, [low.s, high.s], tolerance);
+        let regular = orbit.zero_of(Crossed::Zero(index), step.from, [low.s, high.s], tolerance);
         let (place, known, width) = match regular {
             Some((place, known)) => (place, Some(known), WIDTHS[0] * step.ds),
             None => {
@@ -453,7 +453,7 @@ fn passings<O: Orbit>(
     };
     let several = ranks.len() > 1;
     let together = several.then(|| {
-        let (what, within) = (Passed::Several(ranks.len()), [low.s, high.s]);
+        let (what, within) = (Crossed::Several(ranks.len()), [low.s, high.s]);
         orbit.zero_of(what, step.from, within, step.steps.tolerance)
     });
     if let Some((place, uncertainty)) = together.flatten() {

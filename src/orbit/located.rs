@@ -51,7 +51,7 @@ impl<O: Orbit> BranchEvent<O> {
 
 /// What passes the unit circle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Passed {
+pub enum Crossed {
     /// What makes the function of this place in [`Examined::tests`](super::Examined::tests) vanish.
     Zero(usize),
     /// So many multipliers together.

@@ -46,7 +46,7 @@ use crate::continuation::newton::{self, Constraint, Equations, Plane};
 use crate::continuation::walk::Segment;
 use crate::linalg::{Matrix, Vector};
 pub use event::{EventType, UnknownType};
-pub use located::{EndWithin, Limit, Passed};
+pub use located::{Crossed, EndWithin, Limit};
 use monitor::MonitorValue;
 use sign::SignVerdict;
 pub use stability::Stability;
@@ -397,7 +397,7 @@ pub trait Orbit: Equations<Failure: Data> + Clone + Debug + PartialEq {
     /// parameter there, by equations that are regular where those of the orbit are singular. `None` where there are none.
     fn zero_of(
         &self,
-        _what: Passed,
+        _what: Crossed,
         _from: &Node,
         _ends: [f64; 2],
         _tolerance: f64,

@@ -383,6 +383,44 @@ fn what_settles_slowly_is_followed_while_it_comes_nearer() {
 /// Coulomb friction that the spring between two masses, or the force, does not overcome: a mass that has come to rest may
 /// be anywhere, while the other one, driven, goes on. Where all states rest that is an equilibrium; where a law brings a
 /// state to rest at one place the orbit is alone, and is found.
+/// An oscillator with other springs on both sides of x = d loses the part e^{-cT} of its amplitude in every period T: wherever it
+/// has settled, and whatever numbers are lost by then, it comes to rest on the surface. A relay that switches at ±1e-5 settles on an
+/// orbit of that size from a start at 1.
+#[test]
+fn a_spiral_into_a_point_on_a_surface_comes_to_rest() {
+    for d in [0.0, 1.0] {
+        let text = format!(
+            r#"(states: ["x", "y"], parameters: {{"c": 0.2, "m": 3.0, "d": {d:?}}}, modes: {{
+                "p": (rates: {{"x": "y", "y": "d - x - 2*c*y"}}, until: [(zero: "x - d", to: "n")]),
+                "n": (rates: {{"x": "y", "y": "m*(d - x) - 2*c*y"}}, until: [(zero: "d - x", to: "p")])}})"#
+        );
+        for (settle, c, m) in [
+            (1.0, 0.1, 4.0),
+            (5.0, 0.3, 2.0),
+            (50.0, 0.5, 3.0),
+            (200.0, 0.1, 5.0),
+            (1000.0, 0.25, 2.0),
+        ] {
+            let wanted = wanted(&text, &[("c", c), ("m", m)], "c", 64);
+            let found = from(&wanted, "p", &[d, 1.0], 0.0, Search::Settles(settle));
+            let Err(NoStart::Rests { place, .. }) = found else {
+                panic!("{d}, {settle}: {found:?}");
+            };
+            let off = (place.state[0] - d).abs().max(place.state[1].abs());
+            assert!(off <= 1e-5, "{:?}", place.state);
+        }
+    }
+    let relay = r#"(states: ["x"], parameters: {"h": 1e-5}, modes: {
+        "up": (rates: {"x": "1 - x"}, until: [(zero: "h - x", to: "down")]),
+        "down": (rates: {"x": "-1 - x"}, until: [(zero: "x + h", to: "up")])})"#;
+    let wanted = wanted(relay, &[], "h", 64);
+    let (orbit, point) = from(&wanted, "down", &[1.0], 0.0, Search::Settles(2.0)).unwrap();
+    // from ∓h to ±h in the time ln((1 + h)/(1 - h)) each
+    let period = 2.0 * (2.0 * 1e-5_f64.atanh());
+    let off = (orbit.cycle(&point).unwrap().period / period - 1.0).abs();
+    assert!(off < 1e-10, "{off:e}");
+}
+
 #[test]
 fn a_mass_that_sticks_for_ever_is_told() {
     let text = r#"(

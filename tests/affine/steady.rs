@@ -262,6 +262,15 @@ fn degenerate_equilibria_are_found() {
             "{rate}"
         );
     }
+    // beside a rate that is regular
+    let beside = "\"x\": \"-(x - 1)^3\", \"y\": \"x^5 - y\"";
+    let found = rest("\"x\", \"y\"", beside).unwrap();
+    assert_eq!(found.len(), 1, "{found:?}");
+    assert!(
+        found[0].state.iter().all(|x| (x - 1.0).abs() <= 1e-5),
+        "{found:?}"
+    );
+    assert_eq!(found[0].isolation, Isolation::Degenerate);
     let line = rest("\"x\", \"y\"", "\"x\": \"y*x\", \"y\": \"y*x - y\"").unwrap();
     assert!(
         line.iter().any(|one| one.isolation == Isolation::Family),

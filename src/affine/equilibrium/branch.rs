@@ -14,7 +14,7 @@ use crate::continuation::newton;
 use crate::linalg::{Matrix, Vector};
 use crate::orbit::monitor::MonitorValue;
 use crate::orbit::switch::is_in_family;
-use crate::orbit::{Candidate, EventType, Examined, Orbit, Passed};
+use crate::orbit::{Candidate, Crossed, EventType, Examined, Orbit};
 
 /// A state is the one that a reset leaves alone where they differ by no more than this part of their size: an equilibrium
 /// is known to rounding.
@@ -221,15 +221,15 @@ impl Orbit for EquilibriumCurve {
 
     fn zero_of(
         &self,
-        what: Passed,
+        what: Crossed,
         from: &Node,
         ends: [f64; 2],
         tolerance: f64,
     ) -> Option<(Place, f64)> {
         let (test, condition) = match what {
-            Passed::Zero(BRANCHING) => (BRANCHING, Condition::Branching),
-            Passed::Zero(test) => (test, Condition::Hopf),
-            Passed::Several(count) => {
+            Crossed::Zero(BRANCHING) => (BRANCHING, Condition::Branching),
+            Crossed::Zero(test) => (test, Condition::Hopf),
+            Crossed::Several(count) => {
                 let (place, error) = branch_point(self, count, (from, ends), tolerance, |_| 0.0)?;
                 return Some((place, error * self.unit().abs()));
             }

@@ -68,7 +68,7 @@ use crate::continuation::walk::Segment;
 use crate::linalg::{Matrix, Vector};
 use crate::orbit::monitor::MonitorValue;
 use crate::orbit::{
-    Candidate, EndWithin, EventType, Examined, Limit, Orbit, Passed, WITHOUT_LENGTH,
+    Candidate, Crossed, EndWithin, EventType, Examined, Limit, Orbit, WITHOUT_LENGTH,
 };
 
 pub use bifurcation::SlidingBifurcation;
@@ -507,7 +507,7 @@ impl Orbit for AffineOrbit {
 
     fn zero_of(
         &self,
-        what: Passed,
+        what: Crossed,
         from: &Node,
         ends: [f64; 2],
         tolerance: f64,
@@ -518,12 +518,12 @@ impl Orbit for AffineOrbit {
             Some((place, error * self.unit().abs()))
         };
         match what {
-            Passed::Zero(1) => {
+            Crossed::Zero(1) => {
                 let lost = self.symmetry_lost(from, ends, tolerance);
                 lost.or_else(|| crossing(1))
             }
-            Passed::Zero(_) => None,
-            Passed::Several(count) => crossing(count),
+            Crossed::Zero(_) => None,
+            Crossed::Several(count) => crossing(count),
         }
     }
 

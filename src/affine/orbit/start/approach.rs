@@ -6,7 +6,7 @@ use super::failure::NoStart;
 use super::guess::{FROM_A_GUESS, OrbitGuess};
 use super::rest::{ENDLESS, moves, rests, speed};
 use super::returns::{Recurrence, Returns, returning};
-use super::switches::{closed, from_switch, next_switch, run, sizes};
+use super::switches::{Settling, closed, from_switch, next_switch, run};
 use super::{Beginning, Search, Wanted};
 use crate::affine::mode::AffineSystem;
 use crate::affine::motion::{Moment, Motion, Step, Switching};
@@ -18,7 +18,6 @@ use crate::linalg::Vector;
 pub(super) struct Approach<'a> {
     wanted: &'a Wanted,
     system: &'a AffineSystem,
-    beginning: &'a Beginning,
     pub motion: Motion<'a>,
     /// Period of the forcing.
     pub forcing: Option<f64>,
@@ -26,8 +25,7 @@ pub(super) struct Approach<'a> {
     settle: f64,
     /// Time of its last switch by then; zero where there was none.
     last_switch: f64,
-    /// Sizes of the states by then.
-    sizes: Vec<f64>,
+    settling: Settling,
 }
 
 impl<'a> Approach<'a> {
@@ -49,20 +47,14 @@ impl<'a> Approach<'a> {
             (None, Search::Guess(time)) => time,
             (None, Search::Settles(_)) => settle.max(1.0),
         };
-        let place = Moment {
-            time: 0.0,
-            phase: beginning.phase,
-            mode: beginning.mode,
-            state: beginning.state.clone(),
-        };
-        let mut motion = Motion::new(system, place, longest);
+        let begin = Moment::from(beginning);
+        let mut motion = Motion::new(system, begin.clone(), longest);
         let switches = run(&mut motion, settle)?;
         Ok(Approach {
             last_switch: switches.last().map_or(0.0, |(last, _)| last.time),
-            sizes: sizes(&beginning.state, &switches),
+            settling: Settling::new(system, begin, switches, motion.place()),
             wanted,
             system,
-            beginning,
             motion,
             forcing,
             settle,
@@ -106,7 +98,7 @@ impl<'a> Approach<'a> {
     pub fn over_periods(&mut self, period: f64, search: Search) -> Result<OrbitGuess, NoStart> {
         let most = self.periods() as usize;
         let recurrence = Recurrence::Phase(period);
-        let none = Returns::none(self.system, &recurrence, &self.sizes, &self.motion);
+        let none = Returns::none(self.system, &recurrence, &self.settling, &self.motion);
         match search {
             Search::Settles(_) => returning(&none, &mut self.motion, most),
             Search::Guess(_) => none.followed(&mut self.motion, most),
@@ -164,7 +156,7 @@ impl<'a> Approach<'a> {
             return Err(NoStart::Rests { time, place });
         }
         let here = self.motion.place();
-        let rests = |place: &Moment| rests(self.system, place, &self.beginning.state);
+        let rests = |place: &Moment| rests(self.system, place, &self.settling.begin.state);
         match reason {
             // of what decays for ever numbers are lost in the end
             NoStart::Halted(_) if rests(&settled) => {
@@ -189,7 +181,7 @@ impl<'a> Approach<'a> {
         let mut before = f64::INFINITY;
         for _ in 0..INTERVALS {
             let here = self.motion.place();
-            if rests(self.system, here, &self.beginning.state) {
+            if rests(self.system, here, &self.settling.begin.state) {
                 return true;
             }
             let now = speed(self.system, here);
@@ -222,7 +214,7 @@ impl<'a> Approach<'a> {
         let (first, _) = next_switch(&mut self.motion, longest)?;
         let most = self.periods() as usize;
         let recurrence = Recurrence::Switch(first, longest);
-        let none = Returns::none(self.system, &recurrence, &self.sizes, &self.motion);
+        let none = Returns::none(self.system, &recurrence, &self.settling, &self.motion);
         returning(&none, &mut self.motion, most)
     }
 
@@ -233,7 +225,7 @@ impl<'a> Approach<'a> {
                 self.wanted,
                 self.system,
                 (place, self.last_switch),
-                &self.sizes,
+                &self.settling.sizes,
             )?;
         }
         // a switch that leads to where infinitely many others end

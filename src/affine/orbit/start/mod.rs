@@ -17,11 +17,12 @@ use serde::{Deserialize, Serialize};
 use super::layout::AffineOrbit;
 use super::row::SavedOrbit;
 use crate::affine::closure::Prescribed;
-use crate::affine::motion::Moment;
+use crate::affine::motion::{Halt, Moment};
 use crate::affine::system::System;
 use crate::linalg::Vector;
 use approach::Approach;
 use guess::{FROM_A_GUESS, OrbitGuess};
+use rest::lost_in_a_point;
 use unknowns::pose;
 
 /// Where a motion begins.
@@ -33,6 +34,17 @@ pub struct Beginning {
     pub state: Vec<f64>,
     /// Phase of the forcing.
     pub phase: f64,
+}
+
+impl From<&Beginning> for Moment {
+    fn from(beginning: &Beginning) -> Moment {
+        Moment {
+            time: 0.0,
+            phase: beginning.phase,
+            mode: beginning.mode,
+            state: beginning.state.clone(),
+        }
+    }
 }
 
 impl From<Moment> for Beginning {
@@ -103,6 +115,10 @@ pub fn first(
         let NoStart::Halted(halt) = reason else {
             return reason;
         };
+        if let Some(place) = resting(wanted, beginning, search, &halt) {
+            let time = place.time;
+            return NoStart::Rests { time, place };
+        }
         match halt.place() {
             Some((mode, guard)) => NoStart::Stuck {
                 mode: wanted.system.mode_name(mode).into_owned(),
@@ -112,6 +128,21 @@ pub fn first(
             None => NoStart::Halted(halt),
         }
     })
+}
+
+/// Where a motion without forcing spirals in that halts for lack of numbers.
+fn resting(wanted: &Wanted, beginning: &Beginning, search: Search, halt: &Halt) -> Option<Moment> {
+    let Search::Settles(settle) = search else {
+        return None;
+    };
+    if matches!(halt, Halt::Chattering { .. } | Halt::Unbounded { .. }) {
+        return None;
+    }
+    let system = wanted.system.at(&wanted.values, &[]).ok()?;
+    let begin = Moment::from(beginning);
+    (system.omega.value == 0.0)
+        .then(|| lost_in_a_point(&system, begin, settle))
+        .flatten()
 }
 
 /// The same, with numbers of modes and guards in its failures.

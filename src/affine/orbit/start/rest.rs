@@ -2,8 +2,9 @@
 
 use super::Wanted;
 use super::failure::NoStart;
+use super::switches::{Settling, Switches, moved};
 use crate::affine::mode::AffineSystem;
-use crate::affine::motion::Moment;
+use crate::affine::motion::{Moment, Motion, Step, Switching};
 use crate::affine::orbit::behaviour::RETURNED;
 use crate::linalg::Vector;
 
@@ -23,6 +24,70 @@ pub(super) fn speed(system: &AffineSystem, place: &Moment) -> f64 {
     let z = system.lift(place.mode, &place.state, place.phase);
     let rates = &system.modes[place.mode].matrix.at * z;
     rates.rows(0, system.states).amax()
+}
+
+/// Whether a motion without forcing spirals into a point on a surface, by its zones, the last one first: the
+/// last ones move no state by a part that counts of its size over the whole motion, and by less than those before, and take as
+/// long. Zones that accumulate become ever shorter.
+pub(super) fn spirals_in<'a>(
+    system: &AffineSystem,
+    zones: impl Iterator<Item = (&'a Moment, &'a Switching)>,
+    whole: &[f64],
+) -> bool {
+    /// Zones of the smallest group that is compared with those before it, and of the largest, each of twice as many.
+    const LEAST: usize = 4;
+    const MOST: usize = 32;
+    /// An orbit on which a motion settles changes by much less.
+    const FALLS: f64 = 0.99;
+    const LASTS: f64 = 0.5;
+    let told = zones.take(2 * MOST).map(|(entry, end)| {
+        let moved = moved(system, entry, &end.before, end.time);
+        (Vector::from_vec(moved), end.time - entry.time)
+    });
+    let told: Vec<(Vector, f64)> = told.collect();
+    let whole = Vector::from_column_slice(whole);
+    let whole = told
+        .iter()
+        .fold(whole, |whole, (moved, _)| whole.sup(moved));
+    let part = |moved: &Vector| {
+        let parts = moved.iter().zip(&whole);
+        parts.fold(0.0_f64, |most, (moved, whole)| match *moved > 0.0 {
+            true => most.max(moved / whole),
+            false => most,
+        })
+    };
+    let told: Vec<(f64, f64)> = told
+        .iter()
+        .map(|(moved, time)| (part(moved), *time))
+        .collect();
+    let farthest = |group: &[(f64, f64)]| group.iter().map(|zone| zone.0).fold(0.0, f64::max);
+    let time = |group: &[(f64, f64)]| group.iter().map(|zone| zone.1).sum::<f64>();
+    let shrinks = |count: usize| {
+        let (last, before) = told[..2 * count].split_at(count);
+        farthest(last) <= FALLS * farthest(before) && time(last) >= LASTS * time(before)
+    };
+    let mut counts = std::iter::successors(Some(LEAST), |count| Some(2 * count))
+        .take_while(|count| 2 * count <= told.len());
+    told.len() >= 2 * LEAST && farthest(&told[..LEAST]) <= RETURNED && counts.all(shrinks)
+}
+
+/// Where a motion spirals in that comes to no end but that of numbers: of what decays for ever they are lost.
+pub(super) fn lost_in_a_point(system: &AffineSystem, begin: Moment, settle: f64) -> Option<Moment> {
+    /// Switches at most.
+    const MOST: usize = 1_000_000;
+    let mut motion = Motion::new(system, begin.clone(), settle.max(1.0));
+    let mut switches = Switches::new();
+    while switches.len() < MOST {
+        let until = motion.place().time + ENDLESS.max(settle);
+        match motion.step(until) {
+            Ok(Step::Switched(switching)) => switches.push((switching, motion.place().clone())),
+            Ok(_) => return None,
+            Err(_) => break,
+        }
+    }
+    let place = motion.place();
+    let settling = Settling::new(system, begin, switches, place);
+    spirals_in(system, settling.zones().rev(), &settling.sizes).then(|| place.clone())
 }
 
 /// The states that stand still for ever in the mode of a place, whatever the others and the phase do, if one of them could

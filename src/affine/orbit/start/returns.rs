@@ -5,7 +5,8 @@ use std::f64::consts::TAU;
 
 use super::failure::NoStart;
 use super::guess::OrbitGuess;
-use super::switches::{MOST_SWITCHES, Switches, closed, next_switch, run};
+use super::rest::spirals_in;
+use super::switches::{MOST_SWITCHES, Settling, Switches, closed, next_switch, run, zones};
 use crate::affine::mode::AffineSystem;
 use crate::affine::motion::{Moment, Motion, Switching};
 use crate::affine::orbit::behaviour::RETURNED;
@@ -101,8 +102,7 @@ impl Recurrence {
 pub(super) struct Returns<'a> {
     system: &'a AffineSystem,
     recurrence: &'a Recurrence,
-    /// Sizes of the states over the whole motion.
-    whole: &'a [f64],
+    settling: &'a Settling,
     /// Where it is at first and at every return, and how many switches it has come through until then.
     places: Vec<(Moment, usize)>,
     switches: Switches,
@@ -113,13 +113,13 @@ impl<'a> Returns<'a> {
     pub fn none(
         system: &'a AffineSystem,
         recurrence: &'a Recurrence,
-        whole: &'a [f64],
+        settling: &'a Settling,
         motion: &Motion,
     ) -> Returns<'a> {
         Returns {
             system,
             recurrence,
-            whole,
+            settling,
             places: vec![(motion.place().clone(), 0)],
             switches: Switches::new(),
         }
@@ -127,7 +127,7 @@ impl<'a> Returns<'a> {
 
     /// None yet of those that follow.
     fn after(&self, motion: &Motion) -> Returns<'a> {
-        Returns::none(self.system, self.recurrence, self.whole, motion)
+        Returns::none(self.system, self.recurrence, self.settling, motion)
     }
 
     fn count(&self) -> usize {
@@ -150,6 +150,13 @@ impl<'a> Returns<'a> {
         &self.switches[self.places[from].1..self.places[to].1]
     }
 
+    /// Whether the motion spirals into a point.
+    fn spirals_in(&self) -> bool {
+        let own = zones(&self.places[0].0, &self.switches).rev();
+        let all = own.chain(self.settling.zones().rev());
+        spirals_in(self.system, all, &self.settling.sizes)
+    }
+
     /// How far the motion is off at one from where it is at an earlier one.
     fn off(&self, from: usize, to: usize) -> f64 {
         let [begin, here] = [from, to].map(|index| &self.places[index].0);
@@ -157,7 +164,7 @@ impl<'a> Returns<'a> {
             return f64::INFINITY;
         }
         let way = (self.between(from, to), to - from);
-        distance(self.system, begin, here, way, self.whole)
+        distance(self.system, begin, here, way, &self.settling.sizes)
     }
 
     /// The course over so many more.
@@ -223,7 +230,9 @@ pub(super) fn returning(
             }
             tried.push(all.off(0, all.count()));
         }
-        if matches!(all.recurrence, Recurrence::Switch(..)) && shrinks(&all) {
+        if let Recurrence::Switch(..) = all.recurrence
+            && all.spirals_in()
+        {
             let place = motion.place().clone();
             let time = place.time;
             return Err(NoStart::Rests { time, place });
@@ -270,30 +279,4 @@ pub(super) fn returning(
         }
         before = last;
     }
-}
-
-/// Whether a motion that returns to a switch shrinks to a point, as where it spirals into an equilibrium on a surface: its
-/// rates move no state by a part that counts of its size over the whole motion, and the change from one return to the next
-/// is no less than a part of that.
-fn shrinks(all: &Returns) -> bool {
-    /// The orbit that a motion settles on changes by much less over a return.
-    const SHRINKS: f64 = 1e-3;
-    let whole = all.whole;
-    let [begin, last] = [0, all.count()].map(|index| &all.places[index].0);
-    let mut sizes = vec![0.0; whole.len()];
-    let mut from = begin;
-    for (switching, place) in all.between(0, all.count()) {
-        let z = all.system.lift(from.mode, &from.state, from.phase);
-        let rates = &all.system.modes[from.mode].matrix.at * z;
-        for (size, rate) in sizes.iter_mut().zip(&rates) {
-            *size += rate.abs() * (switching.time - from.time);
-        }
-        from = place;
-    }
-    let pairs = begin.state.iter().zip(&last.state);
-    let changes: Vec<f64> = pairs.map(|(x, y)| (x - y).abs()).collect();
-    let mut pairs = sizes.iter().zip(whole);
-    let small = pairs.all(|(size, whole)| *size <= RETURNED * whole);
-    let mut changing = changes.iter().zip(&sizes);
-    small && changing.any(|(change, size)| *size > 0.0 && *change >= SHRINKS * size)
 }

@@ -1,6 +1,7 @@
 //! Switches that a motion comes through, and the zones between them.
 
 use super::failure::NoStart;
+use crate::affine::mode::AffineSystem;
 use crate::affine::motion::{Moment, Motion, Step, Switching};
 
 /// Most switches of one orbit.
@@ -47,15 +48,71 @@ pub(in crate::affine::orbit) fn run(motion: &mut Motion, until: f64) -> Result<S
     }
 }
 
-/// The largest value of every state where a motion begins and at its switches.
-pub(super) fn sizes(begin: &[f64], switches: &Switches) -> Vec<f64> {
-    let mut sizes: Vec<f64> = begin.iter().map(|x| x.abs()).collect();
-    for (Switching { before, .. }, place) in switches {
-        for (size, (x, y)) in sizes.iter_mut().zip(before.iter().zip(&place.state)) {
-            *size = size.max(x.abs()).max(y.abs());
+/// How a motion came to where it has settled.
+pub(super) struct Settling {
+    pub begin: Moment,
+    pub switches: Switches,
+    /// The largest value of every state where it begins, at its switches and at a last place, or what its rates make of a zone: on
+    /// a surface a state may be zero at all of them.
+    pub sizes: Vec<f64>,
+}
+
+impl Settling {
+    /// Through switches to a last place.
+    pub fn new(
+        system: &AffineSystem,
+        begin: Moment,
+        switches: Switches,
+        last: &Moment,
+    ) -> Settling {
+        let mut sizes: Vec<f64> = begin.state.iter().map(|x| x.abs()).collect();
+        let ends = switches.iter().map(|(end, _)| (&end.before, end.time));
+        let ends = ends.chain([(&last.state, last.time)]);
+        let entries = std::iter::once(&begin).chain(switches.iter().map(|(_, place)| place));
+        for (entry, (end, time)) in entries.zip(ends) {
+            let moved = moved(system, entry, end, time);
+            let states = entry.state.iter().zip(end).zip(moved);
+            for (size, ((x, y), moved)) in sizes.iter_mut().zip(states) {
+                *size = size.max(x.abs()).max(y.abs()).max(moved);
+            }
+        }
+        Settling {
+            begin,
+            switches,
+            sizes,
         }
     }
-    sizes
+
+    /// Its zones.
+    pub fn zones(&self) -> impl DoubleEndedIterator<Item = (&Moment, &Switching)> {
+        zones(&self.begin, &self.switches)
+    }
+}
+
+/// Entries and ends of the zones from a place through these switches.
+pub(super) fn zones<'a>(
+    begin: &'a Moment,
+    switches: &'a [(Switching, Moment)],
+) -> impl DoubleEndedIterator<Item = (&'a Moment, &'a Switching)> {
+    (0..switches.len()).map(move |index| {
+        let entry = index
+            .checked_sub(1)
+            .map_or(begin, |before| &switches[before].1);
+        (entry, &switches[index].0)
+    })
+}
+
+/// How far every state moves in a zone from its entry to an end at this time, or by its rate at the entry as long as that lasts.
+pub(super) fn moved(system: &AffineSystem, entry: &Moment, end: &[f64], time: f64) -> Vec<f64> {
+    let matrix = &system.modes[entry.mode].matrix.at;
+    let rates = matrix * system.lift(entry.mode, &entry.state, entry.phase);
+    let changes = matrix * &rates;
+    let states = entry.state.iter().zip(end).zip(rates.iter().zip(&changes));
+    let moved = states.map(|((x, y), (rate, change))| {
+        let lasts = (rate / change).abs().min(time - entry.time);
+        (y - x).abs().max(rate.abs() * lasts)
+    });
+    moved.collect()
 }
 
 /// The zones of a motion that has returned after `time` to where it was: from its first switch on.
