@@ -50,6 +50,10 @@ LAYERED = f"""({MODEL.replace("mismatch: 0.2", "mismatch: 0.2, damping: (stiffne
     continuation: (parameter: Mismatch, range: (0.04315, 0.2), toward: Down, stop_after: [(event: GR, count: 1)]),
 )"""
 """Slip and stick with a layer, reverse slip from RV on."""
+SLOW = f"""({MODEL.replace("mismatch: 0.2", "mismatch: 0.8")} wave: (mode: 4, start: Slow),
+    continuation: (parameter: Mismatch, range: (0.5, 6.0), toward: Down, stop_at: [0.653731], stop_after: [(event: UZ, count: 2)]),
+)"""
+"""A fold of a wave that separates, with a value just above it that is met on either side."""
 SHIFT = 1 + 1e-12
 
 
@@ -318,6 +322,15 @@ class Certificates(Certified):
         point = (r'condition: Value\("0.2"\)', 'condition: Value("0.05")'), (r"parameter: 0\.2,", "parameter: 0.05,")
         interval = (r"low: 0\.1\d*,\s*high: 0\.2\d*,", "low: 0.04999999999999999, high: 0.05000000000000002,")
         self.refuses("layered", "inequalities", *point, interval)
+
+    def test_boxes_that_have_another_wave(self):
+        (self.work / "slow.ron").write_text(SLOW, encoding="utf-8")
+        self.folders["slow"] = self.work / "slow"
+        self.program("certify", "slow.ron", "--out", "slow", "--quiet")
+        code, output = self.forged("slow", (r"(label: 4,.*?unique: )[^,]*", r"\g<1>0.05"))
+        del self.folders["slow"]
+        self.assertEqual(code, 1, output)
+        self.assertIn("the solution of label 6 lies in the box of label 4, too", output)
 
     def test_margins_belong_to_their_zones(self):
         # Q + fP has a zero in slip, too, where no switch asks for it; so has W − 1 where nothing lands

@@ -1099,15 +1099,20 @@ class Orbit:
             vectors.append([(y.conjugate() if isinstance(y, acb) else y).mid() / largest for y in null])
         return scale, *vectors
 
-    @ctx.workprec(SIGNS)
-    def unique(self, zero, distance):
-        """Less than 1 if there is no other orbit with its parameter within a distance, and its other unknowns within the same
-        share of their units. States between the steps of the program are no unknowns here, so that more is shown."""
+    def radii(self, _, distance):
+        """The box of a distance of the parameter, and of the other unknowns with the same share of their units."""
         units = self.posed["units"]
         each = [*map(double, units["states"]), double(units["time"])] * len(self.stretches)
         each += [1.0] * int(self.forced) + [double(units["parameter"])] + [1.0] * (self.kind == "Torus")
         share = arb(double(distance)) / arb(double(units["parameter"]))
-        radii, middle = [arb(unit) * share for unit in each], [real(y) for y in zero.middle]
+        return [arb(unit) * share for unit in each]
+
+    @ctx.workprec(SIGNS)
+    def unique(self, zero, distance):
+        """Less than 1 if there is no other orbit with its parameter within a distance, and its other unknowns within the same
+        share of their units. States between the steps of the program are no unknowns here, so that more is shown."""
+        radii, middle = self.radii(zero, distance), [real(y) for y in zero.middle]
+        share = radii[self.place] / double(self.posed["units"]["parameter"])
         return self.apart([real(phase) + arb(0, 1) * share for phase, *_ in self.parts(middle)[1]]).alone(middle, radii)
 
     def apart(self, phases):

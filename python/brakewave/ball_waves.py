@@ -296,15 +296,18 @@ class Wave:
             x[self.base - 1] = decimal(self.condition.value)
         return x
 
-    def unique(self, zero, distance):
-        """Less than 1 if the equations are injective where the parameter is within a distance, and the other unknowns
-        within the same share of their units, of the zero."""
+    def radii(self, zero, distance):
+        """The box where the parameter is within a distance, and the other unknowns within the same share of their units."""
         middle = [y.real for y in zero.middle]
         zones = [middle[3 * i : 3 * i + 3] for i in range(self.count)]
         period, rate = sum(abs(t) for _, _, t in zones), size([1] + [w for _, w, _ in zones])
         units = [unit for y, _, t in zones for unit in (abs(y).max(period), rate, abs(t).max(period))]
         units += [middle[self.base - 2], arb(double(self.posed["unit"]))] + [abs(y).max(arb(1)) for y in middle[self.base :]]
-        radii = [unit * (arb(double(distance)) / units[self.base - 1]) for unit in units]
+        return [unit * (arb(double(distance)) / units[self.base - 1]) for unit in units]
+
+    def unique(self, zero, distance):
+        """Less than 1 if the equations are injective over the box of a distance about the zero."""
+        middle, radii = [y.real for y in zero.middle], self.radii(zero, distance)
         found = lambda box, _: self.slope(box, radii)
         return injective(found, middle, radii, [self.base - 2, self.base - 1])
 

@@ -25,6 +25,7 @@ try:
     from flint import acb, acb_mat, arb, ctx
 
     from .ball_arcs import join
+    from .ball_boxes import orbit_within, same_condition, wave_within
     from .ball_cuts import is_refuted
     from .ball_layers import Layered, LayeredSigns
     from .ball_orbits import Orbit, agree, counted, kind_of, listed, zones_of
@@ -301,6 +302,20 @@ class Point(Statements):
     def once(self):
         must(self.solved.primitive(self.x), "it may be a wave of a part of the wavelength")
         self.first()
+
+    within = staticmethod(wave_within)
+
+    def of_zero(self, zero):
+        """A zero of the equations, as the wave and its unknowns."""
+        return self.solved, self.solved.enclosed(zero)
+
+    def unit(self):
+        return self.posed["unit"]
+
+    def alike(self, other):
+        layered = isinstance(self.solved, Layered)
+        same = not layered and other.solved is not None and same_condition(self.proof["condition"], other.proof["condition"])
+        return same and {**self.posed, "written": self.fixed()} == {**other.posed, "written": other.fixed()}
 
     def is_event_of(self, other):
         """Whether the event of another point may be the same. Values of the parameter are none."""
@@ -639,6 +654,15 @@ class OrbitPoint(Statements):
     def once(self):
         must(self.solved.primitive(self.x), "it may be an orbit of a part of it")
         self.first()
+
+    within = staticmethod(orbit_within)
+
+    def of_zero(self, zero):
+        """A zero of the equations, as the orbit and its unknowns."""
+        return self.solved, [acb(arb(y.real, zero.radius)) for y in zero.middle]
+
+    def unit(self):
+        return self.posed["units"]["parameter"]
 
     def is_event_of(self, other):
         """Whether the event of another point may be the same. Values of the parameter are none."""

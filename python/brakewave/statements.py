@@ -8,6 +8,7 @@ from fractions import Fraction
 
 from flint import acb, arb
 
+from .ball_boxes import others, same_condition
 from .ball_equilibria import evaluated
 from .balls import Named, NotCovered, Number, Tagged, decimal, double, exact, must, whole
 
@@ -17,6 +18,9 @@ WIDEST = 0.01
 """A distance of uniqueness is stated up to this share of the units."""
 ROUNDINGS, CANCELLED = Fraction(1, 2**48), Fraction(1, 10**9)
 """How far a double may be from the value of an expression: by a few roundings, and where some digits cancel."""
+
+SEARCHED = 6
+"""Shares of a box, each half of the one before, from which another solution is searched for in it."""
 
 
 NUMBER = re.compile(r"[-+]?(?:(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?|inf)")
@@ -199,8 +203,37 @@ class Statements:
         found = self.kind()
         must(found == self.point["kind"], f"what vanishes there makes it {found}")
 
+    def alike(self, other):
+        """Whether the solution at another point is one of the same equations, with the same event."""
+        fixed = lambda it: it.posed | {"values": [y for k, y in enumerate(it.posed["values"]) if k != it.posed["parameter"]]}
+        same = other.solved is not None and same_condition(self.proof["condition"], other.proof["condition"])
+        return same and fixed(self) == fixed(other)
+
+    def contains(self, told, solution):
+        """Whether the whole of another solution lies in the box of a distance about the solution of the point."""
+        return self.within(*self.of_zero(self.zero), *solution, arb(told) / arb(double(self.unit())))
+
+    def alone(self):
+        """That no proven point of the certificate is another solution in the box, nor this one in the box of a point before."""
+        for other in [*(it for it in self.earlier if self.alike(it)), *([self] if self.alike(self) else [])]:
+            for one, two in ((self, other), (other, self)):
+                there = one.contains(double(one.said["unique"]), two.of_zero(two.zero))
+                must(not there, f"the solution of label {whole(two.point['label'])} lies in the box of label {whole(one.point['label'])}, too")
+
+    def unsettled(self, told, shown):
+        """That none is found in the box of a distance where it is searched for, beyond the distance that is shown."""
+        if not self.alike(self):
+            return
+        shares = [2.0**-k for k in range(SEARCHED) if told * 2.0**-k > shown]
+        for zero in others(self.solved.equations, self.zero.middle, self.solved.radii(self.zero, told), shares):
+            must(not self.contains(told, self.of_zero(zero)), "another solution lies in the box")
+
     def unique(self):
-        distance = self.said["unique"]
+        told = distance = double(self.said["unique"])
+        self.alone()
+        if not told:
+            # the zero is regular
+            return
         for _ in range(2):
             norm = self.solved.unique(self.zero, distance)
             if norm < 1:
@@ -208,8 +241,10 @@ class Statements:
             # about in proportion to the distance
             distance *= 0.7 / float(norm) if norm < 1e6 else 1e-3
         else:
+            self.unsettled(told, distance)
             raise NotCovered("not shown over a box that large; the solution is regular")
-        if distance < self.said["unique"]:
+        if distance < told:
+            self.unsettled(told, distance)
             raise NotCovered(f"shown within {distance:.0e}; over a larger box balls overestimate the Jacobian")
 
     def arc(self):
