@@ -327,6 +327,9 @@ class Certificates(Certified):
         (self.work / "slow.ron").write_text(SLOW, encoding="utf-8")
         self.folders["slow"] = self.work / "slow"
         self.program("certify", "slow.ron", "--out", "slow", "--quiet")
+        # what is stated truly is shown, though it is told much more widely than entries and speeds are known apart
+        code, output = check(self.folders["slow"])
+        self.assertEqual((code, len(re.findall("no other within [^\n]*: proven again", output))), (0, 6), output)
         code, output = self.forged("slow", (r"(label: 4,.*?unique: )[^,]*", r"\g<1>0.05"))
         del self.folders["slow"]
         self.assertEqual(code, 1, output)

@@ -36,6 +36,8 @@ SYSTEM = """(
     continuation: (parameter: "A", range: (0.05, 0.12), toward: Down), stability: (),
 )"""
 """An end, a fold, a graze, an end."""
+FREQUENCY = (Path(__file__).resolve().parent.parent / "problems/friction_oscillator.ron").read_text(encoding="utf-8")
+"""An end, the onset of stick, a value, an end."""
 TWICE = SYSTEM.replace("toward: Down", "toward: Down, stop_at: [0.099971]")
 """The same with a value just above the fold, where it is met on either side of it, and beyond the graze."""
 PAIR = (
@@ -233,6 +235,7 @@ class Certificates(Certified):
     PROBLEMS = {
         "impact": SYSTEM, "named": NAMED, "pair": PAIR, "friction": FRICTION, "threshold": THRESHOLD, "loss": LOSS, "graze": SYSTEM,
         "beside": BESIDE, "pole": POLE, "dip": DIP, "doubled": DOUBLED, "mark": MARK, "twice": TWICE,
+        "frequency": FREQUENCY,
     }  # fmt: skip
     OPTIONS = {"graze": ["--arcs"], "dip": ["--arcs"]}
 
@@ -279,6 +282,11 @@ class Certificates(Certified):
 
         # the orbit of label 6 does without the impact, and is none of the same equations: what is shown holds beside it
         self.assertEqual(check(self.folders["twice"])[0], 0)
+
+    def test_boxes_where_the_frequency_varies(self):
+        """Where a parameter is the frequency of the forcing it is in every flow, and phases gain by all durations."""
+        code, told = check(self.folders["frequency"])
+        self.assertEqual((code, len(re.findall("no other within [^\n]*: proven again", told))), (0, 4), told)
 
     def test_a_box_without_a_size(self):
         """A distance of zero says no more than that the orbit is regular."""

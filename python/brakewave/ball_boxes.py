@@ -77,6 +77,8 @@ def orbit_within(orbit, x, other, y, share):
 
 def wave_within(wave, x, other, y, share):
     """The same of waves, with the least units that states between steps may have."""
+    if len(wave.zones) != len(other.zones):
+        return False
     here, there = wave.parts(x), other.parts(y)
     period = sum((abs(real(zone[2])) for zone in here.zones), arb(0))
     rate = size([1] + [zone[1] for zone in here.zones])

@@ -348,7 +348,7 @@ class Rest:
         middle, radii = [acb(x.real) for x in zero.middle], self.radii(zero, distance)
         of = lambda box, _: jacobian(self.equations, [acb(x) for x in box])
         try:
-            return injective(of, middle, radii, [self.size])
+            return injective(of, middle, radii, [self.size], told=[self.size] if self.kind == "Value" else [])
         except NotCovered:
             return arb("inf")
 

@@ -17,7 +17,7 @@ from math import inf
 from flint import acb, acb_mat, acb_poly, arb, arb_poly, ctx, fmpq, fmpq_poly
 
 from .ball_contacts import Contacts
-from .balls import SIGNS, Dual, NotCovered, Refused, Tagged, apply, as_matrix, decimal, distance, double, dual, exact, exponential, injective, must, positive, prove_zero, real, tail, times, value_of, whole
+from .balls import SIGNS, Dual, NotCovered, Refused, Tagged, apply, as_matrix, bent, decimal, distance, double, dual, exact, exponential, injective, must, parted, positive, prove_zero, real, tail, times, value_of, whole
 
 NEAR = 1e-6
 """What is zero at a point is found for all values of the parameter so near, in its unit."""
@@ -39,7 +39,7 @@ class Ratio:
         over, under = (fmpq_poly([it]) if isinstance(it, (int, fmpq)) else it for it in (over, under))
         must(under != 0, "a division by zero")
         common = over.gcd(under)
-        self.over, self.under, self.balls = over // common, under // common, None
+        self.over, self.under, self.balls, self.slope = over // common, under // common, None, None
 
     def __add__(self, other):
         other = ratio(other)
@@ -76,6 +76,13 @@ class Ratio:
         over, under = (acb_poly(it)(acb(domain)) for it in (self.over, self.under))
         return not over.contains(0) and not under.contains(0)
 
+    def rate(self):
+        """Its derivative."""
+        if self.slope is None:
+            over, under = self.over, self.under
+            self.slope = Ratio(over.derivative() * under - over * under.derivative(), under * under)
+        return self.slope
+
     def at(self, parameter):
         """Its value at a number, with the derivative where that has one and it has one too."""
         if self.balls is None or self.balls[0] != ctx.prec:
@@ -87,6 +94,8 @@ class Ratio:
         if constant is not None:
             return constant
         x = parameter.v if isinstance(parameter, Dual) else parameter
+        if isinstance(x, Dual):
+            return Dual(self.at(x), self.rate().at(x) * parameter.d)
         if under.degree() == 0:
             value, slope = over(x) / under[0], lambda: rise(x) / under[0]
         else:
@@ -391,7 +400,7 @@ class Modes:
         """The modes in numbers, at a value of the parameter: each when it is asked for."""
         there = copy(self)
         # a common factor may hide that something is divided by zero
-        value = parameter.v if isinstance(parameter, Dual) else parameter
+        value = value_of(value_of(parameter))
         must(all(ratio(it).clear(value) for it in self.divisors), "a division by what may be zero")
         for number, strict in self.signs:
             sign = real(ratio(number).at(acb(value)))
@@ -1145,7 +1154,58 @@ class Orbit:
                 return None
             return as_matrix([row + [0] * (self.kind == "Torus") for row in scaled] + ends)
 
-        return injective(jacobian, middle, radii, [self.place], FINER)
+        told = [self.place] if self.kind == "Value" else [self.times[at] for at in self.closed[:1]]
+        norm = injective(jacobian, middle, radii, [self.place], FINER, told)
+        return norm if norm < 1 or critical else norm.min(self.curved(middle, radii))
+
+    def curved(self, middle, radii):
+        """The same by second derivatives. Where there is a forcing, the phases at entries are unknowns in place of the durations, which
+        are what they gain: an instant then depends on no duration before it."""
+        n, count, period = self.n, len(self.stretches), self.place - 1
+        if any(stretch.end[0] in ("cut", "never") for stretch in self.stretches):
+            return arb("inf")
+        phases = range(n, count * (n + 1), n + 1)
+        held, value = {"Value": len(middle) - 1}.get(self.kind), middle[self.place]
+        share, free, lasting = radii[period], self.apart(None), [middle[at] for at in self.times]
+
+        def unknowns(y):
+            """States, durations, the phase and the parameter."""
+            parameter = value if held else y[-1]
+            if not self.forced:
+                return [*y[: self.place], parameter]
+            at, omega = [y[k] for k in phases], free.modes(parameter)[0].omega
+            later = [*at[1:], at[0] + (2 - self.half) * self.periods * arb.pi()]
+            x = list(y[: count * (n + 1)])
+            for k, begin, end in zip(phases, at, later):
+                x[k] = (end - begin) / omega
+            return [*x, at[0], parameter]
+
+        def equations(y):
+            # that of the period holds as it stands, and so does that of a value
+            found = free.equations(unknowns(y))
+            return [z for k, z in enumerate(found) if k != (period if self.forced else None) and not (held and k == held)]
+
+        if self.forced:
+            entries = [real(phase) for phase, *_ in self.parts(middle)[1]]
+            middle, radii = list(middle), list(radii)
+            for k, phase in zip(phases, entries):
+                middle[k], radii[k] = phase, share
+            middle, radii = ([*it[:period], it[self.place]] for it in (middle, radii))
+        middle, radii = (it[:-1] if held else it for it in (middle, radii))
+        size, own = len(middle), lambda k: k // (n + 1)
+        is_state = lambda k: k < count * (n + 1) and k % (n + 1) < n
+        # a state enters by the flow of its own stretch, linearly
+        near = lambda k, m: not is_state(m) and (m >= count * (n + 1) or own(m) in (own(k), (own(k) + 1) % count))
+        pairs = [(j, k) for j in range(size) for k in range(j, size) if (not is_state(j) or near(j, k)) and (not is_state(k) or near(k, j))]
+        # most is lost in the parameter, or in the longest zone
+        longest = max(range(count), key=lambda k: float(real(lasting[k]).mid()))
+        worst = [size - 1] if not held else sorted({phases[longest], phases[(longest + 1) % count]} if self.forced else {phases[longest]})
+        norm = arb("inf")
+        for parts in (1, 4):
+            norm = norm.min(bent(equations, middle, list(parted(middle, radii, worst, parts)), radii, pairs))
+            if norm < 1 or not norm < 3:
+                break
+        return norm
 
     # ------------------------------------------------------------------------------------------------ symmetry
     def images(self, one, two):

@@ -10,6 +10,7 @@ from flint import acb, acb_mat, arb
 from .balls import (
     Dual,
     apply,
+    bent,
     decimal,
     differences,
     double,
@@ -19,10 +20,12 @@ from .balls import (
     injective,
     jacobian,
     must,
+    parted,
     positive,
     size,
     tail,
     times,
+    value_of,
     whole,
 )
 
@@ -282,7 +285,7 @@ class Wave:
             "LowerForce": force + m.static * contact,
             "UpperForce": m.h * ends[i][V] + m.damping - m.static * contact,
             "LandingSpeed": ends[i][DU],
-            "Impulse": self.impulse(m, c, ends[i][DU]) - (over if acb(dual(over).v).real.mid() > 0 else -over),
+            "Impulse": self.impulse(m, c, ends[i][DU]) - (over if real(value_of(value_of(over))).mid() > 0 else -over),
         }
         return [margins[watch]]
 
@@ -309,7 +312,21 @@ class Wave:
         """Less than 1 if the equations are injective over the box of a distance about the zero."""
         middle, radii = [y.real for y in zero.middle], self.radii(zero, distance)
         found = lambda box, _: self.slope(box, radii)
-        return injective(found, middle, radii, [self.base - 2, self.base - 1])
+        told = {"Value": [self.base - 1]}.get(self.kind, [] if self.vanishing is None else [3 * self.vanishing + 2])
+        norm = injective(found, middle, radii, [self.base - 2, self.base - 1], told=told)
+        return norm if norm < 1 else norm.min(self.curved(middle, radii))
+
+    def curved(self, middle, radii):
+        """The same by second derivatives."""
+        held, equations = self.kind == "Value", self.equations
+        if held:
+            value = middle[-1]
+            equations, middle, radii = (lambda x: self.equations([*x, value])[:-1]), middle[:-1], radii[:-1]
+        size = len(middle)
+        # equations of a fold are linear in its direction
+        linear = range(self.base, size) if self.kind == "Fold" else ()
+        pairs = [(j, k) for j in range(size) for k in range(j, size) if j not in linear]
+        return bent(equations, middle, list(parted(middle, radii, [], 1)), radii, pairs)
 
     def slope(self, box, units):
         """The Jacobian of the equations over a box, its columns times `units`."""
