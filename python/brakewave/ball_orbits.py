@@ -17,7 +17,7 @@ from math import inf
 from flint import acb, acb_mat, acb_poly, arb, arb_poly, ctx, fmpq, fmpq_poly
 
 from .ball_contacts import Contacts
-from .balls import SIGNS, Dual, NotCovered, Refused, Tagged, apply, as_matrix, bent, decimal, distance, double, dual, exact, exponential, injective, must, parted, positive, prove_zero, real, tail, times, value_of, whole
+from .balls import SIGNS, Dual, NotCovered, Refused, Tagged, apply, as_matrix, bent, decimal, distance, double, dual, exact, exponential, injective, lesser, must, parted, positive, prove_zero, real, second, tail, times, value_of, whole
 
 NEAR = 1e-6
 """What is zero at a point is found for all values of the parameter so near, in its unit."""
@@ -1156,7 +1156,71 @@ class Orbit:
 
         told = [self.place] if self.kind == "Value" else [self.times[at] for at in self.closed[:1]]
         norm = injective(jacobian, middle, radii, [self.place], FINER, told)
-        return norm if norm < 1 or critical else norm.min(self.curved(middle, radii))
+        if norm < 1 or critical and (border is None or self.kind == "Torus"):
+            return norm
+        return lesser(norm, self.curved_critical(middle, radii, border) if critical else self.curved(middle, radii))
+
+    def meeting(self):
+        """The pairs of unknowns in which the equations of the orbit have second derivatives: a state enters by the flow of its own stretch,
+        linearly, and a duration moves all later instants of the forcing."""
+        first = {place + i: at for place, at in zip(self.firsts, self.times) for i in range(self.n)}
+        size = self.place + 1
+        for j in range(size):
+            for k in range(j, size):
+                states = [it for it in (j, k) if it in first]
+                other = k if j in first else j
+                if not states and (self.forced or j == k or self.place in (j, k)) or len(states) == 1 and other in (first[states[0]], self.place):
+                    yield j, k
+
+    def curved_critical(self, middle, radii, border):
+        """The same where a multiplier is 1 or −1, with the null vector v of A, see `linear`, among the unknowns: Av = 0, ⟨l, v⟩ = 1. Where
+        the bordered matrix is regular over the box, by second derivatives, every v is in a box that follows."""
+        free, size, (scale, below, beside) = self.apart(None), self.place, border
+        factor, last, sign = self.factor(middle), self.place - self.forced - self.n - 1, -1 if self.half else 1
+        box = [y + radius * arb(0, 1) for y, radius in zip(middle, radii)]
+
+        def orbit(x):
+            return free.cycle(*free.parts(x))
+
+        def extended(y):
+            x, v = y[: size + 1], y[size + 1 :]
+            parameter = Dual(x[size], 0) if isinstance(x[size], Dual) else x[size]
+            both = [dual(z) for z in orbit([*(Dual(a, b * radius) for a, b, radius in zip(x, v, radii)), parameter])]
+            turned = [z.d for z in both]
+            for i in range(self.n):
+                turned[last + i] = turned[last + i] - v[i] * radii[i] * (sign * (factor - 1))
+            if self.forced:
+                turned[-1] = turned[-1] + v[size - 1] * radii[size - 1] * (1 - factor)
+            return [z.v for z in both] + turned + [sum(a * b for a, b in zip(v, below)) - 1]
+
+        rows = [[a * u * t for a, u in zip(row, radii)] for row, t in zip(self.closing(free.slope(middle).tolist(), factor), scale)]
+        both = as_matrix([*([*row, b] for row, b in zip(rows, beside)), [*below, 0]])
+        try:
+            inverse = both.mid().inv().mid()
+        except ZeroDivisionError:
+            return arb("inf")
+        pairs = list(self.meeting())
+        bounds = [[abs(y - int(i == j)).upper() for j, y in enumerate(row)] for i, row in enumerate((inverse * both).tolist())]
+        for j, k in pairs:
+            moved = [real(z) for z in second(orbit, box, radii, j, k)]
+            sizes = [abs(y).upper() for y in times(inverse, [*(a * t for a, t in zip(moved, scale)), arb(0)])]
+            for row, y in zip(bounds, sizes):
+                for place in {j, k} - {size}:
+                    row[place] += y
+        middle_of_v = [inverse[i, size] for i in range(size + 1)]
+        bounds, spread = as_matrix(bounds), [arb(0)] * (size + 1)
+        for _ in range(TURNED):
+            moved = [y.upper() for y in times(bounds, [abs(a) + b for a, b in zip(middle_of_v, spread)])]
+            if all(a < b for a, b in zip(moved, spread)):
+                break
+            spread = [a * 1.1 + ALMOST for a in moved]
+        else:
+            return arb("inf")
+        v, radius = [a.mid() for a in middle_of_v[:size]], [a.upper() for a in moved[:size]]
+        later = lambda place: size + 1 + place
+        mixed = sorted({(a, later(b)) for j, k in pairs for a, b in ((j, k), (k, j)) if b != size})
+        whole = [*box, *(a + r * arb(0, 1) for a, r in zip(v, radius))]
+        return bent(extended, [*middle, *v], [whole], [*radii, *radius], [*pairs, *mixed])
 
     def curved(self, middle, radii):
         """The same by second derivatives. Where there is a forcing, the phases at entries are unknowns in place of the durations, which
@@ -1202,7 +1266,7 @@ class Orbit:
         worst = [size - 1] if not held else sorted({phases[longest], phases[(longest + 1) % count]} if self.forced else {phases[longest]})
         norm = arb("inf")
         for parts in (1, 4):
-            norm = norm.min(bent(equations, middle, list(parted(middle, radii, worst, parts)), radii, pairs))
+            norm = lesser(norm, bent(equations, middle, list(parted(middle, radii, worst, parts)), radii, pairs))
             if norm < 1 or not norm < 3:
                 break
         return norm

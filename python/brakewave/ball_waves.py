@@ -19,6 +19,7 @@ from .balls import (
     exponential,
     injective,
     jacobian,
+    lesser,
     must,
     parted,
     positive,
@@ -314,7 +315,7 @@ class Wave:
         found = lambda box, _: self.slope(box, radii)
         told = {"Value": [self.base - 1]}.get(self.kind, [] if self.vanishing is None else [3 * self.vanishing + 2])
         norm = injective(found, middle, radii, [self.base - 2, self.base - 1], told=told)
-        return norm if norm < 1 else norm.min(self.curved(middle, radii))
+        return norm if norm < 1 else lesser(norm, self.curved(middle, radii))
 
     def curved(self, middle, radii):
         """The same by second derivatives."""

@@ -338,6 +338,21 @@ def injective(jacobian, middle, radii, divided, finer=PARTS, told=()):
     return norm
 
 
+def lesser(norm, other):
+    """The lesser of two norms, of which either may be no number."""
+    return norm.min(other) if norm.is_finite() and other.is_finite() else other if other.is_finite() else norm
+
+
+def second(equations, box, radii, j, k):
+    """Second derivatives of a map over a box in two unknowns, in units of both."""
+    x = list(box)
+    if j == k:
+        x[j] = Dual(Dual(x[j], radii[j]), Dual(radii[j], 0))
+    else:
+        x[j], x[k] = Dual(Dual(x[j], radii[j]), 0), Dual(x[k], radii[k])
+    return [acb(dual(dual(y).d).d) for y in equations(x)]
+
+
 def bent(equations, middle, boxes, radii, pairs):
     """The same by second derivatives: at the end of a way from the middle of a box to one of its places the Jacobian differs by their
     integral along it. So what an unknown loses by its repeated use counts with a square of the radii. Of the pairs of unknowns that are not
@@ -351,11 +366,7 @@ def bent(equations, middle, boxes, radii, pairs):
     for j, k in pairs:
         largest = [arb(0)] * len(radii)
         for box in boxes:
-            x = list(box)
-            x[j] = Dual(x[j], radii[j]) if j != k else Dual(Dual(x[j], radii[j]), Dual(radii[j], 0))
-            if j != k:
-                x[j], x[k] = Dual(x[j], 0), Dual(x[k], radii[k])
-            moved = times(inverse, [acb(dual(dual(y).d).d) for y in equations(x)])
+            moved = times(inverse, second(equations, box, radii, j, k))
             largest = [most.max(abs(y).upper()) for most, y in zip(largest, moved)]
         for row, y in zip(bounds, largest):
             row[k] += y
