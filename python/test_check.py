@@ -335,6 +335,20 @@ class Certificates(Certified):
         self.assertEqual(code, 1, output)
         self.assertIn("the solution of label 6 lies in the box of label 4, too", output)
 
+    def test_a_wide_interval_of_an_eigenvalue_is_as_true(self):
+        forged = self.copied("counted", ignore=shutil.ignore_patterns("theorem.md"))
+        text = (forged / "certificate.ron").read_text(encoding="utf-8")
+        # that of sector 0 lies left of the axis, so that the table says the same
+        wide = re.sub(r"(sector: 0,.*?growth: \(\s*low: )[^,]*(,\s*high: )[^,]*", r"\g<1>-inf\g<2>inf", text, count=1, flags=re.S)
+        self.assertNotEqual(wide, text)
+        (forged / "certificate.ron").write_text(wide, encoding="utf-8")
+        code, output = check(forged)
+        self.assertEqual(code, 0, output)
+        self.program("certify", "--verify", "forged")
+
+    def test_numbers_of_a_wave_are_texts(self):
+        self.refuses("waves", "fields", (r'friction: "0\.5"', "friction: 0.5"))
+
     def test_margins_belong_to_their_zones(self):
         # Q + fP has a zero in slip, too, where no switch asks for it; so has W − 1 where nothing lands
         for watch in ["LandingRate", "UpperForce", "Impulse", "Tension", "Gap"]:

@@ -196,6 +196,9 @@ class Certificates(Certified):
         self.replaced("harvest", '"al - y"', '"al - 2*y"', "refused")
         self.refused("harvest", lambda text: text.replace('"0.15"', '"0.16"'), "refused")
         self.replaced("harvest", "kind: LP", "arc: Some(Proven), kind: LP", "arcs of equilibria")
+        # the value of the parameter that varies, and one that is no text
+        self.refused("harvest", lambda text: text.replace('"0.45",', '"0.44",').replace('"0.45"\n', '"0.44"\n'), "al is 0.45 in the problem")
+        self.refused("harvest", lambda text: re.sub(r'"0.3",(\s*"0.42")', r"0.3,\1", text), "is no text in quotes")
         # one event twice
         def twice(text):
             point = re.search(r"\(\s*label: 3,.*?(?=\(\s*label: 4)", text, re.S)[0]

@@ -235,7 +235,7 @@ class Certificates(Certified):
     PROBLEMS = {
         "impact": SYSTEM, "named": NAMED, "pair": PAIR, "friction": FRICTION, "threshold": THRESHOLD, "loss": LOSS, "graze": SYSTEM,
         "beside": BESIDE, "pole": POLE, "dip": DIP, "doubled": DOUBLED, "mark": MARK, "twice": TWICE,
-        "frequency": FREQUENCY,
+        "frequency": FREQUENCY, "chua": CHUA,
     }  # fmt: skip
     OPTIONS = {"graze": ["--arcs"], "dip": ["--arcs"]}
 
@@ -287,6 +287,30 @@ class Certificates(Certified):
         """Where a parameter is the frequency of the forcing it is in every flow, and phases gain by all durations."""
         code, told = check(self.folders["frequency"])
         self.assertEqual((code, len(re.findall("no other within [^\n]*: proven again", told))), (0, 4), told)
+
+    def test_boxes_of_a_doubling(self):
+        told = check(self.folders["chua"])[1]
+        self.assertRegex(told, "PD no other within [^\n]*: proven again")
+
+    def test_values(self):
+        """The value of a parameter is told in quotes, as in the problem, and so is that of the one that varies."""
+
+        def other(_, proofs):
+            proofs[0]["posed"]["values"][1] = "0.2"
+
+        self.meant("impact", "A is 0.12 in the problem", other, "a number is not that of the problem file")
+        for bare in "0.1", "None":
+            code, told = check(self.edited("impact", lambda text, bare=bare: re.sub(r'(values: \[\s*)"0.1"', rf"\g<1>{bare}", text, count=1)))
+            self.assertEqual(code, 1, told)
+            self.assertIn("is no text in quotes", told)
+
+    def test_the_first_zone_may_be_any(self):
+        def later(_, proofs):
+            near = proofs[0]["near"]
+            near["zones"] = near["zones"][1:] + near["zones"][:1]
+            near["sequence"] = (near["sequence"][0][1:] + near["sequence"][0][:1],)
+
+        self.meant("friction", "", later, "")
 
     def test_a_box_without_a_size(self):
         """A distance of zero says no more than that the orbit is regular."""

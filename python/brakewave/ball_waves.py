@@ -8,6 +8,7 @@ from collections import namedtuple
 from flint import acb, acb_mat, arb
 
 from .balls import (
+    PARTS,
     Dual,
     apply,
     bent,
@@ -314,8 +315,11 @@ class Wave:
         middle, radii = [y.real for y in zero.middle], self.radii(zero, distance)
         found = lambda box, _: self.slope(box, radii)
         told = {"Value": [self.base - 1]}.get(self.kind, [] if self.vanishing is None else [3 * self.vanishing + 2])
-        norm = injective(found, middle, radii, [self.base - 2, self.base - 1], told=told)
-        return norm if norm < 1 else lesser(norm, self.curved(middle, radii))
+        norm = injective(found, middle, radii, [self.base - 2, self.base - 1], PARTS[:1], told)
+        # of eigenvalues there are no second derivatives
+        if norm < 1 or self.kind != "Crossing" and (norm := lesser(norm, self.curved(middle, radii))) < 1:
+            return norm
+        return lesser(norm, injective(found, middle, radii, [self.base - 2, self.base - 1], PARTS[1:], told))
 
     def curved(self, middle, radii):
         """The same by second derivatives."""

@@ -35,6 +35,7 @@ class EquilibriumPoint(Statements):
         self.head()
         fields(proof, "posed condition near statement", "beyond", condition=EQUILIBRIA["condition"])
         fields(self.posed, "system values parameter units")
+        self.values_are_texts()
         fields(proof["near"], "mode state parameter")
         fields(said, "parameter states unique inequalities", "omega lyapunov growing", lyapunov=EQUILIBRIA["lyapunov"])
         must(point.get("arc") is None, "arcs of equilibria are not proven")
