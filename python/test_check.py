@@ -50,6 +50,10 @@ LAYERED = f"""({MODEL.replace("mismatch: 0.2", "mismatch: 0.2, damping: (stiffne
     continuation: (parameter: Mismatch, range: (0.04315, 0.2), toward: Down, stop_after: [(event: GR, count: 1)]),
 )"""
 """Slip and stick with a layer, reverse slip from RV on."""
+SLOW = f"""({MODEL.replace("mismatch: 0.2", "mismatch: 0.8")} wave: (mode: 4, start: Slow),
+    continuation: (parameter: Mismatch, range: (0.5, 6.0), toward: Down, stop_at: [0.653731], stop_after: [(event: UZ, count: 2)]),
+)"""
+"""A fold of a wave that separates, with a value just above it that is met on either side."""
 SHIFT = 1 + 1e-12
 
 
@@ -318,6 +322,32 @@ class Certificates(Certified):
         point = (r'condition: Value\("0.2"\)', 'condition: Value("0.05")'), (r"parameter: 0\.2,", "parameter: 0.05,")
         interval = (r"low: 0\.1\d*,\s*high: 0\.2\d*,", "low: 0.04999999999999999, high: 0.05000000000000002,")
         self.refuses("layered", "inequalities", *point, interval)
+
+    def test_boxes_that_have_another_wave(self):
+        (self.work / "slow.ron").write_text(SLOW, encoding="utf-8")
+        self.folders["slow"] = self.work / "slow"
+        self.program("certify", "slow.ron", "--out", "slow", "--quiet")
+        # what is stated truly is shown, though it is told much more widely than entries and speeds are known apart
+        code, output = check(self.folders["slow"])
+        self.assertEqual((code, len(re.findall("no other within [^\n]*: proven again", output))), (0, 6), output)
+        code, output = self.forged("slow", (r"(label: 4,.*?unique: )[^,]*", r"\g<1>0.05"))
+        del self.folders["slow"]
+        self.assertEqual(code, 1, output)
+        self.assertIn("the solution of label 6 lies in the box of label 4, too", output)
+
+    def test_a_wide_interval_of_an_eigenvalue_is_as_true(self):
+        forged = self.copied("counted", ignore=shutil.ignore_patterns("theorem.md"))
+        text = (forged / "certificate.ron").read_text(encoding="utf-8")
+        # that of sector 0 lies left of the axis, so that the table says the same
+        wide = re.sub(r"(sector: 0,.*?growth: \(\s*low: )[^,]*(,\s*high: )[^,]*", r"\g<1>-inf\g<2>inf", text, count=1, flags=re.S)
+        self.assertNotEqual(wide, text)
+        (forged / "certificate.ron").write_text(wide, encoding="utf-8")
+        code, output = check(forged)
+        self.assertEqual(code, 0, output)
+        self.program("certify", "--verify", "forged")
+
+    def test_numbers_of_a_wave_are_texts(self):
+        self.refuses("waves", "fields", (r'friction: "0\.5"', "friction: 0.5"))
 
     def test_margins_belong_to_their_zones(self):
         # Q + fP has a zero in slip, too, where no switch asks for it; so has W − 1 where nothing lands

@@ -44,6 +44,8 @@ RELAY = """(
     continuation: (parameter: "mu", range: (-0.3, 0.1), toward: Up, stop_after: [(event: HB, count: 1)]),
 )"""
 """A Hopf point in a sliding mode."""
+TWICE = HARVEST.replace("range: (0.3, 0.6)", "range: (0.3, 0.6), stop_at: [0.422499]").split("    certify: true")[0] + ")"
+"""A value just below the fold, where two equilibria of the sliding mode are near one another."""
 PIECES = """(
     system: (states: ["x", "y", "z"], parameters: {"alpha": 6.0, "beta": 14.28, "a0": -0.14285714285714285, "a1": 0.2857142857142857},
         modes: {
@@ -109,7 +111,7 @@ class Mathematics(unittest.TestCase):
 class Certificates(Certified):
     """Certificates as they are written hold; forged ones are refused by the checker and by `certify --verify`."""
 
-    PROBLEMS = {"harvest": HARVEST, "brusselator": BRUSSELATOR, "foci": FOCI, "reaction": REACTION, "relay": RELAY, "pieces": PIECES}
+    PROBLEMS = {"harvest": HARVEST, "brusselator": BRUSSELATOR, "foci": FOCI, "reaction": REACTION, "relay": RELAY, "pieces": PIECES, "twice": TWICE}
     # a value of a monitor is not covered
     CODES = {"foci": 1}
 
@@ -157,6 +159,12 @@ class Certificates(Certified):
         condition = f"condition: Hopf(omega: {omega}), near: (mode: \"flow\", state: [{state}], parameter: {parameter}), statement"
         return lambda text: re.sub(r"condition: Hopf\(.*?\bstatement", condition, text, flags=re.S)
 
+    def test_boxes_that_have_another_equilibrium(self):
+        for label, found in (4, "6 lies in the box of label 4"), (6, "4 lies in the box of label 6"), (4, "4 UZ [^\n]*: refused: another solution lies in the box"):
+            wide = lambda text, label=label: re.sub(rf"(label: {label},.*?unique: )[^,]*", r"\g<1>0.003", text, count=1, flags=re.S)
+            self.refused("twice", wide, found)
+        self.assertEqual(check(self.folders["twice"])[0], 0)
+
     def test_modes_and_guards(self):
         self.replaced("harvest", 'mode: "low"', 'mode: "high"', "refused")
         self.replaced("harvest", 'mode: "slide"', 'mode: "low"', "refused")
@@ -188,6 +196,9 @@ class Certificates(Certified):
         self.replaced("harvest", '"al - y"', '"al - 2*y"', "refused")
         self.refused("harvest", lambda text: text.replace('"0.15"', '"0.16"'), "refused")
         self.replaced("harvest", "kind: LP", "arc: Some(Proven), kind: LP", "arcs of equilibria")
+        # the value of the parameter that varies, and one that is no text
+        self.refused("harvest", lambda text: text.replace('"0.45",', '"0.44",').replace('"0.45"\n', '"0.44"\n'), "al is 0.45 in the problem")
+        self.refused("harvest", lambda text: re.sub(r'"0.3",(\s*"0.42")', r"0.3,\1", text), "is no text in quotes")
         # one event twice
         def twice(text):
             point = re.search(r"\(\s*label: 3,.*?(?=\(\s*label: 4)", text, re.S)[0]

@@ -36,6 +36,10 @@ SYSTEM = """(
     continuation: (parameter: "A", range: (0.05, 0.12), toward: Down), stability: (),
 )"""
 """An end, a fold, a graze, an end."""
+FREQUENCY = (Path(__file__).resolve().parent.parent / "problems/friction_oscillator.ron").read_text(encoding="utf-8")
+"""An end, the onset of stick, a value, an end."""
+TWICE = SYSTEM.replace("toward: Down", "toward: Down, stop_at: [0.099971]")
+"""The same with a value just above the fold, where it is met on either side of it, and beyond the graze."""
 PAIR = (
     SYSTEM.replace('"A": 0.12, "w": 1.0, "d": 1.0', '"A": 0.5, "w": 1.7, "d": 10.0')
     .replace('"x": 1.0, "v": -0.08}, phase: 1.03', '"x": -0.3, "v": 0.0}, phase: 0.0')
@@ -230,7 +234,8 @@ class Certificates(Certified):
 
     PROBLEMS = {
         "impact": SYSTEM, "named": NAMED, "pair": PAIR, "friction": FRICTION, "threshold": THRESHOLD, "loss": LOSS, "graze": SYSTEM,
-        "beside": BESIDE, "pole": POLE, "dip": DIP, "doubled": DOUBLED, "mark": MARK,
+        "beside": BESIDE, "pole": POLE, "dip": DIP, "doubled": DOUBLED, "mark": MARK, "twice": TWICE,
+        "frequency": FREQUENCY, "chua": CHUA,
     }  # fmt: skip
     OPTIONS = {"graze": ["--arcs"], "dip": ["--arcs"]}
 
@@ -264,6 +269,59 @@ class Certificates(Certified):
         self.assertRegex(told, statement or "proven again")
         told = self.program("certify", "--verify", "meant", code=1 if why else 0)
         self.assertRegex(told, why or "verified")
+
+    def test_boxes_that_have_another_orbit(self):
+        def wide(label, told):
+            return lambda text: re.sub(rf"(label: {label},.*?unique: )[^,]*", rf"\g<1>{told}", text, count=1, flags=re.S)
+
+        # two proven orbits of one value of the parameter, the one in the box of the other; seen at either of them
+        self.refused("twice", "label 2 lies in the box of label 4, too", wide(4, 5e-4))
+        self.refused("twice", "label 4 lies in the box of label 2, too", wide(2, 5e-4))
+        # where the other is not told it is found
+        self.refused("twice", "another solution lies in the box", wide(2, 5e-4))
+
+        # the orbit of label 6 does without the impact, and is none of the same equations: what is shown holds beside it
+        self.assertEqual(check(self.folders["twice"])[0], 0)
+
+    def test_boxes_where_the_frequency_varies(self):
+        """Where a parameter is the frequency of the forcing it is in every flow, and phases gain by all durations."""
+        code, told = check(self.folders["frequency"])
+        self.assertEqual((code, len(re.findall("no other within [^\n]*: proven again", told))), (0, 4), told)
+
+    def test_boxes_of_a_doubling(self):
+        told = check(self.folders["chua"])[1]
+        self.assertRegex(told, "PD no other within [^\n]*: proven again")
+
+    def test_values(self):
+        """The value of a parameter is told in quotes, as in the problem, and so is that of the one that varies."""
+
+        def other(_, proofs):
+            proofs[0]["posed"]["values"][1] = "0.2"
+
+        self.meant("impact", "A is 0.12 in the problem", other, "a number is not that of the problem file")
+        for bare in "0.1", "None":
+            code, told = check(self.edited("impact", lambda text, bare=bare: re.sub(r'(values: \[\s*)"0.1"', rf"\g<1>{bare}", text, count=1)))
+            self.assertEqual(code, 1, told)
+            self.assertIn("is no text in quotes", told)
+
+    def test_the_first_zone_may_be_any(self):
+        def later(_, proofs):
+            near = proofs[0]["near"]
+            near["zones"] = near["zones"][1:] + near["zones"][:1]
+            near["sequence"] = (near["sequence"][0][1:] + near["sequence"][0][:1],)
+
+        self.meant("friction", "", later, "")
+
+    def test_a_box_without_a_size(self):
+        """A distance of zero says no more than that the orbit is regular."""
+        self.meant("twice", "", lambda _, proofs: proofs[1]["statement"].update(unique=0.0), "", table=self.no_distance)
+
+    @staticmethod
+    def no_distance(table):
+        header, *rows = table.splitlines()
+        place, cells = header.split(",").index("unique"), rows[1].split(",")
+        rows[1] = ",".join([*cells[:place], "0.0", *cells[place + 1 :]])
+        return "\n".join([header, *rows, ""])
 
     def test_as_it_is(self):
         # written by another hand it holds; and a certificate that says less than is proven

@@ -338,14 +338,17 @@ class Rest:
         self.omega = (z[-1] * self.units[-1]).real if self.kind == "Hopf" else None
         return self.found
 
+    def radii(self, zero, distance):
+        """The box of a distance, in units."""
+        return [arb(double(distance)) / self.units[self.size]] * len(zero.middle)
+
     def unique(self, zero, distance):
         """Less than 1 if there is no other equilibrium of the kind with its parameter within a distance, and its other unknowns within
         the same share of their units; vectors are no unknowns here, so that more is shown."""
-        share = arb(double(distance)) / self.units[self.size]
-        middle = [acb(x.real) for x in zero.middle]
+        middle, radii = [acb(x.real) for x in zero.middle], self.radii(zero, distance)
         of = lambda box, _: jacobian(self.equations, [acb(x) for x in box])
         try:
-            return injective(of, middle, [share] * len(middle), [self.size])
+            return injective(of, middle, radii, [self.size], told=[self.size] if self.kind == "Value" else [])
         except NotCovered:
             return arb("inf")
 

@@ -17,7 +17,7 @@ from math import inf
 from flint import acb, acb_mat, acb_poly, arb, arb_poly, ctx, fmpq, fmpq_poly
 
 from .ball_contacts import Contacts
-from .balls import SIGNS, Dual, NotCovered, Refused, Tagged, apply, as_matrix, decimal, distance, double, dual, exact, exponential, injective, must, positive, prove_zero, real, tail, times, value_of, whole
+from .balls import SIGNS, Dual, NotCovered, Refused, Tagged, apply, as_matrix, bent, decimal, distance, double, dual, exact, exponential, injective, lesser, must, parted, positive, prove_zero, real, second, tail, times, value_of, whole
 
 NEAR = 1e-6
 """What is zero at a point is found for all values of the parameter so near, in its unit."""
@@ -39,7 +39,7 @@ class Ratio:
         over, under = (fmpq_poly([it]) if isinstance(it, (int, fmpq)) else it for it in (over, under))
         must(under != 0, "a division by zero")
         common = over.gcd(under)
-        self.over, self.under, self.balls = over // common, under // common, None
+        self.over, self.under, self.balls, self.slope = over // common, under // common, None, None
 
     def __add__(self, other):
         other = ratio(other)
@@ -76,6 +76,13 @@ class Ratio:
         over, under = (acb_poly(it)(acb(domain)) for it in (self.over, self.under))
         return not over.contains(0) and not under.contains(0)
 
+    def rate(self):
+        """Its derivative."""
+        if self.slope is None:
+            over, under = self.over, self.under
+            self.slope = Ratio(over.derivative() * under - over * under.derivative(), under * under)
+        return self.slope
+
     def at(self, parameter):
         """Its value at a number, with the derivative where that has one and it has one too."""
         if self.balls is None or self.balls[0] != ctx.prec:
@@ -87,6 +94,8 @@ class Ratio:
         if constant is not None:
             return constant
         x = parameter.v if isinstance(parameter, Dual) else parameter
+        if isinstance(x, Dual):
+            return Dual(self.at(x), self.rate().at(x) * parameter.d)
         if under.degree() == 0:
             value, slope = over(x) / under[0], lambda: rise(x) / under[0]
         else:
@@ -391,7 +400,7 @@ class Modes:
         """The modes in numbers, at a value of the parameter: each when it is asked for."""
         there = copy(self)
         # a common factor may hide that something is divided by zero
-        value = parameter.v if isinstance(parameter, Dual) else parameter
+        value = value_of(value_of(parameter))
         must(all(ratio(it).clear(value) for it in self.divisors), "a division by what may be zero")
         for number, strict in self.signs:
             sign = real(ratio(number).at(acb(value)))
@@ -1099,15 +1108,20 @@ class Orbit:
             vectors.append([(y.conjugate() if isinstance(y, acb) else y).mid() / largest for y in null])
         return scale, *vectors
 
-    @ctx.workprec(SIGNS)
-    def unique(self, zero, distance):
-        """Less than 1 if there is no other orbit with its parameter within a distance, and its other unknowns within the same
-        share of their units. States between the steps of the program are no unknowns here, so that more is shown."""
+    def radii(self, _, distance):
+        """The box of a distance of the parameter, and of the other unknowns with the same share of their units."""
         units = self.posed["units"]
         each = [*map(double, units["states"]), double(units["time"])] * len(self.stretches)
         each += [1.0] * int(self.forced) + [double(units["parameter"])] + [1.0] * (self.kind == "Torus")
         share = arb(double(distance)) / arb(double(units["parameter"]))
-        radii, middle = [arb(unit) * share for unit in each], [real(y) for y in zero.middle]
+        return [arb(unit) * share for unit in each]
+
+    @ctx.workprec(SIGNS)
+    def unique(self, zero, distance):
+        """Less than 1 if there is no other orbit with its parameter within a distance, and its other unknowns within the same
+        share of their units. States between the steps of the program are no unknowns here, so that more is shown."""
+        radii, middle = self.radii(zero, distance), [real(y) for y in zero.middle]
+        share = radii[self.place] / double(self.posed["units"]["parameter"])
         return self.apart([real(phase) + arb(0, 1) * share for phase, *_ in self.parts(middle)[1]]).alone(middle, radii)
 
     def apart(self, phases):
@@ -1140,7 +1154,122 @@ class Orbit:
                 return None
             return as_matrix([row + [0] * (self.kind == "Torus") for row in scaled] + ends)
 
-        return injective(jacobian, middle, radii, [self.place], FINER)
+        told = [self.place] if self.kind == "Value" else [self.times[at] for at in self.closed[:1]]
+        norm = injective(jacobian, middle, radii, [self.place], FINER, told)
+        if norm < 1 or critical and (border is None or self.kind == "Torus"):
+            return norm
+        return lesser(norm, self.curved_critical(middle, radii, border) if critical else self.curved(middle, radii))
+
+    def meeting(self):
+        """The pairs of unknowns in which the equations of the orbit have second derivatives: a state enters by the flow of its own stretch,
+        linearly, and a duration moves all later instants of the forcing."""
+        first = {place + i: at for place, at in zip(self.firsts, self.times) for i in range(self.n)}
+        size = self.place + 1
+        for j in range(size):
+            for k in range(j, size):
+                states = [it for it in (j, k) if it in first]
+                other = k if j in first else j
+                if not states and (self.forced or j == k or self.place in (j, k)) or len(states) == 1 and other in (first[states[0]], self.place):
+                    yield j, k
+
+    def curved_critical(self, middle, radii, border):
+        """The same where a multiplier is 1 or −1, with the null vector v of A, see `linear`, among the unknowns: Av = 0, ⟨l, v⟩ = 1. Where
+        the bordered matrix is regular over the box, by second derivatives, every v is in a box that follows."""
+        free, size, (scale, below, beside) = self.apart(None), self.place, border
+        factor, last, sign = self.factor(middle), self.place - self.forced - self.n - 1, -1 if self.half else 1
+        box = [y + radius * arb(0, 1) for y, radius in zip(middle, radii)]
+
+        def orbit(x):
+            return free.cycle(*free.parts(x))
+
+        def extended(y):
+            x, v = y[: size + 1], y[size + 1 :]
+            parameter = Dual(x[size], 0) if isinstance(x[size], Dual) else x[size]
+            both = [dual(z) for z in orbit([*(Dual(a, b * radius) for a, b, radius in zip(x, v, radii)), parameter])]
+            turned = [z.d for z in both]
+            for i in range(self.n):
+                turned[last + i] = turned[last + i] - v[i] * radii[i] * (sign * (factor - 1))
+            if self.forced:
+                turned[-1] = turned[-1] + v[size - 1] * radii[size - 1] * (1 - factor)
+            return [z.v for z in both] + turned + [sum(a * b for a, b in zip(v, below)) - 1]
+
+        rows = [[a * u * t for a, u in zip(row, radii)] for row, t in zip(self.closing(free.slope(middle).tolist(), factor), scale)]
+        both = as_matrix([*([*row, b] for row, b in zip(rows, beside)), [*below, 0]])
+        try:
+            inverse = both.mid().inv().mid()
+        except ZeroDivisionError:
+            return arb("inf")
+        pairs = list(self.meeting())
+        bounds = [[abs(y - int(i == j)).upper() for j, y in enumerate(row)] for i, row in enumerate((inverse * both).tolist())]
+        for j, k in pairs:
+            moved = [real(z) for z in second(orbit, box, radii, j, k)]
+            sizes = [abs(y).upper() for y in times(inverse, [*(a * t for a, t in zip(moved, scale)), arb(0)])]
+            for row, y in zip(bounds, sizes):
+                for place in {j, k} - {size}:
+                    row[place] += y
+        middle_of_v = [inverse[i, size] for i in range(size + 1)]
+        bounds, spread = as_matrix(bounds), [arb(0)] * (size + 1)
+        for _ in range(TURNED):
+            moved = [y.upper() for y in times(bounds, [abs(a) + b for a, b in zip(middle_of_v, spread)])]
+            if all(a < b for a, b in zip(moved, spread)):
+                break
+            spread = [a * 1.1 + ALMOST for a in moved]
+        else:
+            return arb("inf")
+        v, radius = [a.mid() for a in middle_of_v[:size]], [a.upper() for a in moved[:size]]
+        later = lambda place: size + 1 + place
+        mixed = sorted({(a, later(b)) for j, k in pairs for a, b in ((j, k), (k, j)) if b != size})
+        whole = [*box, *(a + r * arb(0, 1) for a, r in zip(v, radius))]
+        return bent(extended, [*middle, *v], [whole], [*radii, *radius], [*pairs, *mixed])
+
+    def curved(self, middle, radii):
+        """The same by second derivatives. Where there is a forcing, the phases at entries are unknowns in place of the durations, which
+        are what they gain: an instant then depends on no duration before it."""
+        n, count, period = self.n, len(self.stretches), self.place - 1
+        if any(stretch.end[0] in ("cut", "never") for stretch in self.stretches):
+            return arb("inf")
+        phases = range(n, count * (n + 1), n + 1)
+        held, value = {"Value": len(middle) - 1}.get(self.kind), middle[self.place]
+        share, free, lasting = radii[period], self.apart(None), [middle[at] for at in self.times]
+
+        def unknowns(y):
+            """States, durations, the phase and the parameter."""
+            parameter = value if held else y[-1]
+            if not self.forced:
+                return [*y[: self.place], parameter]
+            at, omega = [y[k] for k in phases], free.modes(parameter)[0].omega
+            later = [*at[1:], at[0] + (2 - self.half) * self.periods * arb.pi()]
+            x = list(y[: count * (n + 1)])
+            for k, begin, end in zip(phases, at, later):
+                x[k] = (end - begin) / omega
+            return [*x, at[0], parameter]
+
+        def equations(y):
+            # that of the period holds as it stands, and so does that of a value
+            found = free.equations(unknowns(y))
+            return [z for k, z in enumerate(found) if k != (period if self.forced else None) and not (held and k == held)]
+
+        if self.forced:
+            entries = [real(phase) for phase, *_ in self.parts(middle)[1]]
+            middle, radii = list(middle), list(radii)
+            for k, phase in zip(phases, entries):
+                middle[k], radii[k] = phase, share
+            middle, radii = ([*it[:period], it[self.place]] for it in (middle, radii))
+        middle, radii = (it[:-1] if held else it for it in (middle, radii))
+        size, own = len(middle), lambda k: k // (n + 1)
+        is_state = lambda k: k < count * (n + 1) and k % (n + 1) < n
+        # a state enters by the flow of its own stretch, linearly
+        near = lambda k, m: not is_state(m) and (m >= count * (n + 1) or own(m) in (own(k), (own(k) + 1) % count))
+        pairs = [(j, k) for j in range(size) for k in range(j, size) if (not is_state(j) or near(j, k)) and (not is_state(k) or near(k, j))]
+        # most is lost in the parameter, or in the longest zone
+        longest = max(range(count), key=lambda k: float(real(lasting[k]).mid()))
+        worst = [size - 1] if not held else sorted({phases[longest], phases[(longest + 1) % count]} if self.forced else {phases[longest]})
+        norm = arb("inf")
+        for parts in (1, 4):
+            norm = lesser(norm, bent(equations, middle, list(parted(middle, radii, worst, parts)), radii, pairs))
+            if norm < 1 or not norm < 3:
+                break
+        return norm
 
     # ------------------------------------------------------------------------------------------------ symmetry
     def images(self, one, two):

@@ -8,8 +8,10 @@ from collections import namedtuple
 from flint import acb, acb_mat, arb
 
 from .balls import (
+    PARTS,
     Dual,
     apply,
+    bent,
     decimal,
     differences,
     double,
@@ -18,11 +20,14 @@ from .balls import (
     exponential,
     injective,
     jacobian,
+    lesser,
     must,
+    parted,
     positive,
     size,
     tail,
     times,
+    value_of,
     whole,
 )
 
@@ -282,7 +287,7 @@ class Wave:
             "LowerForce": force + m.static * contact,
             "UpperForce": m.h * ends[i][V] + m.damping - m.static * contact,
             "LandingSpeed": ends[i][DU],
-            "Impulse": self.impulse(m, c, ends[i][DU]) - (over if acb(dual(over).v).real.mid() > 0 else -over),
+            "Impulse": self.impulse(m, c, ends[i][DU]) - (over if real(value_of(value_of(over))).mid() > 0 else -over),
         }
         return [margins[watch]]
 
@@ -296,17 +301,37 @@ class Wave:
             x[self.base - 1] = decimal(self.condition.value)
         return x
 
-    def unique(self, zero, distance):
-        """Less than 1 if the equations are injective where the parameter is within a distance, and the other unknowns
-        within the same share of their units, of the zero."""
+    def radii(self, zero, distance):
+        """The box where the parameter is within a distance, and the other unknowns within the same share of their units."""
         middle = [y.real for y in zero.middle]
         zones = [middle[3 * i : 3 * i + 3] for i in range(self.count)]
         period, rate = sum(abs(t) for _, _, t in zones), size([1] + [w for _, w, _ in zones])
         units = [unit for y, _, t in zones for unit in (abs(y).max(period), rate, abs(t).max(period))]
         units += [middle[self.base - 2], arb(double(self.posed["unit"]))] + [abs(y).max(arb(1)) for y in middle[self.base :]]
-        radii = [unit * (arb(double(distance)) / units[self.base - 1]) for unit in units]
+        return [unit * (arb(double(distance)) / units[self.base - 1]) for unit in units]
+
+    def unique(self, zero, distance):
+        """Less than 1 if the equations are injective over the box of a distance about the zero."""
+        middle, radii = [y.real for y in zero.middle], self.radii(zero, distance)
         found = lambda box, _: self.slope(box, radii)
-        return injective(found, middle, radii, [self.base - 2, self.base - 1])
+        told = {"Value": [self.base - 1]}.get(self.kind, [] if self.vanishing is None else [3 * self.vanishing + 2])
+        norm = injective(found, middle, radii, [self.base - 2, self.base - 1], PARTS[:1], told)
+        # of eigenvalues there are no second derivatives
+        if norm < 1 or self.kind != "Crossing" and (norm := lesser(norm, self.curved(middle, radii))) < 1:
+            return norm
+        return lesser(norm, injective(found, middle, radii, [self.base - 2, self.base - 1], PARTS[1:], told))
+
+    def curved(self, middle, radii):
+        """The same by second derivatives."""
+        held, equations = self.kind == "Value", self.equations
+        if held:
+            value = middle[-1]
+            equations, middle, radii = (lambda x: self.equations([*x, value])[:-1]), middle[:-1], radii[:-1]
+        size = len(middle)
+        # equations of a fold are linear in its direction
+        linear = range(self.base, size) if self.kind == "Fold" else ()
+        pairs = [(j, k) for j in range(size) for k in range(j, size) if j not in linear]
+        return bent(equations, middle, list(parted(middle, radii, [], 1)), radii, pairs)
 
     def slope(self, box, units):
         """The Jacobian of the equations over a box, its columns times `units`."""

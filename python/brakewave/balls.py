@@ -310,10 +310,11 @@ def prove_zero(equations, guess):
     return Zero(middle, radius.upper())
 
 
-def injective(jacobian, middle, radii, divided, finer=PARTS):
+def injective(jacobian, middle, radii, divided, finer=PARTS, told=()):
     """How far a Jacobian over the box of these radii, of which it is in units, times an inverse, is from 1: where by less than 1,
     equations have at most one zero there. The ranges of some unknowns are divided into parts, and others by the Jacobian into cells:
-    less is lost to their repeated use."""
+    less is lost to their repeated use. Unknowns that an equation tells outright have no range."""
+    divided = [i for i in divided if i not in told]
     try:
         inverse = jacobian(middle, 1).mid().inv().mid()
     except (ZeroDivisionError, AttributeError):
@@ -321,7 +322,7 @@ def injective(jacobian, middle, radii, divided, finer=PARTS):
     for parts, cells in finer:
         bounds = [[arb(0)] * len(radii) for _ in radii]
         for ranges in product([arb(i, 1) / parts for i in range(1 - parts, parts, 2)], repeat=len(divided)):
-            shares = dict(zip(divided, ranges))
+            shares = dict(zip(divided, ranges)) | dict.fromkeys(told, arb(0))
             box = [y + radius * shares.get(i, arb(0, 1)) for i, (y, radius) in enumerate(zip(middle, radii))]
             found = jacobian(box, cells)
             if found is None:
@@ -335,6 +336,49 @@ def injective(jacobian, middle, radii, divided, finer=PARTS):
         if norm < 1 or norm.is_finite() and not norm * parts < 1.5 * finer[-1][0]:
             break
     return norm
+
+
+def lesser(norm, other):
+    """The lesser of two norms, of which either may be no number."""
+    return norm.min(other) if norm.is_finite() and other.is_finite() else other if other.is_finite() else norm
+
+
+def second(equations, box, radii, j, k):
+    """Second derivatives of a map over a box in two unknowns, in units of both."""
+    x = list(box)
+    if j == k:
+        x[j] = Dual(Dual(x[j], radii[j]), Dual(radii[j], 0))
+    else:
+        x[j], x[k] = Dual(Dual(x[j], radii[j]), 0), Dual(x[k], radii[k])
+    return [acb(dual(dual(y).d).d) for y in equations(x)]
+
+
+def bent(equations, middle, boxes, radii, pairs):
+    """The same by second derivatives: at the end of a way from the middle of a box to one of its places the Jacobian differs by their
+    integral along it. So what an unknown loses by its repeated use counts with a square of the radii. Of the pairs of unknowns that are not
+    given they are zero; boxes are parts of the one box."""
+    try:
+        slope = jacobian(equations, middle, radii)
+        inverse = slope.mid().inv().mid()
+    except (ZeroDivisionError, AttributeError):
+        return arb("inf")
+    bounds = [[abs(y - int(i == j)).upper() for j, y in enumerate(row)] for i, row in enumerate((inverse * slope).tolist())]
+    for j, k in pairs:
+        largest = [arb(0)] * len(radii)
+        for box in boxes:
+            moved = times(inverse, second(equations, box, radii, j, k))
+            largest = [most.max(abs(y).upper()) for most, y in zip(largest, moved)]
+        for row, y in zip(bounds, largest):
+            row[k] += y
+            row[j] += y if j != k else 0
+    return least_norm(bounds)
+
+
+def parted(middle, radii, places, parts):
+    """A box, parted along some of its unknowns."""
+    for ranges in product([arb(i, 1) / parts for i in range(1 - parts, parts, 2)], repeat=len(places)):
+        shares = dict(zip(places, ranges))
+        yield [y + radius * shares.get(i, arb(0, 1)) for i, (y, radius) in enumerate(zip(middle, radii))]
 
 
 # ---------------------------------------------------------------------------------------------------- signs

@@ -25,6 +25,7 @@ try:
     from flint import acb, acb_mat, arb, ctx
 
     from .ball_arcs import join
+    from .ball_boxes import orbit_within, same_condition, wave_within
     from .ball_cuts import is_refuted
     from .ball_layers import Layered, LayeredSigns
     from .ball_orbits import Orbit, agree, counted, kind_of, listed, zones_of
@@ -33,7 +34,7 @@ try:
     from .ball_waves import NAMES, Signs, Wave
     from .balls import Named, NotCovered, Number, Refused, Tagged, decimal, double, exact, must, prove_zero, whole
     from .check_equilibria import EquilibriumPoint
-    from .statements import NUMBERS, ORBITS, OUTCOMES, WAVES, Statements, between, condition_of, fields, head_of, is_written, variant
+    from .statements import NUMBERS, ORBITS, OUTCOMES, WAVES, Statements, between, condition_of, fields, head_of, is_written, text, variant
 except ImportError as error:
     sys.exit(f"{error}: `pip install python-flint` gives the balls that this check needs")
 
@@ -235,7 +236,10 @@ class Point(Statements):
         self.head(WAVES["parameter"])
         fields(proof, "posed condition beyond near statement", "eigenvalues", condition=WAVES["condition"])
         fields(self.posed, "written impact parameter mode unit", impact=WAVES["impact"], parameter=WAVES["parameter"])
-        fields(self.posed["written"], "origin friction mismatch damping ratio", "material", origin=WAVES["origin"])
+        written = self.posed["written"]
+        fields(written, "origin friction mismatch damping ratio", "material", origin=WAVES["origin"])
+        for held in (written[name] for name in ("friction", "mismatch", "damping", "ratio", "material") if written.get(name) is not None):
+            text(held)
         fields(said, "parameter speed lengths unique inequalities", "omega")
         unit = double(self.posed["unit"])
         must(0 < unit < inf, "the unit of the parameter is no length")
@@ -302,6 +306,20 @@ class Point(Statements):
         must(self.solved.primitive(self.x), "it may be a wave of a part of the wavelength")
         self.first()
 
+    within = staticmethod(wave_within)
+
+    def of_zero(self, zero):
+        """A zero of the equations, as the wave and its unknowns."""
+        return self.solved, self.solved.enclosed(zero)
+
+    def unit(self):
+        return self.posed["unit"]
+
+    def alike(self, other):
+        layered = isinstance(self.solved, Layered)
+        same = not layered and other.solved is not None and same_condition(self.proof["condition"], other.proof["condition"])
+        return same and {**self.posed, "written": self.fixed()} == {**other.posed, "written": other.fixed()}
+
     def is_event_of(self, other):
         """Whether the event of another point may be the same. Values of the parameter are none."""
         one, two = self.solved, other.solved
@@ -332,10 +350,10 @@ class Point(Statements):
         origin = model["coefficients"]
         must(origin.name == written["origin"].name, "the coefficients are given otherwise")
         names = {"Geometry": ["nu", "xi", "gamma"], "Given": ["a", "b", "D", "g", "h"]}[origin.name]
-        text = lambda number: number.text if isinstance(number, Number) else "0"
-        problem = {name: text(origin.value[name]) for name in names}
-        problem |= {"friction": text(model["friction"]), "mismatch": text(model["mismatch"])}
-        problem |= {"mass_damping": text(damping.get("mass")), "stiffness_damping": text(damping.get("stiffness"))}
+        told = lambda number: number.text if isinstance(number, Number) else "0"
+        problem = {name: told(origin.value[name]) for name in names}
+        problem |= {"friction": told(model["friction"]), "mismatch": told(model["mismatch"])}
+        problem |= {"mass_damping": told(damping.get("mass")), "stiffness_damping": told(damping.get("stiffness"))}
         numbers = *written["origin"].value, written["friction"], written["mismatch"], written["damping"]
         numbers += (written.get("material") or "0",)
         given = dict(zip(problem, numbers))
@@ -346,10 +364,10 @@ class Point(Statements):
             must(computed or exact(number) == exact(given[name]), f"{name} is {number} in the problem")
         must(law == "Coulomb" or law.name == "Static", "another law of friction in the problem")
         ratio = None if law == "Coulomb" else law.value["ratio"]
-        ratios = [exact(text or "1") for text in (ratio and ratio.text, written["ratio"])]
+        ratios = [exact(number or "1") for number in (ratio and ratio.text, written["ratio"])]
         must(ratios[0] == ratios[1], "static friction is not that of the problem")
         must(model.get("impact", "Frictionless") == posed["impact"], "impacts are not those of the problem")
-        material = any(exact(number) for number in [text(damping.get("stiffness"))]) or posed["parameter"] == "StiffnessDamping"
+        material = any(exact(number) for number in [told(damping.get("stiffness"))]) or posed["parameter"] == "StiffnessDamping"
         must(material == (written.get("material") is not None), "β is in the equations of one, not of the other")
         if self.point["kind"] in ("UZ", "EP") and has_value:
             self.asked(Number(problem[varies]) if varies in problem else None)
@@ -610,6 +628,7 @@ class OrbitPoint(Statements):
         self.head()
         fields(proof, "posed condition near statement", "changed seen", condition=ORBITS["condition"])
         fields(self.posed, "system values parameter periods units")
+        self.values_are_texts()
         fields(self.posed["units"], "states time parameter")
         fields(said, "parameter period unique inequalities", "angle outside")
         units = self.posed["units"]
@@ -639,6 +658,15 @@ class OrbitPoint(Statements):
     def once(self):
         must(self.solved.primitive(self.x), "it may be an orbit of a part of it")
         self.first()
+
+    within = staticmethod(orbit_within)
+
+    def of_zero(self, zero):
+        """A zero of the equations, as the orbit and its unknowns."""
+        return self.solved, [acb(arb(y.real, zero.radius)) for y in zero.middle]
+
+    def unit(self):
+        return self.posed["units"]["parameter"]
 
     def is_event_of(self, other):
         """Whether the event of another point may be the same. Values of the parameter are none."""

@@ -1,7 +1,8 @@
 """Statements on equilibria of systems, and what checks them. check.py says what it is for."""
 
-from flint import arb
+from flint import acb, arb
 
+from .ball_boxes import rest_within
 from .ball_equilibria import Rest
 from .balls import NotCovered, Tagged, double, must, whole
 from .statements import EQUILIBRIA, Statements, condition_of, fields, is_written
@@ -34,6 +35,7 @@ class EquilibriumPoint(Statements):
         self.head()
         fields(proof, "posed condition near statement", "beyond", condition=EQUILIBRIA["condition"])
         fields(self.posed, "system values parameter units")
+        self.values_are_texts()
         fields(proof["near"], "mode state parameter")
         fields(said, "parameter states unique inequalities", "omega lyapunov growing", lyapunov=EQUILIBRIA["lyapunov"])
         must(point.get("arc") is None, "arcs of equilibria are not proven")
@@ -68,6 +70,15 @@ class EquilibriumPoint(Statements):
             found.append(("ω", rest.omega, self.said["omega"]))
         self.compare(found)
         self.solved = rest
+
+    within = staticmethod(rest_within)
+
+    def of_zero(self, zero):
+        """A zero of the equations, as the mode and its unknowns in units."""
+        return self.solved, [acb(arb(x.real, zero.radius)) for x in zero.middle]
+
+    def unit(self):
+        return self.posed["units"][-1]
 
     def is_event_of(self, other):
         """Whether the event of another point may be the same. Values of the parameter are none."""

@@ -8,8 +8,9 @@ from fractions import Fraction
 
 from flint import acb, arb
 
+from .ball_boxes import others, same_condition
 from .ball_equilibria import evaluated
-from .balls import Named, NotCovered, Number, Tagged, decimal, double, exact, must, whole
+from .balls import Named, NotCovered, Number, Refused, Tagged, decimal, double, exact, must, whole
 
 NUMBERS = "numbers of the problem"
 """The statement that needs no solution of the equations."""
@@ -17,6 +18,9 @@ WIDEST = 0.01
 """A distance of uniqueness is stated up to this share of the units."""
 ROUNDINGS, CANCELLED = Fraction(1, 2**48), Fraction(1, 10**9)
 """How far a double may be from the value of an expression: by a few roundings, and where some digits cancel."""
+
+SEARCHED = 6
+"""Shares of a box, each half of the one before, from which another solution is searched for in it."""
 
 
 NUMBER = re.compile(r"[-+]?(?:(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?|inf)")
@@ -186,6 +190,13 @@ class Statements:
         head_of(point, parameter)
         whole(point["label"]), whole(point.get("leg", 0.0)), whole(self.said["inequalities"])
 
+    def values_are_texts(self):
+        """That a system has a value for every parameter, as it is written."""
+        values = self.posed["values"]
+        must(isinstance(values, list) and len(values) == len(self.posed["system"]["parameters"]), "there is not a value for every parameter")
+        for value in values:
+            text(value)
+
     def distance_is_one(self, unit):
         told = double(self.said["unique"])
         must(0 <= told <= unit * WIDEST * (1 + 1e-9), "a distance is negative, or more than a hundredth of the range of the parameter")
@@ -199,8 +210,42 @@ class Statements:
         found = self.kind()
         must(found == self.point["kind"], f"what vanishes there makes it {found}")
 
+    def alike(self, other):
+        """Whether the solution at another point is one of the same equations, with the same event."""
+        fixed = lambda it: it.posed | {"values": [y for k, y in enumerate(it.posed["values"]) if k != it.posed["parameter"]]}
+        same = other.solved is not None and same_condition(self.proof["condition"], other.proof["condition"])
+        return same and fixed(self) == fixed(other)
+
+    def contains(self, told, solution):
+        """Whether the whole of another solution lies in the box of a distance about the solution of the point."""
+        return self.within(*self.of_zero(self.zero), *solution, arb(told) / arb(double(self.unit())))
+
+    def alone(self):
+        """That no proven point of the certificate is another solution in the box, nor this one in the box of a point before."""
+        for other in [*(it for it in self.earlier if self.alike(it)), *([self] if self.alike(self) else [])]:
+            for one, two in ((self, other), (other, self)):
+                there = one.contains(double(one.said["unique"]), two.of_zero(two.zero))
+                must(not there, f"the solution of label {whole(two.point['label'])} lies in the box of label {whole(one.point['label'])}, too")
+
+    def unsettled(self, told, shown):
+        """That none is found in the box of a distance where it is searched for, beyond the distance that is shown."""
+        if not self.alike(self):
+            return
+        shares = [2.0**-k for k in range(SEARCHED) if told * 2.0**-k > shown]
+        for zero in others(self.solved.equations, self.zero.middle, self.solved.radii(self.zero, told), shares):
+            try:
+                there = self.contains(told, self.of_zero(zero))
+            except Refused:
+                # it leads out of where the equations are known
+                continue
+            must(not there, "another solution lies in the box")
+
     def unique(self):
-        distance = self.said["unique"]
+        told = distance = double(self.said["unique"])
+        self.alone()
+        if not told:
+            # the zero is regular
+            return
         for _ in range(2):
             norm = self.solved.unique(self.zero, distance)
             if norm < 1:
@@ -208,8 +253,10 @@ class Statements:
             # about in proportion to the distance
             distance *= 0.7 / float(norm) if norm < 1e6 else 1e-3
         else:
+            self.unsettled(told, distance)
             raise NotCovered("not shown over a box that large; the solution is regular")
-        if distance < self.said["unique"]:
+        if distance < told:
+            self.unsettled(told, distance)
             raise NotCovered(f"shown within {distance:.0e}; over a larger box balls overestimate the Jacobian")
 
     def arc(self):
@@ -250,8 +297,8 @@ class Statements:
         must(list(given) == list(held), "the parameters are not those of the problem")
         given = computed_in_order(given)
         for (name, number), value in zip(given.items(), posed["values"]):
-            varies = name == self.point["parameter"] or restarted
-            must(varies or is_written(number, value), f"{name} is {number.text} in the problem")
+            # that of the parameter that varies is in no equation, and is where the branch begins
+            must(restarted or is_written(number, value), f"{name} is {number.text} in the problem")
         plain = lambda it: (
             {k: plain(v) for k, v in it.items() if v not in (None, [], {}, ())}
             if isinstance(it, dict)

@@ -510,12 +510,14 @@ pub(crate) fn proven_again(
     if counted || !spectrum.is_empty() && !matches!(condition, WaveCondition::Value(_)) {
         return Err(RefusedProof::Statement("where eigenvalues are looked for"));
     }
+    let mut again = proof.clone();
+    again.eigenvalues = found;
     if let Some(Counted::Proven(said)) = &point.growth
-        && growth(proof, said.window, Some(said)).as_ref() != Ok(said)
+        && growth(&again, said.window, Some(said)).as_ref() != Ok(said)
     {
         return Err(RefusedProof::Statement("what grows"));
     }
-    let mut again = proof.clone();
+    again.eigenvalues.clone_from(spectrum);
     let statement = &mut again.statement;
     statement.parameter = narrowed(said.parameter, proven.parameter);
     statement.speed = narrowed(said.speed, proven.speed);

@@ -63,6 +63,8 @@ pub(crate) struct RequestedWaves {
     posed: PosedWave,
     /// Whether the numbers of the model are those of an earlier run, and do not stand in the file.
     restarted: bool,
+    /// Whether the branch begins at a value of the parameter that is computed, whatever the file says.
+    computed: bool,
     values: RequestedValues,
     /// Largest |Im λ| of the eigenvalues that are counted; `None` where it follows from the model of an earlier run.
     window: Option<f64>,
@@ -73,6 +75,7 @@ impl RequestedWaves {
     pub(crate) fn new(problem: &Problem, text: &str) -> Option<RequestedWaves> {
         let start = &problem.wave.start;
         let restarted = matches!(start, Start::Restart { .. } | Start::Switch { .. });
+        let computed = matches!(start, Start::Hopf);
         let (model, section) = (&problem.model, problem.continuation.as_ref()?);
         let (parameter, (low, high)) = (section.parameter, section.range);
         let material = model.has_material_damping(parameter);
@@ -96,9 +99,15 @@ impl RequestedWaves {
                 unit: high - low,
             },
             restarted,
+            computed,
             values: values.restarted(restarted),
             window,
         })
+    }
+
+    /// Whether the branch begins with an earlier run.
+    pub(crate) fn is_restarted(&self) -> bool {
+        self.restarted
     }
 
     /// Whether a proven point is one of the branch.
@@ -111,9 +120,10 @@ impl RequestedWaves {
         proof: &WaveProof,
     ) -> Result<(), RefusedProof> {
         let about = |posed: &PosedWave| (posed.impact, posed.parameter, posed.mode, posed.unit);
-        let equal = match self.restarted {
-            true => about(&proof.posed) == about(&self.posed),
-            false => proof.posed.fixed() == self.posed.fixed(),
+        let equal = match (self.restarted, self.computed) {
+            (true, _) => about(&proof.posed) == about(&self.posed),
+            (false, true) => proof.posed.fixed() == self.posed.fixed(),
+            (false, false) => proof.posed == self.posed,
         };
         if !equal {
             return Err(RefusedProof::Problem("the model"));

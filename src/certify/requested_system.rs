@@ -76,12 +76,8 @@ impl RequestedSystem {
         if !system.is_some_and(|system| system.source.is_same(&self.source)) {
             return Err(RefusedProof::Problem("the system"));
         }
-        let are_equal = |known: &Vec<Decimal>| {
-            let mut both = values.iter().zip(known).enumerate();
-            values.len() == known.len()
-                && both.all(|(index, (one, other))| index == self.parameter || one == other)
-        };
-        let equal = self.values.as_ref().is_none_or(are_equal);
+        // that of the parameter that varies is in no equation, and is where the branch begins
+        let equal = self.values.as_ref().is_none_or(|known| values == known);
         match equal && parameter == self.parameter && unit == self.unit {
             true => Ok(()),
             false => Err(RefusedProof::Problem("a number")),

@@ -47,6 +47,8 @@ enum NotCompared {
     Theorems(String),
     /// Of the units of states and time, with what the branch begins with.
     Units,
+    /// Of the numbers that are those of an earlier run, with which the branch begins.
+    Numbers,
 }
 
 /// Why a certificate is refused as a whole.
@@ -125,6 +127,11 @@ impl Display for NotCompared {
             NotCompared::Units => write!(
                 f,
                 "units: not compared: what the branch begins with is not proven first"
+            ),
+            NotCompared::Numbers => write!(
+                f,
+                "numbers: not compared: the branch begins with an earlier run, whose numbers and units do not stand in {SOURCE}: nothing \
+                 says whether those of the certificate are they"
             ),
         }
     }
@@ -207,6 +214,7 @@ fn verified(
     match read {
         Read::Waves(certificate) => Verifier {
             requested: of_tube.and_then(|(problem, text)| RequestedWaves::new(problem, text)),
+            is_restarted: RequestedWaves::is_restarted,
             check_units: |_, _| Ok(true),
             check: RequestedWaves::check,
             proven_again: certify::proven_again,
@@ -215,6 +223,7 @@ fn verified(
         Read::Orbits(certificate) => Verifier {
             requested: of_system
                 .and_then(|(problem, text)| orbit::RequestedOrbits::new(problem, text)),
+            is_restarted: orbit::RequestedOrbits::is_restarted,
             check_units: orbit::RequestedOrbits::check_units,
             check: orbit::RequestedOrbits::check,
             proven_again: orbit::proven_again,
@@ -223,6 +232,7 @@ fn verified(
         Read::Equilibria(certificate) => Verifier {
             requested: of_system
                 .and_then(|(problem, text)| equilibrium::RequestedEquilibria::new(problem, text)),
+            is_restarted: equilibrium::RequestedEquilibria::is_restarted,
             check_units: equilibrium::RequestedEquilibria::check_units,
             check: equilibrium::RequestedEquilibria::check,
             proven_again: equilibrium::proven_again,
@@ -235,6 +245,8 @@ fn verified(
 struct Verifier<P: Provable, R> {
     /// What the problem file says of its branch; `None` where it is not beside the certificate.
     requested: Option<R>,
+    /// Whether the branch begins with an earlier run, whose numbers do not stand in the file.
+    is_restarted: fn(&R) -> bool,
     /// Whether the units of all points are those of the branch; `false` where nothing tells.
     check_units: fn(&R, &[CertifiedPoint<P>]) -> Result<bool, RefusedProof>,
     /// Whether a point is one of the branch.
@@ -266,6 +278,9 @@ where
             Some(Ok(true)) => Vec::new(),
             Some(Ok(false)) => vec![NotCompared::Units],
         };
+        if self.requested.as_ref().is_some_and(self.is_restarted) {
+            not_compared.push(NotCompared::Numbers);
+        }
         let repeated = certify::repeated(points);
         let indices: Vec<usize> = (0..points.len()).collect();
         let verdicts: Vec<(PointVerdict, CertifiedPoint<P>)> =

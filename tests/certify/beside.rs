@@ -62,7 +62,7 @@ const WAVES: &str = r#"(
     continuation: (parameter: Mismatch, range: (0.15, 0.2), toward: Down, stop_at: [0.17]),
 )"#;
 
-/// The numbers of a branch that goes on from an earlier run do not stand in its file; all else does.
+/// The numbers of a branch that goes on from an earlier run do not stand in its file, which is said; all else is compared.
 #[test]
 fn a_branch_goes_on_from_an_earlier_run() {
     let folder = TempDir::new().unwrap();
@@ -101,7 +101,10 @@ fn a_branch_goes_on_from_an_earlier_run() {
         // what is not written there may be anything
         let numbers = restart.replace("\"k\": 0.05", "\"k\": 0.07");
         let (code, told) = beside(&out, &numbers.replace("friction: 0.5", "friction: 0.4"));
-        assert_eq!(code, Some(0), "{told}");
+        assert_eq!(code, Some(1), "{told}");
+        assert!(told.contains("numbers: not compared"), "{told}");
+        assert!(told.contains(": verified"), "{told}");
+        assert!(!told.contains("refused"), "{told}");
         let values = [
             ("0.75", "0.76"),
             ("0.17", "0.18"),
@@ -112,6 +115,24 @@ fn a_branch_goes_on_from_an_earlier_run() {
         for edit in values.chain(&others) {
             let (code, told) = beside(&out, &edited(&restart, &[*edit]));
             assert_eq!(code, Some(1), "{edit:?}: {told}");
+            assert!(told.contains("is not that of the problem file"), "{told}");
+        }
+    }
+}
+
+/// The number of the parameter that varies is in no equation; it is that of the file none the less.
+#[test]
+fn the_number_of_the_parameter_that_varies_is_that_of_the_file() {
+    let folder = TempDir::new().unwrap();
+    for (text, number, others) in [
+        (CLOCK, "\"p\": 1.0", ["\"p\": 0.9", "\"p\": 0.8"]),
+        (EQUILIBRIA, "\"p\": 1.0", ["\"p\": 0.9", "\"p\": 0.8"]),
+        (WAVES, "mismatch: 0.2", ["mismatch: 0.19", "mismatch: 0.18"]),
+    ] {
+        let out = certified(text, folder.path());
+        for other in others {
+            let (code, told) = beside(&out, &edited(text, &[(number, other)]));
+            assert_eq!(code, Some(1), "{other}: {told}");
             assert!(told.contains("is not that of the problem file"), "{told}");
         }
     }

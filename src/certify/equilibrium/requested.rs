@@ -18,6 +18,11 @@ impl RequestedEquilibria {
         RequestedSystem::new(problem, text, restarted).map(RequestedEquilibria)
     }
 
+    /// Whether the branch begins with an earlier run.
+    pub(crate) fn is_restarted(&self) -> bool {
+        self.0.is_restarted()
+    }
+
     /// Whether the units in which uniqueness is measured are the same at all points, and not smaller than half the equilibrium
     /// that the branch begins with, where that is the first of the points. `false` where it is not one of the points although it
     /// is that of the problem file: then nothing tells what units the statements should have.

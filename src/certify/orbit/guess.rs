@@ -1,5 +1,7 @@
 //! An orbit in doubles as unknowns of the equations, and back.
 
+use std::f64::consts::TAU;
+
 use super::OpenOrbit;
 use super::enclosure::Enclosure;
 use super::flow::{IntervalExponential, IntervalFlow};
@@ -15,6 +17,11 @@ const LONGEST: f64 = 4.0;
 /// matrices, which takes a minute.
 const MOST_UNKNOWNS: f64 = 1000.0;
 
+/// The angle that differs from another by whole turns and is next to a third.
+fn next_to(there: f64, angle: f64) -> f64 {
+    angle + TAU * ((there - angle) / TAU).round()
+}
+
 impl OrbitSystem<'_> {
     /// The unknowns in doubles, and the numbers of steps.
     pub(super) fn guess(
@@ -26,6 +33,7 @@ impl OrbitSystem<'_> {
     ) -> Result<Vec<f64>, OpenOrbit> {
         let mut guess = Vec::new();
         let mut carried: Option<(Vec<f64>, f64)> = None;
+        let mut reached: Option<f64> = None;
         for (index, stretch) in self.stretches.iter().enumerate() {
             let zone = &near.zones[stretch.zone];
             let time = match condition {
@@ -52,7 +60,11 @@ impl OrbitSystem<'_> {
             }
             let (mut state, mut phase) = match carried.take() {
                 Some(end) => end,
-                None => (zone.state.clone(), zone.phase),
+                // a phase is told but for whole turns
+                None => (
+                    zone.state.clone(),
+                    reached.map_or(zone.phase, |there| next_to(there, zone.phase)),
+                ),
             };
             let step = time / steps;
             let halvings = flow.parts(Interval::point(step));
@@ -71,6 +83,7 @@ impl OrbitSystem<'_> {
                 }
             }
             guess.push(time);
+            reached = Some(phase);
             if let SegmentEnd::Touch { .. } = stretch.end {
                 carried = Some((state, phase));
             }

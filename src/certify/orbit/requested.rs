@@ -35,6 +35,11 @@ impl RequestedOrbits {
         })
     }
 
+    /// Whether the branch begins with an earlier run.
+    pub(crate) fn is_restarted(&self) -> bool {
+        self.system.is_restarted()
+    }
+
     /// Whether the units in which uniqueness is measured are those of the branch: the same at all points, and about the size of the
     /// orbit that it begins with, where that is the first of the points. That orbit was given roughly. `false` where it is not one of
     /// the points although it is that of the problem file: then nothing tells what units the statements should have.
