@@ -73,11 +73,7 @@ impl<'a, S: Equations> Reduction<'a, S> {
         let unknowns = point.len();
         let n = unknowns - 1;
         let (fall, size) = (self.left.ncols(), unknowns + self.left.ncols());
-        let mut residual = Vector::zeros(n);
-        let mut jacobian = Matrix::zeros(n, unknowns);
-        let values = residual.as_mut_slice();
-        let evaluated = self.system.evaluate(point, values, &mut jacobian);
-        evaluated.ok()?;
+        let (jacobian, residual) = newton::evaluated(self.system, point).ok()?;
         let mut matrix = Matrix::zeros(size, size);
         matrix.view_mut((0, 0), (n, unknowns)).copy_from(&jacobian);
         matrix

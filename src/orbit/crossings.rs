@@ -451,12 +451,11 @@ fn passings<O: Orbit>(
         outside,
         between: None,
     };
-    let several = ranks.len() > 1;
-    let together = several.then(|| {
-        let (what, within) = (Crossed::Several(ranks.len()), [low.s, high.s]);
-        orbit.zero_of(what, step.from, within, step.steps.tolerance)
-    });
-    if let Some((place, uncertainty)) = together.flatten() {
+    let (what, within) = (Crossed::Several(ranks.len()), [low.s, high.s]);
+    if ranks.len() > 1
+        && let Some((place, uncertainty)) =
+            orbit.zero_of(what, step.from, within, step.steps.tolerance)
+    {
         found.push((place, LocatedEvent { event, uncertainty }));
         return Some(());
     }
@@ -500,11 +499,8 @@ fn passings<O: Orbit>(
     let rounding = uncertainty(orbit, &mut plane, &place);
     // where branches cross the equations are singular: no more than the step
     let rounding = rounding.min(moved(orbit, step));
-    let located = LocatedEvent {
-        event,
-        uncertainty: rounding + blur,
-    };
-    found.push((place, located));
+    let uncertainty = rounding + blur;
+    found.push((place, LocatedEvent { event, uncertainty }));
     Some(())
 }
 

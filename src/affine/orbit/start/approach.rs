@@ -23,8 +23,6 @@ pub(super) struct Approach<'a> {
     pub forcing: Option<f64>,
     /// Time that it was given to settle.
     settle: f64,
-    /// Time of its last switch by then; zero where there was none.
-    last_switch: f64,
     settling: Settling,
 }
 
@@ -51,7 +49,6 @@ impl<'a> Approach<'a> {
         let mut motion = Motion::new(system, begin.clone(), longest);
         let switches = run(&mut motion, settle)?;
         Ok(Approach {
-            last_switch: switches.last().map_or(0.0, |(last, _)| last.time),
             settling: Settling::new(system, begin, switches, motion.place()),
             wanted,
             system,
@@ -224,7 +221,7 @@ impl<'a> Approach<'a> {
             moves(
                 self.wanted,
                 self.system,
-                (place, self.last_switch),
+                (place, self.settling.last_switch()),
                 &self.settling.sizes,
             )?;
         }

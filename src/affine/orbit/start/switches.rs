@@ -83,6 +83,11 @@ impl Settling {
         }
     }
 
+    /// Time of its last switch; zero where there was none.
+    pub fn last_switch(&self) -> f64 {
+        self.switches.last().map_or(0.0, |(last, _)| last.time)
+    }
+
     /// Its zones.
     pub fn zones(&self) -> impl DoubleEndedIterator<Item = (&Moment, &Switching)> {
         zones(&self.begin, &self.switches)
