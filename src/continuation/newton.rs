@@ -295,7 +295,11 @@ pub fn solve<S: Equations>(
             {
                 return Ok(solution(point, residual, contraction));
             }
-            contraction = contraction.max(ratio);
+            // of what rounding makes of equations that hold a ratio says nothing
+            let residual = relative_residual(&at.matrix, at.right_side.as_slice());
+            if residual >= ROUNDED {
+                contraction = contraction.max(ratio);
+            }
             if ratio > SLOWEST && settings.halvings == 0 {
                 return Err(slow);
             }
