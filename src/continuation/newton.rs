@@ -287,6 +287,7 @@ pub fn solve<S: Equations>(
         // relative to unknowns that are far from order one
         let scale = (FAR * point.amax()).max(1.0);
         let tolerance = tolerance * scale;
+        let relative = || relative_residual(&at.matrix, at.right_side.as_slice());
         // corrections at the level of rounding no longer contract
         if iterations > 1 && correction > tolerance {
             let ratio = correction / before;
@@ -296,9 +297,8 @@ pub fn solve<S: Equations>(
                 return Ok(solution(point, residual, contraction));
             }
             // of what rounding makes of equations that hold a ratio says nothing
-            let residual = relative_residual(&at.matrix, at.right_side.as_slice());
-            if residual >= ROUNDED {
-                contraction = contraction.max(ratio);
+            if ratio > contraction && relative() >= ROUNDED {
+                contraction = ratio;
             }
             if ratio > SLOWEST && settings.halvings == 0 {
                 return Err(slow);
@@ -307,7 +307,7 @@ pub fn solve<S: Equations>(
         before = correction;
         if correction <= tolerance {
             // where a point stays as it is, what was found there holds for whoever looks at it next
-            let residual = relative_residual(&at.matrix, at.right_side.as_slice());
+            let residual = relative();
             let is_rounding = correction <= UNMOVED * scale
                 || residual <= UNMOVED && correction <= LEAST_TOLERANCE * scale;
             let is_moved = !S::KEEPS || settings.polish > 0 || !is_rounding;

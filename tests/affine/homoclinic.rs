@@ -67,9 +67,9 @@ fn a_branch_whose_digits_are_lost_before_it_stands_still_comes_to_its_homoclinic
 }
 
 /// The predator of Rosenzweig and MacArthur: the axis y = 0 is invariant, and with it the way into the saddle (K, 0): the cycle passes it
-/// for every K and comes to no connection. Counted from elsewhere the prey has an error of half a spacing of doubles near 1.3, which at
-/// its least, 2.5e-10 where K = 6, is a share of it: near the saddle (0, 0), where it grows at the rate 1, that moves the passage by as much
-/// time.
+/// for every K and comes to no connection. Counted from elsewhere the prey is known to half a spacing of doubles near 1.3. That is a part of
+/// its least value, 2.5e-10 where K = 6; as it grows at the rate 1 beside the saddle (0, 0), the passage takes as much more or less time. The
+/// pieces of the passage before and after that value are each rounded so.
 #[test]
 fn a_cycle_that_passes_a_saddle_comes_to_no_homoclinic_orbit() {
     let last = [0.0, 1.3].map(|shift| {

@@ -11,8 +11,8 @@ fn fold_of_rayleigh(mu: f64, f: f64, highest: f64) -> Vec<[f64; 2]> {
             "neg": (rates: {{"x": "v", "v": "mu*(v - v^3/3) - x + f"}}, until: [(zero: "-v", to: "pos")]),
         }}, sliding: {{"stick": ("pos", "neg")}}),
         orbit: (start: Simulate(mode: "pos", state: {{"x": 0.0, "v": 1.5}}, settle: 200)),
-        continuation: (parameter: "f", range: ({f:?}, 2.0)),
-        curve: (event: LP, parameters: ("f", "mu"), range: (({f:?}, 2.0), ({mu:?}, {highest:?}))))"#
+        continuation: (parameter: "f", range: (0.0, 2.0)),
+        curve: (event: LP, parameters: ("f", "mu"), range: ((0.0, 2.0), ({mu:?}, {highest:?}))))"#
     );
     let found = whole(&text);
     let points = found.points.iter().map(|point| point.parameters);
