@@ -521,6 +521,158 @@ fn units_change_nothing() {
     }
 }
 
+/// The multipliers of every event of a type, the parameter of which is named first.
+fn multipliers_at(items: &[OrbitItem], kind: EventType) -> Vec<(f64, Vec<(f64, f64)>)> {
+    let at = items.iter().filter_map(|item| {
+        let event = item.event.as_ref().filter(|event| event.kind == kind)?;
+        let told = item.point.multipliers.iter();
+        let told = told.map(|one| (one.value.norm(), one.error)).collect();
+        Some((event.parameters[0].1, told))
+    });
+    at.collect()
+}
+
+/// Between two modes slides what a third mode begins at its graze: where the zone beside the surface has shrunk to nothing, the orbit is
+/// that which slides for ever, y' = f₋ + λ(f₊ - f₋), and its multiplier is exp ∮ ∂y'/∂y dt, by Runge and Kutta's method. The motion
+/// leaves the surface there with the rate at which it has slid, whatever the speed of its guard.
+#[test]
+fn sliding_that_is_entered_for_ever_has_its_multiplier() {
+    let system = r#"(
+        states: ["x", "y"],
+        parameters: {"F": 8.0, "U": {u}},
+        forcing: "2",
+        modes: {
+            "L": (rates: {"x": "U*(2 + 0.4*y)", "y": "-y + F*cos(phase)"}, until: [(zero: "0.3 - x/U", to: "R")]),
+            "R": (rates: {"x": "U*(-2 + y)", "y": "-2*y + F*cos(phase) + 0.3"}, until: [(zero: "x/U - 0.3", to: "L")]),
+        },
+        sliding: {"S": ("L", "R")},
+    )"#;
+    let start = r#"(start: Simulate(mode: "L", state: {"x": 0.0, "y": 0.0}, settle: 100))"#;
+    let along = r#"(parameter: "F", range: (2.0, 8.0), toward: Down)"#;
+    for unit in ["1", "1e3", "1e9", "1e-9"] {
+        let items = rows(&problem(&system.replace("{u}", unit), start, along));
+        let seen = multipliers_at(&items, EventType::GR);
+        let [(force, told)] = &seen[..] else {
+            panic!("{seen:?}");
+        };
+        let expected = multiplier_of_sliding(*force);
+        let [(one, error), (lost, _)] = told[..] else {
+            panic!("in {unit}: {told:?}");
+        };
+        assert!(
+            (one - expected).abs() < 1e-11,
+            "in {unit}: {one}, {expected}"
+        );
+        assert!(error < 1e-10 && lost == 0.0, "in {unit}: {told:?}");
+    }
+}
+
+/// That of the orbit that slides for ever, by 4000 steps of fourth order over a period, the error of which is of order 1e-13.
+fn multiplier_of_sliding(force: f64) -> f64 {
+    let rate = |t: f64, y: f64| {
+        let (below, above) = (2.0 + 0.4 * y, y - 2.0);
+        let (share, between) = (below / (below - above), below - above);
+        let slope = (0.4 * between + 0.6 * below) / (between * between);
+        let step = 0.3 - y;
+        let forced = force * (2.0 * t).cos() - y;
+        (forced + share * step, -1.0 - share + slope * step)
+    };
+    let steps = 4000;
+    let h = std::f64::consts::PI / f64::from(steps);
+    let (mut y, mut log) = (0.0, 0.0);
+    for _ in 0..20 {
+        log = 0.0;
+        for step in 0..steps {
+            let t = f64::from(step) * h;
+            let (a, of_a) = rate(t, y);
+            let (b, of_b) = rate(t + 0.5 * h, y + 0.5 * h * a);
+            let (c, of_c) = rate(t + 0.5 * h, y + 0.5 * h * b);
+            let (d, of_d) = rate(t + h, y + h * c);
+            y += h / 6.0 * (a + 2.0 * b + 2.0 * c + d);
+            log += h / 6.0 * (of_a + 2.0 * of_b + 2.0 * of_c + of_d);
+        }
+    }
+    log.exp()
+}
+
+/// A brake written by hand, which slips forth and back under either of two bounds and rests between: at its switches the speed is zero
+/// but for rounding, of which a jump of the rate of the place is made alone. Zones that shrink to nothing magnify none of it: every
+/// multiplier at an event is told in every unit, and the same.
+#[test]
+fn zones_that_vanish_leave_multipliers_as_they_are() {
+    let system = r#"(
+        states: ["x", "v"],
+        parameters: {"A": 0.3, "f": 0.4, "g": 0.02, "h": 0.8, "U": {u}},
+        forcing: "0.5",
+        define: {"a": "U*(A*sin(phase) - x/U) - 0.1*v", "s": "A*sin(phase) - x/U"},
+        modes: {
+            "p": (rates: {"x": "v", "v": "a - f*U"}, until: [(zero: "v", to: "n", if: ["-s - f"]), (zero: "v", to: "hold"), (zero: "h - sin(phase)", to: "P")]),
+            "n": (rates: {"x": "v", "v": "a + f*U"}, until: [(zero: "-v", to: "p", if: ["s - f"]), (zero: "-v", to: "hold"), (zero: "h - sin(phase)", to: "N")]),
+            "P": (rates: {"x": "v", "v": "a - g*U"}, until: [(zero: "v", to: "N", if: ["-s - g"]), (zero: "v", to: "Hold"), (zero: "sin(phase) - h", to: "p")]),
+            "N": (rates: {"x": "v", "v": "a + g*U"}, until: [(zero: "-v", to: "P", if: ["s - g"]), (zero: "-v", to: "Hold"), (zero: "sin(phase) - h", to: "n")]),
+            "hold": (rates: {"x": "0", "v": "0"}, until: [(zero: "f - s", to: "p"), (zero: "f + s", to: "n"), (zero: "h - sin(phase)", to: "P", if: ["s - g"]), (zero: "h - sin(phase)", to: "N", if: ["-s - g"]), (zero: "h - sin(phase)", to: "Hold")]),
+            "Hold": (rates: {"x": "0", "v": "0"}, until: [(zero: "g - s", to: "P"), (zero: "g + s", to: "N"), (zero: "sin(phase) - h", to: "hold")]),
+        },
+    )"#;
+    let along = r#"(parameter: "A", range: (0.212, 0.3), toward: Down)"#;
+    let of = |unit: f64| {
+        let start = format!(
+            r#"(start: Simulate(mode: "p", state: {{"x": 0.0, "v": {:e}}}, settle: 100))"#,
+            0.5 * unit
+        );
+        let system = system.replace("{u}", &format!("{unit:e}"));
+        let items = rows(&problem(&system, &start, along));
+        multipliers_at(&items, EventType::CO)
+    };
+    let plain = of(1.0);
+    assert_eq!(plain.len(), 3);
+    for seen in [1e3, 1e9, 1e-6].map(of).iter().chain([&plain]) {
+        assert_eq!(seen.len(), plain.len());
+        for ((place, told), (of_plain, expected)) in seen.iter().zip(&plain) {
+            assert!((place - of_plain).abs() < 1e-12, "{place} for {of_plain}");
+            assert_eq!(told.len(), 2);
+            for ((one, error), (other, _)) in told.iter().zip(expected) {
+                assert!((one - other).abs() < 1e-10, "{one} for {other} at {place}");
+                assert!(*error < 1e-12, "{one} ± {error:e} at {place}");
+            }
+        }
+    }
+}
+
+/// The cycle r² = p about (0.3, 0.2), the multiplier of which is exp(-4πp): where it has shrunk to that point nothing is a shift in time
+/// any more, and both multipliers are 1, to rounding, in every unit.
+#[test]
+fn at_its_hopf_point_a_cycle_has_two_multipliers_of_one() {
+    let system = r#"(
+        states: ["x", "y"],
+        parameters: {"p": 0.2, "U": {u}},
+        define: {"a": "x - 0.3", "b": "y/U - 0.2", "r": "p - a^2 - b^2"},
+        modes: {"turn": (rates: {"x": "r*a - b", "y": "U*(a + r*b)"})},
+    )"#;
+    let along = r#"(parameter: "p", range: (-0.1, 0.3), toward: Down)"#;
+    for unit in [1.0, 1e3, 1e9, 1e-9] {
+        let start = format!(
+            r#"(start: Simulate(mode: "turn", state: {{"x": 0.7, "y": {:e}}}, settle: 100))"#,
+            0.2 * unit
+        );
+        let system = system.replace("{u}", &format!("{unit:e}"));
+        let items = rows(&problem(&system, &start, along));
+        let seen = multipliers_at(&items, EventType::BP);
+        let [(place, told)] = &seen[..] else {
+            panic!("in {unit}: {seen:?}");
+        };
+        assert!(place.abs() < 1e-12);
+        assert_eq!(told.len(), 2);
+        for (one, error) in told {
+            assert!(
+                (one - 1.0).abs() < 2.0 * error,
+                "in {unit}: {one} ± {error:e}"
+            );
+            assert!(*error < 1e-12, "in {unit}: {one} ± {error:e}");
+        }
+    }
+}
+
 /// Where a zone in which nothing slides shrinks to nothing before sliding, the motion comes to its surface ever more slowly. What
 /// sliding takes away is gone all the same: the multipliers are 1, of the shift in time, and 0.
 #[test]

@@ -235,23 +235,26 @@ fn both_slips_of_a_mass_beside_another_vanish_at_once() {
 
 /// A clock whose period is 1 + p, with a parabola beside it that rests where it comes to zero: y = r² + k(p - p₀) - 2rt + t², r = 1.35, p₀ = .47, falls to zero at t = r - √(k(p₀ - p)) and rests to the end of the period. Beyond its
 /// graze at p₀ the zone of rest has a length at once, which no chain of switches makes: the branch goes on in either direction. The zone
-/// vanishes where 1 + p = r - √(k(p₀ - p)).
+/// vanishes where 1 + p = r - √(k(p₀ - p)). So it is in any unit of y, beside which the units of what acts on it one way are as they are.
 #[test]
 fn a_zone_of_some_length_comes_at_a_graze() {
-    let text = r#"(states: ["t", "y", "z"], parameters: {"p": 1.0, "k": 0.1},
+    let text = r#"(states: ["t", "y", "z"], parameters: {"p": 1.0, "k": 0.1, "U": 1.0},
         modes: {
-            "run": (rates: {"t": "1", "y": "z", "z": "2"},
-                until: [(zero: "1 + p - t", to: "run", reset: {"t": "0", "y": "1.8225 + k*(p - 0.47)", "z": "-2.7"}),
+            "run": (rates: {"t": "1", "y": "U*z", "z": "2"},
+                until: [(zero: "1 + p - t", to: "run", reset: {"t": "0", "y": "U*(1.8225 + k*(p - 0.47))", "z": "-2.7"}),
                     (zero: "y", to: "rest")]),
             "rest": (rates: {"t": "1", "y": "0", "z": "0"},
-                until: [(zero: "1 + p - t", to: "run", reset: {"t": "0", "y": "1.8225 + k*(p - 0.47)", "z": "-2.7"})]),
+                until: [(zero: "1 + p - t", to: "run", reset: {"t": "0", "y": "U*(1.8225 + k*(p - 0.47))", "z": "-2.7"})]),
         })"#;
     let (k, left) = (0.1_f64, 0.12);
     let root = 0.5 * (k.sqrt() + (k + 4.0 * left).sqrt());
     let vanishes = 0.47 - root * root;
-    for (p, up) in [(1.0, false), (0.4, true), (0.4, false)] {
-        let state = [0.0, 1.8225 + k * (p - 0.47), -2.7];
-        let (orbit, point) = settled(text, &[("p", p)], "p", "run", &state, 20.0);
+    let ways = [(1.0, false), (0.4, true), (0.4, false)].map(|way| (way, 1.0));
+    let in_units = [1e-9, 1e7, 1e9].map(|unit| ((1.0, false), unit));
+    for ((p, up), unit) in ways.into_iter().chain(in_units) {
+        let state = [0.0, unit * (1.8225 + k * (p - 0.47)), -2.7];
+        let values = [("p", p), ("U", unit)];
+        let (orbit, point) = settled(text, &values, "p", "run", &state, 20.0);
         let (seen, _) = follow(&orbit, &point, up, (0.0, 1.0), 1000);
         let found = seen.iter().filter(|one| one.kind != EP);
         let found: Vec<_> = found.map(|one| (one.kind, one.value)).collect();
@@ -261,10 +264,10 @@ fn a_zone_of_some_length_comes_at_a_graze() {
             (_, true) => &expected[..1],
             (_, false) => &expected[1..],
         };
-        assert_eq!(found.len(), expected.len(), "{found:?}");
+        assert_eq!(found.len(), expected.len(), "in {unit}: {found:?}");
         for (one, expected) in found.iter().zip(expected) {
             assert_eq!(one.0, expected.0);
-            assert!((one.1 - expected.1).abs() < 1e-11, "{found:?}");
+            assert!((one.1 - expected.1).abs() < 1e-11, "in {unit}: {found:?}");
         }
     }
 }

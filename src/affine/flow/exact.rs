@@ -6,8 +6,8 @@ use super::Expansion;
 use crate::affine::exponential::{TERMS, entries, plain_propagator};
 use crate::affine::mode::AffineMode;
 use crate::affine::stiff::{GAP, Splitting};
-use crate::linalg::{Matrix, Vector, acts, add_product};
-use crate::orbit::sign::{COEFFICIENTS, REMAINDER};
+use crate::linalg::{Matrix, Vector, add_product};
+use crate::orbit::sign::{COEFFICIENTS, DEGREE};
 
 /// Most components of z whose series are made in arrays: those of a forced oscillator of two degrees of freedom.
 const FEW: usize = 8;
@@ -22,9 +22,6 @@ pub(super) struct Exact {
     pub length: f64,
     /// exp(M·length).
     pub step: Matrix,
-    /// What component i of z is at most over a piece by component j at its beginning, for 1 of that: dᵢ/dⱼ with the scales d in
-    /// which M is balanced, and nothing where j does not act on i.
-    reach: Matrix,
     pub guards: Vec<GuardSeries>,
     /// What is slow of it, and its flow, with much longer pieces; the longest first.
     pub stiff: Vec<(Splitting, Exact)>,
@@ -37,30 +34,72 @@ pub(super) struct GuardSeries {
     /// Its Taylor coefficients in time/`length` as linear forms of z at the beginning, for every component of z those of
     /// all orders: of many flows only the values of guards are wanted.
     coefficients: OnceLock<Vec<[f64; COEFFICIENTS]>>,
-    /// What it is at most over a piece by every component of z at its beginning, for 1 of that.
-    weights: Vector,
+    /// Bounds of its terms for 1 of every component of z at the beginning, whatever the signs of others.
+    terms: OnceLock<Terms>,
+}
+
+/// Bounds of the terms |M·length|ᵏ/k! of an exponential on one side of a vector without signs. They are taken entry by entry, so that
+/// other units of a state scale them alone and change nothing else.
+#[derive(Clone, Debug)]
+struct Terms {
+    /// Of the largest for every component.
+    largest: Vec<f64>,
+    /// Of the sum of those that an expansion leaves out.
+    left_out: Vec<f64>,
+}
+
+impl Terms {
+    /// Those of a vector, for a step from the term before to the k-th, which is added to zeros.
+    fn of(vector: &[f64], step: impl Fn(f64, &[f64], &mut [f64])) -> Terms {
+        let mut term: Vec<f64> = vector.iter().map(|x| x.abs()).collect();
+        let (mut largest, mut next) = (term.clone(), term.clone());
+        for k in 1..COEFFICIENTS {
+            next.fill(0.0);
+            step((k as f64).recip(), &term, &mut next);
+            std::mem::swap(&mut term, &mut next);
+            let pairs = largest.iter_mut().zip(&term);
+            pairs.for_each(|(largest, term)| *largest = term.max(*largest));
+        }
+        Terms {
+            left_out: Terms::beyond(term, step),
+            largest,
+        }
+    }
+
+    /// The sum of those after the last of an expansion.
+    fn beyond(mut term: Vec<f64>, step: impl Fn(f64, &[f64], &mut [f64])) -> Vec<f64> {
+        /// What follows falls geometrically where a term adds less than this part to every component.
+        const LEAST: f64 = 1.0 / 64.0;
+        let (mut sum, mut next) = (vec![0.0; term.len()], term.clone());
+        // by the way from every component to every other
+        for k in COEFFICIENTS..COEFFICIENTS + 2 * term.len() + 8 {
+            next.fill(0.0);
+            step((k as f64).recip(), &term, &mut next);
+            std::mem::swap(&mut term, &mut next);
+            let pairs = sum.iter_mut().zip(&term);
+            pairs.for_each(|(sum, term)| *sum += term);
+            let mut pairs = sum.iter().zip(&term);
+            if pairs.all(|(sum, term)| *term <= LEAST * sum) {
+                break;
+            }
+        }
+        sum
+    }
 }
 
 impl Exact {
-    fn new(matrix: Matrix, states: usize, longest: f64, (scales, norm): (Vector, f64)) -> Exact {
+    fn new(matrix: Matrix, states: usize, longest: f64, norm: f64) -> Exact {
         let length = if norm * longest > 1.0 {
             norm.recip()
         } else {
             longest
         };
         let step = plain_propagator(&matrix, states, norm, length);
-        let acts = acts(&matrix);
-        let size = scales.len();
-        let reach = Matrix::from_fn(size, size, |i, j| match i == j || acts.has(i, j) {
-            true => scales[i] / scales[j],
-            false => 0.0,
-        });
         Exact {
             guards: Vec::new(),
             stiff: Vec::new(),
             step,
             length,
-            reach,
             entries: entries(&matrix),
             matrix,
         }
@@ -70,10 +109,10 @@ impl Exact {
     pub fn of(mode: &AffineMode, longest: f64, (scales, norm): (Vector, f64)) -> Exact {
         let matrix = &mode.matrix.at;
         let ways = Splitting::all(matrix, &scales, norm, longest);
-        let mut flow = Exact::new(matrix.clone(), mode.states, longest, (scales, norm));
+        let mut flow = Exact::new(matrix.clone(), mode.states, longest, norm);
         let stiff = ways.into_iter().map(|way| {
             let size = way.slow.nrows();
-            let slow = Exact::new(way.slow.clone(), size, longest, way.balance.clone());
+            let slow = Exact::new(way.slow.clone(), size, longest, way.balance.1);
             (way, slow)
         });
         flow.stiff = stiff
@@ -89,9 +128,8 @@ impl Exact {
         for (way, slow) in &mut self.stiff {
             slow.watch(way.along.tr_mul(&form));
         }
-        let weight = |column: usize| form.component_mul(&self.reach.column(column)).amax();
         self.guards.push(GuardSeries {
-            weights: Vector::from_fn(form.len(), |column, _| weight(column)),
+            terms: OnceLock::new(),
             coefficients: OnceLock::new(),
             form,
         });
@@ -185,16 +223,38 @@ impl Exact {
                 expansion.set(k, &term);
             }
         }
-        let (error, rounding) = errors(part);
-        expansion.left_out.clear();
-        expansion.left_out.resize(z_at.len(), 0.0);
-        let columns = self.reach.as_slice().chunks_exact(z_at.len());
-        for (z, column) in z_at.iter().zip(columns) {
-            let size = error * z.abs();
-            let pairs = expansion.left_out.iter_mut().zip(column);
-            pairs.for_each(|(sum, by)| *sum += size * by);
+    }
+
+    /// What an expansion of z over the beginning of a piece leaves out, by its last coefficients.
+    pub fn left_out(&self, expansion: &Expansion, part: f64) -> Vec<f64> {
+        let last = expansion.terms.iter().map(|terms| terms[DEGREE].abs());
+        Terms::beyond(last.collect(), |factor, before, next| {
+            let factor = factor * part * self.length;
+            for (row, column, value) in &self.entries {
+                next[*row] += value.abs() * (factor * before[*column]);
+            }
+        })
+    }
+
+    /// What the coefficients of a guard leave out over the beginning of a piece with this z, and the rounding of the products that they
+    /// are made of, where the first, so many, are known to be zero.
+    pub fn error(&self, guard: usize, z: &Vector, part: f64, zeros: usize) -> f64 {
+        let GuardSeries { form, terms, .. } = &self.guards[guard];
+        let Terms { largest, left_out } = terms.get_or_init(|| {
+            Terms::of(form.as_slice(), |factor, before, next| {
+                let factor = factor * self.length;
+                for (row, column, value) in &self.entries {
+                    next[*column] += value.abs() * (factor * before[*row]);
+                }
+            })
+        });
+        let (mut rounding, mut beyond) = (0.0, 0.0);
+        for ((z, largest), left_out) in z.iter().zip(largest).zip(left_out) {
+            rounding += z.abs() * largest;
+            beyond += z.abs() * left_out;
         }
-        expansion.of_form = Some(error + rounding);
+        2.0 * f64::EPSILON * part.powi(zeros as i32) * rounding
+            + part.powi(COEFFICIENTS as i32) * beyond
     }
 
     /// The coefficients of a guard over the beginning of a piece, and the error of the polynomial without its first
@@ -216,24 +276,6 @@ impl Exact {
             *coefficient *= power;
             power *= part;
         }
-        let (left_out, rounding) = errors(part);
-        let rounding = rounding * part.powi(zeros as i32);
-        let amplitude = self.guards[guard].amplitude(z.iter().copied());
-        (taylor, (left_out + rounding) * amplitude)
+        (taylor, self.error(guard, z, part, zeros))
     }
-}
-
-impl GuardSeries {
-    /// What the guard is at most over a piece with this z at its beginning.
-    pub fn amplitude(&self, z: impl Iterator<Item = f64>) -> f64 {
-        z.zip(&self.weights).map(|(z, by)| z.abs() * by).sum()
-    }
-}
-
-/// What the coefficients of a form leave out over the beginning of a piece, and the rounding of the products that
-/// they are made of, for 1 of its amplitude.
-fn errors(part: f64) -> (f64, f64) {
-    // Σ_{k>16} 1/k! < 1.06/17!
-    let left_out = 1.06 * REMAINDER * part.powi(COEFFICIENTS as i32);
-    (left_out, 2.0 * f64::EPSILON)
 }

@@ -40,10 +40,6 @@ pub struct ModeFlow {
 pub(super) struct Expansion {
     /// Of every component; of the states alone where the mode is not linear.
     terms: Vec<[f64; COEFFICIENTS]>,
-    /// What they leave out.
-    pub left_out: Vec<f64>,
-    /// That of a form, for 1 of its amplitude; none where forms have coefficients of their own.
-    of_form: Option<f64>,
 }
 
 /// A piece of a motion.
@@ -294,28 +290,52 @@ impl ModeFlow {
                 };
                 let of_order = |state, k: usize| sum(state, &|c, by| by * of_slow.terms[c][k]);
                 let term = |state| std::array::from_fn(|k| of_order(state, k));
-                let left_out = |state| sum(state, &|c, by| by.abs() * of_slow.left_out[c]);
                 Expansion {
                     terms: (0..states).map(term).collect(),
-                    left_out: (0..states).map(left_out).collect(),
-                    of_form: None,
                 }
             }
             (Some(exact), _) => return exact.expand(&piece.z, part, expansion),
-            (None, PieceMotion::Series(series)) => {
-                let of = |state: usize| {
-                    let row = Row::unit(piece.z.len(), state).at;
-                    polynomial(series, &row, part * piece.length)
-                };
-                let (terms, left_out) = (0..states).map(of).unzip();
-                Expansion {
-                    terms,
-                    left_out,
-                    of_form: None,
-                }
-            }
+            (None, PieceMotion::Series(_)) => Expansion {
+                terms: (0..states)
+                    .map(|state| self.of_state(state, piece, part).0)
+                    .collect(),
+            },
             (None, _) => Expansion::default(),
         };
+    }
+
+    /// What the expansion of so many states leaves out.
+    pub(super) fn left_out(
+        &self,
+        (piece, part): (&FlowPiece, f64),
+        states: usize,
+        expansion: &Expansion,
+    ) -> Vec<f64> {
+        match (&self.exact, &piece.course) {
+            (Some(exact), PieceMotion::Slow(index, at)) => {
+                let (way, slow) = &exact.stiff[*index];
+                let mut of_slow = Expansion::default();
+                slow.expand(&at.slow, part, &mut of_slow);
+                let left_out = Vector::from_vec(slow.left_out(&of_slow, part));
+                let all = way.along.abs() * left_out;
+                all.rows(0, states).iter().copied().collect()
+            }
+            (Some(exact), _) => exact.left_out(expansion, part),
+            (None, _) => (0..states)
+                .map(|state| self.of_state(state, piece, part).1)
+                .collect(),
+        }
+    }
+
+    /// A state over the beginning of a piece of a series, and what that leaves out.
+    fn of_state(&self, state: usize, piece: &FlowPiece, part: f64) -> ([f64; COEFFICIENTS], f64) {
+        match &piece.course {
+            PieceMotion::Series(series) => {
+                let row = Row::unit(piece.z.len(), state).at;
+                polynomial(series, &row, part * piece.length)
+            }
+            _ => ([0.0; COEFFICIENTS], f64::INFINITY),
+        }
     }
 
     /// A guard over the beginning of a piece over which z is known.
@@ -325,7 +345,7 @@ impl ModeFlow {
         (piece, part): (&FlowPiece, f64),
         expansion: &Expansion,
     ) -> ([f64; COEFFICIENTS], f64) {
-        let (Some(exact), Some(of_form)) = (&self.exact, expansion.of_form) else {
+        let (Some(exact), PieceMotion::Exact) = (&self.exact, &piece.course) else {
             return self.taylor(guard, piece, part);
         };
         let series = &exact.guards[guard];
@@ -336,8 +356,7 @@ impl ModeFlow {
                 pairs.for_each(|(sum, a)| *sum += weight * a);
             }
         }
-        let z = (0..series.form.len()).map(|component| expansion.taylor(component)[0]);
-        (taylor, of_form * series.amplitude(z))
+        (taylor, exact.error(guard, &piece.z, part, 0))
     }
 
     /// A guard over the beginning of a piece, as a polynomial in time/`length`/`part`.

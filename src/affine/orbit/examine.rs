@@ -433,7 +433,7 @@ impl OrbitAt<'_> {
                 let time = |place: f64| begun + place * part.part * piece.length;
                 one.places.extend(minima.into_iter().map(time));
             }
-            expansion.widen(&mut examination.extremes);
+            expansion.widen(flow, (piece, part.part), &mut examination.extremes);
         }
     }
 
@@ -495,10 +495,18 @@ struct Watched<'a> {
 }
 
 impl Expansion {
-    /// Widens bounds of the states that hold at both ends of a part so that they hold in between.
-    fn widen(&self, extremes: &mut [(f64, f64)]) {
-        for (state, (extremes, left_out)) in extremes.iter_mut().zip(&self.left_out).enumerate() {
-            Smooth::new(self.taylor(state), *left_out).widen(extremes);
+    /// Widens bounds of the states that hold at both ends of a part so that they hold in between. Most states stay within them by far: it
+    /// is not asked then what the expansion leaves out.
+    fn widen(&self, flow: &ModeFlow, part: (&FlowPiece, f64), extremes: &mut [(f64, f64)]) {
+        let states = extremes.len();
+        let mut left_out = None;
+        for (state, extremes) in extremes.iter_mut().enumerate() {
+            let taylor = self.taylor(state);
+            if Smooth::new(taylor, 0.0).stays(*extremes) {
+                continue;
+            }
+            let left_out = left_out.get_or_insert_with(|| flow.left_out(part, states, self));
+            Smooth::new(taylor, left_out[state]).widen(extremes);
         }
     }
 }
@@ -517,7 +525,7 @@ impl AffineOrbit {
             let mut expansion = Expansion::default();
             for Part { piece, part, .. } in parts {
                 flow.expand(piece, *part, extremes.len(), &mut expansion);
-                expansion.widen(&mut extremes);
+                expansion.widen(flow, (piece, *part), &mut extremes);
             }
         }
         Ok(extremes)

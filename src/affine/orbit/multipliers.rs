@@ -11,8 +11,8 @@ use nalgebra::Complex;
 use super::layout::{AffineOrbit, OrbitAt};
 use super::multiplier::{Multiplier, own};
 use super::passage::Passage;
-use super::saltation::{NOTHING, Saltation, Slow, rank, sizes_of_product};
-use super::setting::OrbitFailure;
+use super::saltation::{NOTHING, Saltation, Sides, rank, sizes_of_product};
+use super::setting::{OrbitFailure, Scales};
 
 use super::signature::exit_of;
 use crate::affine::mode::{Exit, Row};
@@ -73,6 +73,10 @@ const ROUNDING: f64 = 16.0 * f64::EPSILON;
 /// A guard that falls more slowly than this, scaled to order one, is looked at for what vanishes with its speed.
 const SLOW: f64 = 1e-3;
 
+/// A jump of a rate that is smaller than this, in units of the state over that of time, is looked at for whether it is nothing but
+/// the rounding of the guard.
+const LITTLE: f64 = 1e-6;
+
 /// ż at the end of a zone: by the law there or, where what it adds up cancels, as near rest, that at the entry as the flow
 /// takes it along; every component by what tells it better.
 fn rate_at_end(passage: &Passage, matrix: &Matrix) -> Vector {
@@ -117,10 +121,8 @@ impl OrbitAt<'_> {
         let next_matrix = &self.mode(next).matrix.at;
         let mut saltation = Saltation::new(passage, &exit.reset.at, rate, (next_matrix, &entry));
         let speed = -fall * self.orbit.setting.scales.time / self.orbit.size(row);
-        let is_slow = speed.abs() < SLOW;
-        let refined = || self.refined(zone, passage, (row, exit), rate, &mut saltation);
-        let slow = is_slow.then(refined).flatten();
-        let magnified = slow.as_ref().map_or(speed.abs().recip(), |(_, by)| *by);
+        let ratios = self.ratios((zone, passage), (row, exit), rate, &mut saltation);
+        let magnified = ratios.as_ref().map_or(speed.abs().recip(), |(_, by)| *by);
         let bounds = saltation.bounds(|j| match normal[j] {
             0.0 => 0.0,
             slope => (slope / fall).abs(),
@@ -131,17 +133,19 @@ impl OrbitAt<'_> {
             shift,
             ..
         } = saltation;
-        let jumps = slow.as_ref().map_or(&shift, |(ratios, _)| ratios);
+        let jumps = ratios.as_ref().map_or(&shift, |(ratios, _)| ratios);
         // what is a ratio by the structure does not grow as the speed falls, nor does it change its sign with that
-        let has_pole = !exit.is_continuous() || slow.as_ref().is_none_or(|(_, by)| *by > 0.0);
+        let has_pole = !exit.is_continuous() || ratios.as_ref().is_none_or(|(_, by)| *by > 0.0);
         let speed = if has_pole { speed } else { speed.abs() };
-        let (jump, lost, fall) = match self.onto_surface(zone + 1) {
+        let (jump, lost, fall, magnified) = match self.onto_surface(zone + 1) {
             // however slowly the motion comes to where sliding begins
-            Some(surface) if self.comes_straight(zone) => (surface, 1, 1.0),
+            Some(surface) if self.comes_straight(zone) => (surface, 1, 1.0, 1.0),
             // nothing jumps: what a graze would magnify is zero
-            None if jumps.amax() == 0.0 => (reset.clone(), n - rank(reset, bounds), speed),
+            None if jumps.amax() == 0.0 => {
+                (reset.clone(), n - rank(reset, bounds), speed, magnified)
+            }
             surface => {
-                let entry = |i: usize, j: usize| match &slow {
+                let entry = |i: usize, j: usize| match &ratios {
                     Some((ratios, _)) => reset[(i, j)] + ratios[i] * normal[j],
                     None => reset[(i, j)] + shift[i] * normal[j] / fall,
                 };
@@ -153,7 +157,7 @@ impl OrbitAt<'_> {
                     ),
                     None => (jump, bounds),
                 };
-                (jump.clone(), n - rank(jump, bounds), speed)
+                (jump.clone(), n - rank(jump, bounds), speed, magnified)
             }
         };
         let closes = self.closes(zone, &entry);
@@ -193,30 +197,38 @@ impl OrbitAt<'_> {
         }
     }
 
-    /// The jump of the rates at a switch over the speed of its guard, which is low, and how much larger an error of the state is
-    /// in that. `None` where what is made of states is another function of those before a reset.
-    fn refined(
+    /// The jump of the rates at a switch over the speed of its guard, where that is low or nothing jumps by what the switch is, and how
+    /// much larger an error of the state is in that. `None` where the guard falls fast, or where what is made of states is another
+    /// function of those before a reset.
+    fn ratios(
         &self,
-        zone: usize,
-        passage: &Passage,
+        (zone, passage): (usize, &Passage),
         (guard, exit): (&Row, &Exit),
         rate: &Vector,
         saltation: &mut Saltation,
     ) -> Option<(Vector, f64)> {
+        // sliding and contacts leave without a jump where they end by their own condition
+        if exit.tangent.is_some() {
+            saltation.stays();
+            return Some((Vector::zeros(self.orbit.states()), 0.0));
+        }
         let mode = self.mode(zone);
-        let slow = Slow {
+        if !mode.field.is_exact && !exit.is_continuous() {
+            return None;
+        }
+        let sides = Sides {
+            reset: &exit.reset.at,
+            modes: [&mode.matrix.at, &self.mode(zone + 1).matrix.at],
             guard: &guard.at,
-            before: &mode.matrix.at,
-            rate,
-            fall: guard.at.dot(rate),
+            end: &passage.end,
         };
-        let is_known = mode.field.is_exact || exit.is_continuous();
-        is_known.then(|| {
-            let next = &self.mode(zone + 1).matrix.at;
-            let (ratios, off) = saltation.refine(passage, &exit.reset.at, next, &slow);
-            let parts = off.iter().zip(&self.orbit.setting.scales.states);
-            let most = parts.map(|(off, unit)| off / unit).fold(0.0, f64::max);
-            (ratios, most * self.orbit.size(guard))
+        let Scales { states, time, .. } = &self.orbit.setting.scales;
+        saltation.without_guard(&sides, |state| LITTLE * states[state] / time);
+        let (fall, size) = (guard.at.dot(rate), self.orbit.size(guard));
+        ((fall * time / size).abs() < SLOW).then(|| {
+            let (ratios, off) = saltation.refine(&sides, rate, fall);
+            let parts = off.iter().zip(states).map(|(off, unit)| off / unit);
+            (ratios, parts.fold(0.0, f64::max) * size)
         })
     }
 
@@ -275,6 +287,16 @@ impl OrbitAt<'_> {
         let before = product(&self.mode(zone).matrix.at, &passage.entry);
         let states = |rates: &Vector| rates.rows(0, self.orbit.states()).into_owned();
         [states(&before), states(after)]
+    }
+
+    /// Whether the orbit has shrunk to a point, by its rates: nothing is a shift in time there.
+    fn stands(&self, rates: &[Vector]) -> bool {
+        /// All are less than this, in units of the states over that of time: of their directions six digits are left at most.
+        const POINT: f64 = 1e-10;
+        let Scales { states, time, .. } = &self.orbit.setting.scales;
+        let is_little = |(rate, unit): (&f64, &f64)| (rate * time).abs() < POINT * unit;
+        let is_little = |rates: &Vector| rates.iter().zip(states).all(is_little);
+        rates.iter().all(is_little)
     }
 
     /// How far the entry of the next zone is from what a zone leads to, in units of the states.
@@ -374,6 +396,7 @@ impl OrbitAt<'_> {
                 });
             }
         }
+        let moves = !self.orbit.is_forced() && !self.stands(&rates);
         let conserved = &self.orbit.conserved;
         if !conserved.is_empty() {
             for factor in &mut factors {
@@ -404,7 +427,7 @@ impl OrbitAt<'_> {
                 .map(|(one, other)| one * other)
                 .collect()
         });
-        let shifts = !self.orbit.is_forced() && rates.iter().all(|rate| rate.norm() > 0.0);
+        let shifts = moves && rates.iter().all(|rate| rate.norm() > 0.0);
         let factors = match shifts {
             true => across(factors, &rates),
             false => factors,

@@ -22,16 +22,43 @@ pub(in crate::affine) struct Saltation {
     terms: Vector,
 }
 
-/// The guard of a switch that is met slowly, and what is known of the motion there: at a graze what it divides vanishes with it.
-pub(in crate::affine) struct Slow<'a> {
+/// Both sides of a switch as forms of z before it: what is made of states is the same function of them after it, or there is nothing.
+pub(in crate::affine) struct Sides<'a> {
+    /// R.
+    pub reset: &'a Matrix,
+    /// Matrices of the mode that ends and of the one that begins.
+    pub modes: [&'a Matrix; 2],
     /// g.
     pub guard: &'a Vector,
-    /// Matrix of the mode that ends.
-    pub before: &'a Matrix,
-    /// ż⁻.
-    pub rate: &'a Vector,
-    /// ġ.
-    pub fall: f64,
+    /// z before the switch.
+    pub end: &'a Vector,
+}
+
+impl Sides<'_> {
+    /// A row of f⁺ − Rż⁻: f⁺ is one of the state after the reset.
+    fn row(&self, i: usize) -> Vector {
+        let ([before, after], n) = (self.modes, self.reset.nrows());
+        let made = n..before.ncols();
+        let own = |matrix: &Matrix, count: usize| matrix.row(i).columns(0, count).transpose();
+        let mut row = self.reset.tr_mul(&own(after, n));
+        row -= before.tr_mul(&own(self.reset, before.nrows()));
+        made.for_each(|k| row[k] += after[(i, k)]);
+        row
+    }
+
+    /// A form without its multiple of another by what that is most of, and the multiple.
+    fn without(&self, row: &Vector, of: &Vector) -> (Vector, f64) {
+        let share = |k: &usize| (of[*k] * self.end[*k]).abs();
+        let pivots = (0..of.len()).filter(|k| of[*k] != 0.0);
+        let pivot = pivots.max_by(|one, other| share(one).total_cmp(&share(other)));
+        let part = pivot.map_or(0.0, |pivot| row[pivot] / of[pivot]);
+        (row - of * part, part)
+    }
+
+    /// Size of the terms of a form.
+    fn size(&self, row: &Vector) -> f64 {
+        row.iter().zip(self.end).map(|(by, x)| (by * x).abs()).sum()
+    }
 }
 
 impl Saltation {
@@ -60,57 +87,49 @@ impl Saltation {
         }
     }
 
+    /// Of a switch at which f⁺ = Rż⁻ by what it is, as where sliding or a contact ends by its own condition.
+    pub fn stays(&mut self) {
+        self.shift.fill(0.0);
+        self.terms.fill(0.0);
+    }
+
+    /// Takes rows of f⁺ − Rż⁻ that are multiples of g for zero, as the guard is: of those below these sizes, what is left is rounding.
+    pub fn without_guard(&mut self, sides: &Sides, sizes: impl Fn(usize) -> f64) {
+        for i in 0..self.shift.len() {
+            if self.shift[i] == 0.0 || self.shift[i].abs() >= sizes(i) {
+                continue;
+            }
+            let own = sides.row(i);
+            let (rest, _) = sides.without(&own, sides.guard);
+            if sides.size(&rest) <= CONTINUOUS * sides.size(&own) {
+                (self.shift[i], self.terms[i]) = (0.0, 0.0);
+            }
+        }
+    }
+
     /// (f⁺ − Rż⁻)/ġ where the guard is met slowly, and how far every entry is off relative to the error of the state. Where a
     /// row of the jump is a multiple of ġ, but for one of g, which is zero there, the ratio is that, however slow: where a
     /// stick begins it is −1.
-    pub fn refine(
-        &mut self,
-        passage: &Passage,
-        reset: &Matrix,
-        after: &Matrix,
-        slow: &Slow,
-    ) -> (Vector, Vector) {
-        let (n, rows) = (reset.nrows(), slow.before.nrows());
-        let (end, guard, columns) = (&passage.end, slow.guard, slow.before.ncols());
-        let shift = &self.after - product(reset, slow.rate);
-        // f⁺ is one of the state after the reset
-        let mut difference =
-            after.view((0, 0), (n, n)) * reset - reset.columns(0, rows) * slow.before;
-        for column in n..columns {
-            let mut sum = difference.column_mut(column);
-            sum += after.view((0, column), (n, 1));
-        }
-        let of_guard = slow.before.tr_mul(&guard.rows(0, rows));
-        let largest = |row: &Vector| {
-            let share = |k: &usize| (row[*k] * end[*k]).abs();
-            (0..columns).max_by(|one, other| share(one).total_cmp(&share(other)))
-        };
-        let size = |row: &Vector| {
-            row.iter()
-                .zip(end)
-                .map(|(by, x)| (by * x).abs())
-                .sum::<f64>()
-        };
-        let without = |row: &Vector, of: &Vector| -> (Vector, f64) {
-            let pivot = largest(of).filter(|pivot| of[*pivot] != 0.0);
-            let part = pivot.map_or(0.0, |pivot| row[pivot] / of[pivot]);
-            (row - of * part, part)
-        };
-        let (falls, _) = without(&of_guard, guard);
+    pub fn refine(&mut self, sides: &Sides, rate: &Vector, fall: f64) -> (Vector, Vector) {
+        let (Sides { reset, guard, .. }, [before, _]) = (sides, sides.modes);
+        let (n, rows) = (reset.nrows(), before.nrows());
+        let shift = &self.after - product(reset, rate);
+        let of_guard = before.tr_mul(&guard.rows(0, rows));
+        let (falls, _) = sides.without(&of_guard, guard);
         let (mut ratios, mut off) = (Vector::zeros(n), Vector::zeros(n));
         for i in 0..n {
-            let own = difference.row(i).transpose();
-            let (rest, ratio) = without(&without(&own, guard).0, &falls);
-            if size(&rest) <= CONTINUOUS * (size(&own) + ratio.abs() * size(&of_guard)) {
+            let own = sides.row(i);
+            let (rest, ratio) = sides.without(&sides.without(&own, guard).0, &falls);
+            let terms = sides.size(&own) + ratio.abs() * sides.size(&of_guard);
+            if sides.size(&rest) <= CONTINUOUS * terms {
                 ratios[i] = ratio;
                 self.terms[i] = 0.0;
                 continue;
             }
-            ratios[i] = shift[i] / slow.fall;
-            let made = (rows..slow.rate.len())
-                .map(|k| (reset[(i, k)] - ratios[i] * guard[k]) * slow.rate[k]);
+            ratios[i] = shift[i] / fall;
+            let made = (rows..rate.len()).map(|k| (reset[(i, k)] - ratios[i] * guard[k]) * rate[k]);
             let made: f64 = made.map(f64::abs).sum();
-            off[i] = (size(&(own - &of_guard * ratios[i])) + made) / slow.fall.abs();
+            off[i] = (sides.size(&(own - &of_guard * ratios[i])) + made) / fall.abs();
         }
         (ratios, off)
     }
@@ -178,4 +197,67 @@ pub(in crate::affine) fn sizes_of_product(matrix: &Matrix, vector: &Vector) -> V
         pairs.for_each(|(sum, entry)| *sum += (entry * factor).abs());
     }
     sizes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// ẋ = v, v̇ = -x meets a spring with a damper at x = 1, where v̇ has -4(x - 1) - v/2 more. That jumps by half the speed of the guard
+    /// 1 - x, however slow: at a graze, too, where the speed is zero in every digit, S has 1/2 in its row of v.
+    #[test]
+    fn what_a_damper_does_is_a_ratio_where_nothing_is_left_of_the_speed() {
+        let before = Matrix::from_row_slice(3, 3, &[0.0, 1.0, 0.0, -1.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+        let mut after = before.clone();
+        (after[(1, 0)], after[(1, 1)], after[(1, 2)]) = (-5.0, -0.5, 4.0);
+        let reset = Matrix::identity(2, 3);
+        let guard = Vector::from_vec(vec![-1.0, 0.0, 1.0]);
+        for speed in [0.25, 1e-12, 0.0] {
+            let end = Vector::from_vec(vec![1.0, speed, 1.0]);
+            let rate = &before * &end;
+            let mut saltation = Saltation {
+                reset: Matrix::identity(2, 2),
+                after: (&after * &end).rows(0, 2).into_owned(),
+                shift: Vector::from_vec(vec![0.0, -0.5 * speed]),
+                terms: Vector::zeros(2),
+            };
+            let sides = Sides {
+                reset: &reset,
+                modes: [&before, &after],
+                guard: &guard,
+                end: &end,
+            };
+            let (ratios, off) = saltation.refine(&sides, &rate, -speed);
+            assert_eq!(ratios.as_slice(), [0.0, 0.5]);
+            assert_eq!(off.as_slice(), [0.0, 0.0]);
+        }
+    }
+
+    /// The rate of x jumps from v to 0 where v is the guard: what rounding has left of that is no jump, in whatever unit it is.
+    #[test]
+    fn a_jump_by_the_guard_is_none() {
+        for unit in [1.0, 1e-9, 1e9] {
+            let before =
+                Matrix::from_row_slice(3, 3, &[0.0, 1.0, 0.0, 0.0, 0.0, -unit, 0.0, 0.0, 0.0]);
+            let after = Matrix::zeros(3, 3);
+            let guard = Vector::from_vec(vec![0.0, 1.0, 0.0]);
+            let end = Vector::from_vec(vec![unit, 1e-17 * unit, 1.0]);
+            let mut saltation = Saltation {
+                reset: Matrix::identity(2, 2),
+                after: Vector::zeros(2),
+                shift: Vector::from_vec(vec![-1e-17 * unit, unit]),
+                terms: Vector::from_vec(vec![1e-17 * unit, unit]),
+            };
+            let reset = Matrix::identity(2, 3);
+            let sides = Sides {
+                reset: &reset,
+                modes: [&before, &after],
+                guard: &guard,
+                end: &end,
+            };
+            saltation.without_guard(&sides, |_| 1e-6 * unit);
+            assert_eq!(saltation.shift.as_slice(), [0.0, unit]);
+            assert_eq!(saltation.terms.as_slice(), [0.0, unit]);
+        }
+    }
 }

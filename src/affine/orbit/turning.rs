@@ -140,11 +140,16 @@ impl<'a> Smooth<'a> {
         }
     }
 
-    /// The places at which it turns where it may leave bounds that hold at both ends.
-    pub fn turns(&self, (low, high): (f64, f64)) -> Vec<f64> {
+    /// Whether its coefficients say that it stays within bounds.
+    pub fn stays(&self, (low, high): (f64, f64)) -> bool {
         let reach: f64 = self.taylor[1..].iter().map(|a| a.abs()).sum();
         let first = self.taylor[0];
-        if first - reach >= low && first + reach <= high {
+        first - reach >= low && first + reach <= high
+    }
+
+    /// The places at which it turns where it may leave bounds that hold at both ends.
+    pub fn turns(&self, (low, high): (f64, f64)) -> Vec<f64> {
+        if self.stays((low, high)) {
             return Vec::new();
         }
         let turns = match self.slope(self.kept()) {
