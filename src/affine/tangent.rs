@@ -347,7 +347,7 @@ impl<'a> TangentFrame<'a> {
             .copy_from(&Vector::from_column_slice(&switching.after));
         system.modes[to].field.complete(&mut entry);
         let matrix = &system.modes[to].matrix.at;
-        let saltation = Saltation::new(&passage, &exit.reset.at, &passage.rate, (matrix, &entry));
+        let saltation = Saltation::new(&passage, exit, &passage.rate, (matrix, &entry));
         let fall = guard.row.at.dot(&passage.rate);
         let normal = passage.gradient(&guard.row).rows(0, n).into_owned();
         // a guard of one state has no other terms where that is zero

@@ -119,7 +119,7 @@ impl OrbitAt<'_> {
         self.mode(next).field.complete(&mut entry);
         let normal = passage.gradient(row);
         let next_matrix = &self.mode(next).matrix.at;
-        let mut saltation = Saltation::new(passage, &exit.reset.at, rate, (next_matrix, &entry));
+        let mut saltation = Saltation::new(passage, exit, rate, (next_matrix, &entry));
         let speed = -fall * self.orbit.setting.scales.time / self.orbit.size(row);
         let ratios = self.ratios((zone, passage), (row, exit), rate, &mut saltation);
         let magnified = ratios.as_ref().map_or(speed.abs().recip(), |(_, by)| *by);
@@ -207,9 +207,7 @@ impl OrbitAt<'_> {
         rate: &Vector,
         saltation: &mut Saltation,
     ) -> Option<(Vector, f64)> {
-        // sliding and contacts leave without a jump where they end by their own condition
         if exit.tangent.is_some() {
-            saltation.stays();
             return Some((Vector::zeros(self.orbit.states()), 0.0));
         }
         let mode = self.mode(zone);

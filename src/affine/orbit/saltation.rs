@@ -1,6 +1,7 @@
 //! What a switch makes of perturbations, compared at equal time: S = Rₓ + (f⁺ − Rż⁻)gᵀ/ġ.
 
 use super::passage::Passage;
+use crate::affine::mode::Exit;
 use crate::linalg::{Matrix, Vector, product};
 
 /// Rates on both sides of a switch are the same to this part of the terms of one of them: those of states that are known
@@ -22,7 +23,7 @@ pub(in crate::affine) struct Saltation {
     terms: Vector,
 }
 
-/// Both sides of a switch as forms of z before it: what is made of states is the same function of them after it, or there is nothing.
+/// Both sides of a switch as forms of z before it, where what is made of states is the same function of them on both sides.
 pub(in crate::affine) struct Sides<'a> {
     /// R.
     pub reset: &'a Matrix,
@@ -62,35 +63,35 @@ impl Sides<'_> {
 }
 
 impl Saltation {
-    /// Of the switch at the end of a passage with this reset and this rate there, into a mode with this matrix at its entry.
+    /// Of an exit at the end of a passage with this rate there, into a mode with this matrix at its entry.
     pub fn new(
         passage: &Passage,
-        reset: &Matrix,
+        exit: &Exit,
         rate: &Vector,
         (matrix, entry): (&Matrix, &Vector),
     ) -> Saltation {
-        let after = product(matrix, entry).rows(0, reset.nrows()).into_owned();
-        let mut shift = &after - product(reset, rate);
-        // fields that meet without a jump differ by rounding, which a graze would magnify without bound
-        let sizes = sizes_of_product(matrix, entry);
-        for (shift, size) in shift.iter_mut().zip(&sizes) {
-            if shift.abs() <= CONTINUOUS * size {
-                *shift = 0.0;
+        let reset = &exit.reset.at;
+        let n = reset.nrows();
+        let after = product(matrix, entry).rows(0, n).into_owned();
+        let (mut shift, mut terms) = (Vector::zeros(n), Vector::zeros(n));
+        // sliding and contacts that end by their own condition leave without a jump
+        if exit.tangent.is_none() {
+            shift = &after - product(reset, rate);
+            terms = sizes_of_product(matrix, entry).rows(0, n).into_owned();
+            // fields that meet without a jump differ by rounding, which a graze would magnify without bound
+            for (shift, size) in shift.iter_mut().zip(&terms) {
+                if shift.abs() <= CONTINUOUS * size {
+                    *shift = 0.0;
+                }
             }
+            terms += sizes_of_product(reset, rate);
         }
-        let of_reset = sizes_of_product(reset, rate);
         Saltation {
             reset: passage.slopes(reset),
-            terms: Vector::from_fn(reset.nrows(), |i, _| of_reset[i] + sizes[i]),
+            terms,
             after,
             shift,
         }
-    }
-
-    /// Of a switch at which f⁺ = Rż⁻ by what it is, as where sliding or a contact ends by its own condition.
-    pub fn stays(&mut self) {
-        self.shift.fill(0.0);
-        self.terms.fill(0.0);
     }
 
     /// Takes rows of f⁺ − Rż⁻ that are multiples of g for zero, as the guard is: of those below these sizes, what is left is rounding.
