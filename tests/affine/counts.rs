@@ -7,7 +7,7 @@ use brakewave::EventType;
 use brakewave::hybrid::{Note, OrbitItem, OrbitRunner};
 use brakewave::orbit::Stability;
 use brakewave::orbit::legs::Run;
-use brakewave::problem::{Any, SystemProblem, parse_any, read_any};
+use brakewave::problem::{Any, SystemProblem, UserPoint, parse_any, read_any};
 
 use super::ending::CLOCK;
 
@@ -593,6 +593,65 @@ fn multiplier_of_sliding(force: f64) -> f64 {
         }
     }
     log.exp()
+}
+
+/// Where the sequence changes multipliers are the limit of those before: of the point that is 1e-9 of the range away, from which they
+/// differ like the cube root of that at worst, as where a zone opens by the cube of its length.
+#[test]
+fn multipliers_at_a_change_are_the_limit_of_those_before() {
+    let files = [
+        "friction_oscillator",
+        "contact_relay",
+        "two_blocks",
+        "brake_coupling",
+    ];
+    let mut count = 0;
+    for name in files {
+        let path = format!("{}/problems/{name}.ron", env!("CARGO_MANIFEST_DIR"));
+        let any = read_any(path.as_ref()).unwrap_or_else(|error| panic!("{error}"));
+        let Any::System(mut problem) = any.0 else {
+            panic!("a system");
+        };
+        let along = problem.continuation.clone().unwrap();
+        let is_change = |item: &OrbitItem| {
+            let event = item.event.as_ref();
+            event.is_some_and(|one| {
+                matches!(one.kind, EventType::SL | EventType::CO | EventType::GR)
+            })
+        };
+        let value = |item: &OrbitItem| {
+            let parameters = &item.event.as_ref().unwrap().parameters;
+            let mut own = parameters
+                .iter()
+                .filter(|(name, _)| *name == along.parameter);
+            own.next().unwrap().1
+        };
+        let beside = 1e-9 * (along.range.1 - along.range.0);
+        let places = branch(&problem, 1000);
+        let places = places.iter().filter(|item| is_change(item)).map(value);
+        let around = places.flat_map(|place| [place - beside, place + beside]);
+        let stops = around.map(UserPoint::Parameter).collect();
+        problem.continuation.as_mut().unwrap().stop_at = stops;
+        let items = branch(&problem, 1000);
+        let labelled: Vec<_> = items.iter().filter(|item| item.event.is_some()).collect();
+        for pair in labelled.windows(2).filter(|pair| is_change(pair[1])) {
+            let [before, here] = [pair[0], pair[1]].map(|item| &item.point.multipliers);
+            if here.is_empty() || (value(pair[0]) - value(pair[1])).abs() > 2.0 * beside {
+                continue;
+            }
+            assert_eq!(before.len(), here.len());
+            for (one, other) in before.iter().zip(here) {
+                let [one, other] = [one, other].map(|each| each.value.norm());
+                let place = value(pair[1]);
+                assert!(
+                    (one - other).abs() < 1e-2,
+                    "{name} at {place}: {other}, before {one}"
+                );
+            }
+            count += 1;
+        }
+    }
+    assert!(count >= 8, "{count}");
 }
 
 /// A brake written by hand, which slips forth and back under either of two bounds and rests between: at its switches the speed is zero
