@@ -109,8 +109,8 @@ fn fast_fibres(m12: &Matrix, slow: &Matrix, fast: &Matrix) -> Option<Matrix> {
 pub(super) struct Splitting {
     /// Rates B of the slow part s.
     pub slow: Matrix,
-    /// Its balance.
-    pub balance: (Vector, f64),
+    /// Their norm, balanced.
+    pub norm: f64,
     /// z of s alone.
     pub along: Matrix,
     /// Rates F of the fast part f, in coordinates in which its length never grows.
@@ -209,7 +209,7 @@ impl Splitting {
         }
         let columns = fast.column_iter().map(|column| column.lp_norm(1));
         Some(Splitting {
-            balance: balance(&slow, longest.recip()),
+            norm: balance(&slow, longest.recip()).1,
             rates: (columns.fold(0.0, f64::max), decay),
             slow,
             along,
@@ -238,13 +238,13 @@ impl Splitting {
     /// Rounding of exp(Mt) per time, in units: every square of the parts doubles it, and what is fast decays.
     pub fn rounding(&self, time: f64) -> f64 {
         let (norm, decay) = self.rates;
-        self.balance.1 + norm * (-decay * time).exp()
+        self.norm + norm * (-decay * time).exp()
     }
 
     /// exp(Mt).
     pub fn propagator(&self, time: f64) -> Matrix {
         let fast = plain_propagator(&self.fast, self.fast.nrows(), self.rates.0, time);
-        let slow = plain_propagator(&self.slow, self.slow.nrows(), self.balance.1, time);
+        let slow = plain_propagator(&self.slow, self.slow.nrows(), self.norm, time);
         &self.along * slow * &self.slow_of + &self.across * fast * &self.fast_of
     }
 }

@@ -35,22 +35,22 @@ pub(super) struct GuardSeries {
     /// all orders: of many flows only the values of guards are wanted.
     coefficients: OnceLock<Vec<[f64; COEFFICIENTS]>>,
     /// Bounds of its terms for 1 of every component of z at the beginning, whatever the signs of others.
-    terms: OnceLock<Terms>,
+    terms: OnceLock<TermBounds>,
 }
 
 /// Bounds of the terms |M·length|ᵏ/k! of an exponential on one side of a vector without signs. They are taken entry by entry, so that
 /// other units of a state scale them alone and change nothing else.
 #[derive(Clone, Debug)]
-struct Terms {
+struct TermBounds {
     /// Of the largest for every component.
     largest: Vec<f64>,
     /// Of the sum of those that an expansion leaves out.
     left_out: Vec<f64>,
 }
 
-impl Terms {
+impl TermBounds {
     /// Those of a vector, for a step from the term before to the k-th, which is added to zeros.
-    fn of(vector: &[f64], step: impl Fn(f64, &[f64], &mut [f64])) -> Terms {
+    fn of(vector: &[f64], step: impl Fn(f64, &[f64], &mut [f64])) -> TermBounds {
         let mut term: Vec<f64> = vector.iter().map(|x| x.abs()).collect();
         let (mut largest, mut next) = (term.clone(), term.clone());
         for k in 1..COEFFICIENTS {
@@ -60,8 +60,8 @@ impl Terms {
             let pairs = largest.iter_mut().zip(&term);
             pairs.for_each(|(largest, term)| *largest = term.max(*largest));
         }
-        Terms {
-            left_out: Terms::beyond(term, step),
+        TermBounds {
+            left_out: TermBounds::beyond(term, step),
             largest,
         }
     }
@@ -112,7 +112,7 @@ impl Exact {
         let mut flow = Exact::new(matrix.clone(), mode.states, longest, norm);
         let stiff = ways.into_iter().map(|way| {
             let size = way.slow.nrows();
-            let slow = Exact::new(way.slow.clone(), size, longest, way.balance.1);
+            let slow = Exact::new(way.slow.clone(), size, longest, way.norm);
             (way, slow)
         });
         flow.stiff = stiff
@@ -228,7 +228,7 @@ impl Exact {
     /// What an expansion of z over the beginning of a piece leaves out, by its last coefficients.
     pub fn left_out(&self, expansion: &Expansion, part: f64) -> Vec<f64> {
         let last = expansion.terms.iter().map(|terms| terms[DEGREE].abs());
-        Terms::beyond(last.collect(), |factor, before, next| {
+        TermBounds::beyond(last.collect(), |factor, before, next| {
             let factor = factor * part * self.length;
             for (row, column, value) in &self.entries {
                 next[*row] += value.abs() * (factor * before[*column]);
@@ -240,8 +240,8 @@ impl Exact {
     /// are made of, where the first, so many, are known to be zero.
     pub fn error(&self, guard: usize, z: &Vector, part: f64, zeros: usize) -> f64 {
         let GuardSeries { form, terms, .. } = &self.guards[guard];
-        let Terms { largest, left_out } = terms.get_or_init(|| {
-            Terms::of(form.as_slice(), |factor, before, next| {
+        let TermBounds { largest, left_out } = terms.get_or_init(|| {
+            TermBounds::of(form.as_slice(), |factor, before, next| {
                 let factor = factor * self.length;
                 for (row, column, value) in &self.entries {
                     next[*column] += value.abs() * (factor * before[*row]);

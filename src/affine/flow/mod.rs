@@ -105,9 +105,13 @@ impl FlowPiece {
     }
 }
 
-/// The coefficients of a form over the beginning of a piece of this length, what they leave out, and the rounding
+/// The coefficients of a form over the beginning of a piece of a series, what they leave out, and the rounding
 /// of what they are made of.
-fn polynomial(series: &Series, row: &Vector, length: f64) -> ([f64; COEFFICIENTS], f64) {
+fn polynomial(piece: &FlowPiece, part: f64, row: &Vector) -> ([f64; COEFFICIENTS], f64) {
+    let PieceMotion::Series(series) = &piece.course else {
+        return ([0.0; COEFFICIENTS], f64::INFINITY);
+    };
+    let length = part * piece.length;
     let (mut all, mut amplitude) = ([0.0; ORDER + 1], 0.0);
     for (c, by) in row.iter().enumerate().filter(|(_, by)| **by != 0.0) {
         let z = series.values(c);
@@ -127,6 +131,11 @@ fn polynomial(series: &Series, row: &Vector, length: f64) -> ([f64; COEFFICIENTS
         taylor,
         2.0 * rest + 2.0 * f64::EPSILON * (amplitude + changes),
     )
+}
+
+/// That of a state.
+fn of_state(piece: &FlowPiece, part: f64, state: usize) -> ([f64; COEFFICIENTS], f64) {
+    polynomial(piece, part, &Row::unit(piece.z.len(), state).at)
 }
 
 impl ModeFlow {
@@ -295,12 +304,11 @@ impl ModeFlow {
                 }
             }
             (Some(exact), _) => return exact.expand(&piece.z, part, expansion),
-            (None, PieceMotion::Series(_)) => Expansion {
+            (None, _) => Expansion {
                 terms: (0..states)
-                    .map(|state| self.of_state(state, piece, part).0)
+                    .map(|state| of_state(piece, part, state).0)
                     .collect(),
             },
-            (None, _) => Expansion::default(),
         };
     }
 
@@ -322,19 +330,8 @@ impl ModeFlow {
             }
             (Some(exact), _) => exact.left_out(expansion, part),
             (None, _) => (0..states)
-                .map(|state| self.of_state(state, piece, part).1)
+                .map(|state| of_state(piece, part, state).1)
                 .collect(),
-        }
-    }
-
-    /// A state over the beginning of a piece of a series, and what that leaves out.
-    fn of_state(&self, state: usize, piece: &FlowPiece, part: f64) -> ([f64; COEFFICIENTS], f64) {
-        match &piece.course {
-            PieceMotion::Series(series) => {
-                let row = Row::unit(piece.z.len(), state).at;
-                polynomial(series, &row, part * piece.length)
-            }
-            _ => ([0.0; COEFFICIENTS], f64::INFINITY),
         }
     }
 
@@ -385,10 +382,7 @@ impl ModeFlow {
                 (taylor, remainder + left_out)
             }
             (Some(exact), _) => exact.taylor(guard, &piece.z, part, zeros),
-            (None, PieceMotion::Series(series)) => {
-                polynomial(series, &self.guards[guard], part * piece.length)
-            }
-            (None, _) => ([0.0; COEFFICIENTS], f64::INFINITY),
+            (None, _) => polynomial(piece, part, &self.guards[guard]),
         }
     }
 

@@ -121,7 +121,7 @@ impl OrbitAt<'_> {
         let next_matrix = &self.mode(next).matrix.at;
         let mut saltation = Saltation::new(passage, exit, rate, (next_matrix, &entry));
         let speed = -fall * self.orbit.setting.scales.time / self.orbit.size(row);
-        let ratios = self.ratios((zone, passage), (row, exit), rate, &mut saltation);
+        let ratios = self.ratios((zone, passage), (row, exit), (rate, speed), &mut saltation);
         let magnified = ratios.as_ref().map_or(speed.abs().recip(), |(_, by)| *by);
         let bounds = saltation.bounds(|j| match normal[j] {
             0.0 => 0.0,
@@ -204,7 +204,7 @@ impl OrbitAt<'_> {
         &self,
         (zone, passage): (usize, &Passage),
         (guard, exit): (&Row, &Exit),
-        rate: &Vector,
+        (rate, speed): (&Vector, f64),
         saltation: &mut Saltation,
     ) -> Option<(Vector, f64)> {
         if exit.tangent.is_some() {
@@ -222,11 +222,10 @@ impl OrbitAt<'_> {
         };
         let Scales { states, time, .. } = &self.orbit.setting.scales;
         saltation.without_guard(&sides, |state| LITTLE * states[state] / time);
-        let (fall, size) = (guard.at.dot(rate), self.orbit.size(guard));
-        ((fall * time / size).abs() < SLOW).then(|| {
-            let (ratios, off) = saltation.refine(&sides, rate, fall);
+        (speed.abs() < SLOW).then(|| {
+            let (ratios, off) = saltation.refine(&sides, rate, guard.at.dot(rate));
             let parts = off.iter().zip(states).map(|(off, unit)| off / unit);
-            (ratios, parts.fold(0.0, f64::max) * size)
+            (ratios, parts.fold(0.0, f64::max) * self.orbit.size(guard))
         })
     }
 
