@@ -15,6 +15,10 @@ use brakewave::problem::{
     Any, Continuation, CurveSection as Section, SystemCurveEvent, SystemProblem, parse_any,
 };
 
+/// That of the program.
+#[global_allocator]
+static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
+
 /// Most runs of a branch, and seconds after which no further one begins.
 const RUNS: usize = 50;
 const SECONDS: f64 = 3.0;

@@ -1,7 +1,7 @@
 //! Claims about the mathematics and the program, a folder for each subject: in one program, so that the machine has work
 //! until the last of them is done.
 //!
-//! `cargo test --test all waves::` runs those of one folder, `-- --nocapture` shows the errors observed.
+//! `cargo test --release --test all waves::` runs those of one folder, `-- --nocapture` shows the errors observed.
 
 mod affine;
 mod certify;

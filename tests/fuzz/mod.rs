@@ -1,7 +1,7 @@
 //! Random inputs for the binary: whatever it is given, it ends with an exit code of its contract,
 //! says what is wrong, takes no longer than it says, and loses no file.
 //!
-//! `cargo test --test all fuzz::` makes a fixed number of inputs from a fixed seed. A longer run by hand:
+//! `cargo test --release --test all fuzz::` makes a fixed number of inputs from a fixed seed. A longer run by hand:
 //!
 //! ```sh
 //! BRAKEWAVE_FUZZ_INPUTS=20000 BRAKEWAVE_FUZZ_SEED=7 \

@@ -1,7 +1,7 @@
 //! Claims about the stability of waves, through the library alone: figures of an independent
 //! program, symmetries, counts by a second method, closed forms at high frequency, extremes.
 //!
-//! Every module is one claim. `cargo test --test all stability:: -- --nocapture` shows the errors observed.
+//! Every module is one claim. `cargo test --release --test all stability:: -- --nocapture` shows the errors observed.
 
 mod allowance;
 mod beside_the_axis;

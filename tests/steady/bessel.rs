@@ -5,7 +5,8 @@
 
 use brakewave::tube::model::coefficients::Geometry;
 use brakewave::tube::steady::radial::Radial;
-use faer::{Mat, c64};
+use faer::c64;
+use nalgebra::Matrix4;
 
 use crate::steady::{observed, tube};
 
@@ -83,7 +84,7 @@ pub fn determinant(tube: &Geometry, k: u32, friction: f64, s: c64, kappa: c64) -
             columns.push(column.map(|one| one / size));
         }
     }
-    Mat::from_fn(4, 4, |row, column| columns[column][row]).determinant()
+    Matrix4::from_fn(|row, column| columns[column][row]).determinant()
 }
 
 /// The root nearest to a guess, by the secant method.

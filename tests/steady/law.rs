@@ -6,7 +6,8 @@ use brakewave::tube::model::{Damping, FrictionLaw};
 use brakewave::tube::steady::growth::stiffness_at;
 use brakewave::tube::steady::radial::Radial;
 use brakewave::tube::steady::{SteadyFriction, SteadyMode, SteadySettings, mode};
-use faer::{Mat, c64};
+use faer::c64;
+use nalgebra::Matrix2;
 
 use crate::steady::bessel::{LARGEST_ARGUMENT, determinant, root};
 use crate::steady::{damping, observed, tube};
@@ -77,8 +78,8 @@ fn companion(geometry: &Geometry, k: u32, f: f64, law: FrictionLaw, with: Dampin
         [c64::new(0.0, 0.0), c64::new(1.0, 0.0)],
         [-elastic, -elastic * with.stiffness - with.mass + rubbed],
     ];
-    let matrix = Mat::from_fn(2, 2, |row, column| rows[row][column]);
-    let found: Vec<c64> = matrix.eigenvalues().unwrap();
+    let matrix = Matrix2::from_fn(|row, column| rows[row][column]);
+    let found = matrix.eigenvalues().unwrap();
     if found[0].re >= found[1].re {
         found[0]
     } else {

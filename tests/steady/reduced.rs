@@ -3,7 +3,8 @@
 use brakewave::tube::model::Damping;
 use brakewave::tube::steady::growth::{SteadyWave, eigenvalues};
 use brakewave::tube::steady::reduced::Reduced;
-use faer::{Mat, c64};
+use faer::c64;
+use nalgebra::Matrix2;
 
 use crate::steady::{damping, observed, tube};
 
@@ -17,9 +18,11 @@ fn companion(kappa: c64, Damping { mass, stiffness }: Damping) -> [c64; 2] {
         [zero, c64::new(1.0, 0.0)],
         [-kappa / (unit * unit), -middle],
     ];
-    let matrix = Mat::from_fn(2, 2, |row, column| rows[row][column]);
+    let matrix = Matrix2::from_fn(|row, column| rows[row][column]);
     let mut found = matrix.eigenvalues().unwrap();
-    found.sort_by(|one, other| other.re.total_cmp(&one.re));
+    found
+        .as_mut_slice()
+        .sort_by(|one, other| other.re.total_cmp(&one.re));
     [found[0] * unit, found[1] * unit]
 }
 

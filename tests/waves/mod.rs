@@ -1,7 +1,7 @@
 //! Claims about the waves, through the library alone: figures of an independent program, closed
 //! forms, symmetries, an independent integration, derivatives against differences, and refusals.
 //!
-//! Every module is one claim. `cargo test --test all waves:: -- --nocapture` shows the errors observed.
+//! Every module is one claim. `cargo test --release --test all waves:: -- --nocapture` shows the errors observed.
 
 mod admissibility;
 pub mod branches;
