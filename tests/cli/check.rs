@@ -9,18 +9,16 @@ fn count(text: &str, word: &str) -> usize {
     text.matches(word).count()
 }
 
-/// How names of those begin that are checked here, with every kind of expectation and proof: `.ci/run` checks all.
-const CHECKED: [&str; 5] = ["chua", "contact_", "impact_o", "mode4_m", "mode8_"];
-
 #[test]
-fn problems_of_the_repository_are_as_expected() {
+fn every_problem_of_the_repository_is_as_expected() {
     let bench = Bench::new();
     let mut files = Vec::new();
     let (mut expectations, mut with) = (0, 0);
     for entry in fs::read_dir(PROBLEMS).expect("the problems") {
         let path = entry.expect("an entry").path();
-        let name = path.file_name().and_then(|name| name.to_str());
-        if name.is_some_and(|name| CHECKED.iter().any(|begin| name.starts_with(begin))) {
+        // a wave that takes as long as ten others; `.ci/run` checks it
+        let is_long = path.ends_with("ring_separation_circle.ron");
+        if path.extension().is_some_and(|extension| extension == "ron") && !is_long {
             let text = fs::read_to_string(&path).expect("a problem");
             let expect = text.split_once("expect:").map(|(_, expect)| expect);
             expectations += expect.map_or(0, |expect| count(expect, "(event:"));
@@ -30,7 +28,7 @@ fn problems_of_the_repository_are_as_expected() {
         }
     }
     files.sort();
-    assert!(files.len() >= 6 && expectations >= 20);
+    assert!(files.len() >= 6 && expectations >= 25);
     let mut arguments = vec!["check"];
     arguments.extend(files.iter().map(String::as_str));
     arguments.extend(["--junit", "report.xml"]);
@@ -44,7 +42,7 @@ fn problems_of_the_repository_are_as_expected() {
     assert!(xml.starts_with("<?xml"));
     assert_eq!(count(&xml, "<testsuite "), files.len());
     let proven = count(&outcome.stdout, ": proven;");
-    assert!(proven >= 20, "{}", outcome.stdout);
+    assert!(proven >= 100, "{}", outcome.stdout);
     assert_eq!(count(&xml, "<testcase "), expectations + proven + skipped);
     assert_eq!(count(&xml, "<skipped"), skipped);
     assert_eq!(count(&xml, "<failure") + count(&xml, "<error"), 0);
