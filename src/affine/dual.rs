@@ -21,6 +21,12 @@ pub trait Coefficient: Algebra + Default + PartialEq {
     /// Where it is not.
     fn finite(self) -> Result<Self, Obstacle>;
 
+    /// The factor that makes every second number of these pairs the first, but for rounding, whatever the parameters: told of
+    /// doubles, whose rounding is known.
+    fn ratio(_pairs: &[(Self, Self)]) -> Option<Self> {
+        None
+    }
+
     /// The whole number that it is, whatever the parameters.
     fn whole(&self) -> Option<f64> {
         self.fixed().filter(|number| number.fract() == 0.0)
@@ -163,6 +169,23 @@ impl Coefficient for Dual {
     fn finite(self) -> Result<Dual, Obstacle> {
         let finite = self.value.is_finite() && self.by.iter().all(|by| by.is_finite());
         finite.then_some(self).ok_or(Obstacle::NotFinite)
+    }
+
+    fn ratio(pairs: &[(Dual, Dual)]) -> Option<Dual> {
+        let sized = |(_, second): &&(Dual, Dual)| second.value.abs();
+        let largest = pairs
+            .iter()
+            .max_by(|one, other| sized(one).total_cmp(&sized(other)));
+        let (first, second) = largest.filter(|pair| pair.1.value != 0.0)?;
+        let ratio = first.over(*second);
+        let is_rounding = |x: f64, size: f64| x.abs() <= Dual::SAME * size;
+        let holds = |(first, second): &(Dual, Dual)| {
+            let left = first.sum(1.0, ratio.times(*second), -1.0);
+            let by = |p: usize| first.by[p].abs() + ratio.times(*second).by[p].abs();
+            is_rounding(left.value, first.value.abs())
+                && (0..VARYING).all(|p| is_rounding(left.by[p], by(p)))
+        };
+        (ratio.value != 0.0 && pairs.iter().all(holds)).then_some(ratio)
     }
 }
 

@@ -3,6 +3,7 @@
 //! With x = x₀ + ε₁a + ε₂b + ε₃c the coefficients of f(x) are its derivatives along these directions: f′a of ε₁,
 //! f″(a, b) of ε₁ε₂, f‴(a, b, c) of ε₁ε₂ε₃, without truncation (J. Fike, J. Alonso, AIAA 2011-886).
 
+use super::exprel;
 use super::expression::Function;
 use super::form::Rule;
 
@@ -154,6 +155,7 @@ impl HyperDual {
             Rule::Product => a.times(b),
             Rule::Quotient => a.times(&b.power(-1.0)),
             Rule::Power(r) => a.power(r),
+            Rule::RelativeExponential => a.composed(exprel::derivatives(a.value())),
             Rule::Function(function) => a.function(function),
         }
     }

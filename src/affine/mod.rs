@@ -18,6 +18,7 @@ pub mod dual;
 pub mod equilibrium;
 pub(crate) mod evaluation;
 pub(crate) mod exponential;
+mod exprel;
 pub mod expression;
 pub mod flow;
 pub mod form;

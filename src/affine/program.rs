@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use super::coefficients::Sparse;
 use super::dual::{Coefficient, Dual};
+use super::exprel;
 use super::expression::Function;
 use super::form::{Form, Rule, Term};
 use super::recurrence::ProgramStep;
@@ -208,6 +209,7 @@ impl Rule {
                 if r < 0.0 { one / power } else { power }
             }
             Rule::Power(r) => (Interval::point(r) * a.ln()).exp(),
+            Rule::RelativeExponential => exprel::enclose(a),
             Rule::Function(function) => match function {
                 Function::Sin => a.sin(),
                 Function::Cos => a.cos(),

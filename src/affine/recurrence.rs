@@ -9,6 +9,7 @@ use std::sync::Arc;
 
 use super::coefficients::{CoefficientTable, Sparse, TOGETHER};
 use super::dual::VARYING;
+use super::exprel;
 use super::expression::{Function, root};
 use super::form::Rule;
 use super::rows::Row;
@@ -132,6 +133,7 @@ impl CoefficientTable {
                 let sign = if sign == 0.0 { x.signum() } else { sign };
                 self.scale(own, (a, k), (sign * self.value(a, k), sign));
             }
+            Rule::RelativeExponential => self.exprel(a, own, helper, k),
             Rule::Function(function) if k == 0 => self.begin(function, a, own, helper),
             Rule::Function(Function::Atan) => {
                 // u̇w = ȧ with w = 1 + a²
@@ -211,17 +213,15 @@ impl CoefficientTable {
     }
 }
 
-/// Whether a rule has a second component that is found with its own: the cosine of a sine, 1 ± u² of a tangent, the inverse of
-/// the slope of an arc.
-fn has_helper(rule: Rule) -> bool {
+/// How many components are found with that of a rule: the cosine of a sine, 1 ± u² of a tangent, the inverse of the slope of an
+/// arc.
+fn helpers(rule: Rule) -> usize {
     use Function::{Acos, Asin, Atan, Cos, Cosh, Sin, Sinh, Tan, Tanh};
-    let Rule::Function(function) = rule else {
-        return false;
-    };
-    matches!(
-        function,
-        Sin | Cos | Tan | Tanh | Sinh | Cosh | Asin | Acos | Atan
-    )
+    match rule {
+        Rule::Function(Sin | Cos | Tan | Tanh | Sinh | Cosh | Asin | Acos | Atan) => 1,
+        Rule::RelativeExponential => exprel::HELPERS,
+        _ => 0,
+    }
 }
 
 impl Series {
@@ -281,8 +281,8 @@ impl Recurrences<'_> {
     fn table(&self, z: &Vector, orders: usize, derivatives: bool) -> CoefficientTable {
         let Places { operands, count } = self.places;
         let components = self.base + self.steps.len();
-        let helpers = self.steps.iter().filter(|step| has_helper(step.rule));
-        let size = [orders, count + helpers.count()];
+        let found_with: usize = self.steps.iter().map(|step| helpers(step.rule)).sum();
+        let size = [orders, count + found_with];
         let lanes = [self.inner(), self.parameters];
         let mut table = CoefficientTable::new(size, lanes, derivatives);
         self.begin(z, &mut table);
@@ -301,7 +301,7 @@ impl Recurrences<'_> {
                     let sign = self.signs.get(index).copied().unwrap_or(0.0);
                     table.step(step, around, k, sign);
                 }
-                helper += usize::from(has_helper(step.rule));
+                helper += helpers(step.rule);
             }
             if k + 1 < orders {
                 let moving = self.rates.iter().enumerate();

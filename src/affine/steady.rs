@@ -333,7 +333,7 @@ impl AffineSystem {
             let changes = |beside: &Option<NewtonStep>| {
                 let moved = beside.as_ref().zip(inverse.as_ref());
                 moved.is_none_or(|(beside, inverse)| {
-                    let changed = inverse.abs() * (&beside.slopes - &step.slopes).abs();
+                    let changed = inverse.abs() * (&beside.square - &step.square).abs();
                     // in the units of the states
                     let size = |i: usize, j: usize| {
                         error[j].max(f64::MIN_POSITIVE) / error[i].max(f64::MIN_POSITIVE)

@@ -95,11 +95,8 @@ impl<C: Coefficient> Form<C> {
                 let one = one.with_known(new, known)?;
                 let other = other.with_known(new, known)?;
                 let form = match term.rule {
-                    Rule::Product => one.times(other),
                     Rule::Quotient if one.is_zero() => Ok(Form::default()),
-                    Rule::Quotient => one.over(other),
-                    Rule::Power(r) => one.operate(Operation::Power, Form::number(r)),
-                    Rule::Function(function) => one.apply(function),
+                    rule => rule.of([one, other]),
                 };
                 known.insert(place, form?);
             }

@@ -322,6 +322,24 @@ impl ParameterPlane for OrbitsInPlane {
         (cycle.map_or(f64::NAN, |cycle| cycle.period), None)
     }
 
+    /// The parameter that is free for a prescribed period.
+    fn columns(&self) -> Vec<String> {
+        let name = |one: &Prescribed| self.system.source.parameters.names().nth(one.free());
+        let free = self.prescribed.iter().filter_map(name);
+        free.map(str::to_owned).collect()
+    }
+
+    fn numbers(
+        &self,
+        _: &EventCondition<OrbitsInPlane>,
+        orbit: &AffineOrbit,
+        point: &Vector,
+        _: &[f64],
+    ) -> Vec<Option<f64>> {
+        let value = |one: &Prescribed| Some(orbit.values_at(point)[one.free()]);
+        self.prescribed.iter().map(value).collect()
+    }
+
     fn extent(orbit: &AffineOrbit, point: &Vector, most: f64) -> Option<f64> {
         let shrinks = orbit.has_own_period();
         shrinks.then(|| orbit.extent_within(point, most)).flatten()

@@ -122,7 +122,8 @@ pub struct CurvePoint {
     pub residual: f64,
     /// Excess speed e = |c|/√a − 1 of a wave.
     pub excess: Option<f64>,
-    /// Further numbers; of an equilibrium its states, and the first Lyapunov coefficient of a Hopf point.
+    /// Further numbers; of an equilibrium its states, and the first Lyapunov coefficient of a Hopf point; of an orbit of a prescribed period
+    /// the parameter that is free.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub numbers: Vec<Option<f64>>,
 }

@@ -12,7 +12,7 @@ use brakewave::orbit::follow::LocatedPoint;
 use brakewave::problem::{Any, parse_any};
 
 use crate::affine::branches::{Seen, follow};
-use crate::affine::systems::{BALL, FRICTION, IMPACT, RELAY, place, system};
+use crate::affine::systems::{BALL, FRICTION, IMPACT, RELAY, at, place, system};
 use EventType::{CO, EP, GR, LP, PD, SL};
 
 /// A start: the mode by name, the state, and how long it settles.
@@ -1235,4 +1235,139 @@ fn three_slips_of_two_blocks() {
             "{one:?} {other:?}"
         );
     }
+}
+
+/// Two laws on one slip end together, and which of the two guards is said to vanish makes no other sequence: a symmetric orbit goes on
+/// where the friction begins to hold, or the last of three elements to slip. Seen from both sides the events are the same.
+#[test]
+fn two_laws_on_one_slip_end_together() {
+    let friction = |a: f64| {
+        format!(
+            r#"(states: ["x", "v"], parameters: {{"A": {a:?}, "w": 0.7, "c": 0.3}}, forcing: "w",
+            contacts: {{"a": Jenkins(slip: "v", stiffness: "1", bound: "0.2"), "b": Friction(slip: "v", bound: "0.1")}},
+            rates: {{"x": "v", "v": "A*cos(phase) - 0.5*x - c*v + a + b"}})"#
+        )
+    };
+    let three = |a: f64| {
+        format!(
+            r#"(states: ["x", "v"], parameters: {{"A": {a:?}, "w": 0.7, "c": 0.3}}, forcing: "w",
+            contacts: {{"a": Jenkins(slip: "v", stiffness: "1", bound: "0.2"),
+                "b": Jenkins(slip: "v", stiffness: "0.7", bound: "0.35"),
+                "d": Jenkins(slip: "v", stiffness: "0.6", bound: "0.6")}},
+            rates: {{"x": "v", "v": "A*cos(phase) - 0.5*x - c*v + a + b + d"}})"#
+        )
+    };
+    let values = |text: String, mode: &str, state: &[f64], range: (f64, f64)| -> Vec<f64> {
+        let mut seen = met(&text, (mode, state, 100.0), ("A", range));
+        seen.sort_by(|one, other| one.value.total_cmp(&other.value));
+        assert!(seen.iter().all(|one| [GR, SL, CO].contains(&one.kind)));
+        seen.iter().map(|one| one.value).collect()
+    };
+    let ends = |texts: [String; 2], mode: &str, state: &[f64], range: (f64, f64), count: usize| {
+        let [above, below] = texts.map(|text| values(text, mode, state, range));
+        assert_eq!(
+            [above.len(), below.len()],
+            [count; 2],
+            "{above:?} {below:?}"
+        );
+        for (one, other) in above.iter().zip(&below) {
+            assert!((one - other).abs() <= 1e-12 * one, "{one} {other}");
+        }
+    };
+    let place = ("stick.forward", &[0.0, 0.3, 0.0][..]);
+    ends(
+        [friction(0.4), friction(0.3)],
+        place.0,
+        place.1,
+        (0.25, 0.4),
+        1,
+    );
+    let place = ("stick.stick.stick", &[0.0, 0.3, 0.0, 0.0, 0.0][..]);
+    ends([three(1.3), three(1.2)], place.0, place.1, (1.2, 1.3), 1);
+}
+
+/// A mass with dry friction that hits a stop without restitution: it sticks there as long as friction holds it, is pressed on the stop
+/// by what friction does not hold, and leaves where its load drives it back.
+const AT_A_STOP: &str = r#"(states: ["x", "v"], parameters: {"A": 1.5, "w": 0.7, "c": 0.3, "k": 1.0, "F": 0.2, "Fs": 0.2, "d": 1.0}, forcing: "w",
+    contacts: {"q": Friction(slip: "v", bound: "F", static: "Fs"), "p": Stop(gap: "d - x", restitution: "0")},
+    rates: {"x": "v", "v": "A*cos(phase) - k*x - c*v + q - p"})"#;
+
+fn at_a_stop(values: &[(&str, f64)]) -> System {
+    let mut text = AT_A_STOP.to_owned();
+    for (name, value) in values {
+        let known = system(AT_A_STOP).source.parameters.0;
+        let before = known.iter().find(|(known, _)| known == name).unwrap().1;
+        text = text.replace(
+            &format!("\"{name}\": {before:?}"),
+            &format!("\"{name}\": {value:?}"),
+        );
+    }
+    system(&text)
+}
+
+/// Motions against an integration from switch to switch by DOP853 with a tolerance of 1e-12, which each impact begins anew.
+#[test]
+fn friction_holds_at_a_stop() {
+    let cases: [(&[(&str, f64)], [f64; 2]); 3] = [
+        (&[("Fs", 0.9)], [-2.290_906_104_859, 0.481_436_305_708]),
+        (
+            &[("Fs", 0.9), ("A", 2.2)],
+            [-3.279_427_190_522, 0.628_618_346_181],
+        ),
+        (
+            &[("F", 0.6), ("Fs", 0.6), ("k", 0.2), ("d", 0.3)],
+            [-2.030_147_539_989, -0.910_669_153_013],
+        ),
+    ];
+    for (values, expected) in cases {
+        let system = at_a_stop(values);
+        let affine = at(&system, &[]);
+        let mut motion = Motion::new(
+            &affine,
+            place(&system, "forward.open", &[0.0, 0.3], 0.0),
+            10.0,
+        );
+        while motion.step(60.0).unwrap() != Step::Reached {}
+        for (x, known) in motion.place().state.iter().zip(expected) {
+            assert!((x - known).abs() <= 1e-10, "{values:?}: {x} {known}");
+        }
+    }
+}
+
+/// The branch goes on through the graze of the stop, where it is met at the turn of the mass, and is the same on the way back; a mass
+/// that is pressed on the stop is a zone of its own.
+#[test]
+fn a_branch_passes_the_graze_of_a_stop_without_restitution() {
+    let seen = |values: &[(&str, f64)], range: (f64, f64)| {
+        let system = at_a_stop(values);
+        let from: From = ("forward.open", &[0.0, 0.3], 100.0);
+        let (orbit, point) = started(&system, from, ("A", range)).unwrap();
+        let both = [true, false].map(|up| follow(&orbit, &point, up, range, 2000).0);
+        let mut all: Vec<Seen> = both
+            .into_iter()
+            .flatten()
+            .filter(|one| one.kind != EP)
+            .collect();
+        all.sort_by(|one, other| one.value.total_cmp(&other.value));
+        all
+    };
+    let (far, range) = (("d", 2.2), (1.2, 1.6));
+    let [below, above] = [1.25, 1.5].map(|a| seen(&[far, ("A", a)], range));
+    for all in [&below, &above] {
+        meets(all, &[(GR, 1.322_745_880_098_59)]);
+        assert_eq!(all.len(), 2);
+        assert_eq!(all[1].kind, PD);
+    }
+    assert!((below[1].value - above[1].value).abs() <= 1e-12);
+    let pressed = [("F", 0.6), ("Fs", 0.6), ("k", 0.2), ("d", 0.3)];
+    let all = seen(&pressed, (0.9, 1.6));
+    let names: Vec<&str> = all.iter().map(|one| one.what.as_str()).collect();
+    assert!(
+        all.len() == 2 && all.iter().all(|one| one.kind == SL),
+        "{names:?}"
+    );
+    assert!(
+        names.iter().any(|name| name.contains("forward.closed")),
+        "{names:?}"
+    );
 }

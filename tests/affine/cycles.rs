@@ -127,6 +127,51 @@ fn an_equilibrium_is_no_cycle() {
     assert!(matches!(rests, Err(NoStart::Equilibrium)));
 }
 
+/// Hodgkin and Huxley's axon, whose rates are 0/0 at -55 and -40 mV, in millivolts and in units of .1 V above -65 mV: the period as an
+/// integration by DOP853 has it to 1e-12, and the same multipliers, each within its error.
+#[test]
+fn a_nerve_passes_where_its_rates_are_zero_over_zero() {
+    let file = |v: &str, unit: &str, channels: [&str; 2]| {
+        format!(
+            r#"(states: ["V", "m", "h", "n"], parameters: {{"I": 15.0}}, define: {{
+                "am": "{}", "bm": "4*exp(-({v} + 65)/18)", "ah": "0.07*exp(-({v} + 65)/20)",
+                "bh": "1/(1 + exp(-({v} + 35)/10))", "an": "{}", "bn": "0.125*exp(-({v} + 65)/80)"}},
+                modes: {{"flow": (rates: {{
+                    "V": "(I - 120*m^3*h*({v} - 50) - 36*n^4*({v} + 77) - 0.3*({v} + 54.4))/{unit}",
+                    "m": "am*(1 - m) - bm*m", "h": "ah*(1 - h) - bh*h", "n": "an*(1 - n) - bn*n"}})}})"#,
+            channels[0], channels[1]
+        )
+    };
+    let as_today = file(
+        "V",
+        "1",
+        [
+            "0.1*(V + 40)/(1 - exp(-(V + 40)/10))",
+            "0.01*(V + 55)/(1 - exp(-(V + 55)/10))",
+        ],
+    );
+    let as_then = file(
+        "(100*V - 65)",
+        "100",
+        [
+            "(2.5 - 10*V)/(exp(2.5 - 10*V) - 1)",
+            "0.1*(1 - 10*V)/(exp(1 - 10*V) - 1)",
+        ],
+    );
+    let found = [(as_today, -65.0), (as_then, 0.0)].map(|(text, rest)| {
+        let state = [rest, 0.05, 0.6, 0.3];
+        let (orbit, point) =
+            started(&text, ("I", (10.0, 20.0)), &state, Search::Settles(200.0)).unwrap();
+        let off = period(&orbit, &point) - 12.715_800_877_092;
+        assert!(off.abs() <= 2e-12, "{off:e}");
+        orbit.multipliers(&point).unwrap()
+    });
+    for (one, other) in found[0].iter().zip(&found[1]) {
+        let off = (one.value - other.value).norm();
+        assert!(off <= one.error + other.error, "{off:e}");
+    }
+}
+
 /// The Brusselator: the cycle shrinks to its equilibrium at B = 1 + A².
 #[test]
 fn a_cycle_shrinks_at_its_hopf_point() {

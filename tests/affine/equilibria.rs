@@ -795,6 +795,40 @@ fn the_other_branch_is_found_in_all_units() {
     }
 }
 
+/// Where a predator can live, at K = d, the branch without it is crossed by y = 1 − d/K: a state that is zero there is no unit, and the
+/// branch is found.
+#[test]
+fn a_branch_leaves_one_on_which_a_state_is_zero() {
+    let system = r#"(states: ["x", "y"], parameters: {"K": 0.7, "d": 0.4}, modes: {"flow": (
+        rates: {"x": "x*(1 - x/K) - x*y", "y": "x*y - d*y"})})"#;
+    let course = Course {
+        system,
+        mode: "flow",
+        state: &[0.7, 0.0],
+        parameter: "K",
+        range: (0.1, 3.0),
+    };
+    for units in [[1.0; 2], [1.0, 1e3], [1e-3, 1.0]] {
+        let all = course.all(&units, false);
+        let at = all.iter().find(|item| item.point.kind == Some(BP)).unwrap();
+        assert!((at.point.parameters[0] - 0.4).abs() <= 1e-14);
+        assert_eq!(at.point.state[1], 0.0);
+        let named = NamedEquilibrium {
+            saved: at.saved.clone().unwrap(),
+            kind: Some(BP),
+        };
+        let mut problem = course.problem(&units, false, "");
+        problem.equilibrium = ron::from_str(r#"(start: Switch(dir: "earlier", label: 2))"#).ok();
+        let found = followed(runner(&problem, Some(&named)));
+        assert!(found.len() > 3, "{units:?}");
+        for item in &found {
+            let y = item.point.state[1] * units[1];
+            let off = y - (1.0 - 0.4 / item.point.parameters[0]);
+            assert!(off.abs() <= 1e-12, "{units:?}: {off:e}");
+        }
+    }
+}
+
 /// A circle of radius √mu around the origin, with one of three states that only follows in a nonlinear coordinate; and one of
 /// radius √(1000 mu) in units of 1e-3 and 1e3.
 #[test]

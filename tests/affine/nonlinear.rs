@@ -62,7 +62,40 @@ const WALKER: &str = r#"(
 fn every_function_has_its_series() {
     let t = 1.3_f64;
     let root = (4.0 - t * t).sqrt();
-    let cases: [(&str, f64); 20] = [
+    // u/(eᵘ − 1) = Σ Bₙuⁿ/n! with Bernoulli's numbers, of which odd ones beyond the first are zero; what is left out is less than
+    // 2(t/2π)²⁴
+    let bernoulli = [
+        1.0,
+        1.0 / 6.0,
+        -1.0 / 30.0,
+        1.0 / 42.0,
+        -1.0 / 30.0,
+        5.0 / 66.0,
+        -691.0 / 2730.0,
+        7.0 / 6.0,
+        -3617.0 / 510.0,
+        43867.0 / 798.0,
+        -174611.0 / 330.0,
+        854513.0 / 138.0,
+    ];
+    let even = (0..).step_by(2).zip(bernoulli);
+    let integral: f64 = even
+        .map(|(n, number)| {
+            let factorial: f64 = (1..=n).map(f64::from).product();
+            number * t.powi(n + 1) / (f64::from(n + 1) * factorial)
+        })
+        .sum();
+    // u/(1 − e⁻ᵘ) + u/(1 − eᵘ) = u
+    let cases: [(&str, f64); 23] = [
+        ("t/(exp(t) - 1)", integral - t * t / 4.0),
+        (
+            "(t - p)/(1 - exp(p - t)) + (t - p)/(1 - exp(t - p))",
+            t * t / 2.0 - 0.3 * t,
+        ),
+        (
+            "2*(t - 0.5)/(2 - exp(3*t - 1.5)*2) + (3*t - 1.5)/(3 - 3*exp(1.5 - 3*t))",
+            t * t / 2.0 - 0.5 * t,
+        ),
         ("sin(2*t)", (1.0 - (2.0 * t).cos()) / 2.0),
         ("cos(t)*sin(t)", t.sin().powi(2) / 2.0),
         ("tan(t)", -t.cos().ln()),
@@ -121,6 +154,9 @@ fn every_function_has_its_derivatives() {
         "cosh(t)",
         "max(t, t^2)",
         "min(t, t^2)",
+        "t/(exp(t) - 1)",
+        "(t - 0.4)/(1 - exp(4 - 10*t))",
+        "t/(exp(5*t) - 1)",
     ] {
         let file = format!(
             r#"(states: ["t", "y"], modes: {{"only": (rates: {{"t": "1 + 0.5*t", "y": "{text}"}})}})"#

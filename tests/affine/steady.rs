@@ -68,6 +68,25 @@ fn a_virtual_equilibrium_and_one_in_sliding() {
     assert!((slide.eigenvalues[0] - 0.25).norm() < 1e-7);
 }
 
+/// On the surface x = 0 Filippov's field is y' = (y + .36)/(-y - .6), regular where it rests: its slope there is -1/.24, although the state
+/// across the surface is known to be zero exactly.
+#[test]
+fn an_equilibrium_on_a_surface_is_known_across_it() {
+    let system = system(
+        r#"(states: ["x", "y"], parameters: {"mu": 0.5}, modes: {
+            "R": (rates: {"x": "0.4*x - y", "y": "1.2*(x - mu)"}, until: [(zero: "x", to: "L")]),
+            "L": (rates: {"x": "0.6", "y": "-1"}, until: [(zero: "-x", to: "R")])},
+            sliding: {"S": ("R", "L")})"#,
+    );
+    let all = at(&system, &[])
+        .equilibria(system.mode("S").unwrap())
+        .unwrap();
+    assert_eq!(all.len(), 1);
+    assert_eq!(all[0].stable, Some(true));
+    assert!((all[0].state[1] + 0.36).abs() <= 1e-15 && all[0].state[0] == 0.0);
+    assert!((all[0].eigenvalues[0].re + 1.0 / 0.24).abs() <= 1e-14);
+}
+
 #[test]
 fn what_is_forced_or_singular_does_not_rest() {
     let forced = system(IMPACT);

@@ -7,8 +7,9 @@ use brakewave::continuation::newton::Equations as _;
 use brakewave::curve::search::find_of_system;
 use brakewave::curve::start::{CurveStart, NoCurve};
 use brakewave::curve::{CurvePoint, CurveRun, OrbitsInPlane, PointType, Region, WholeCurve};
-use brakewave::hybrid::OrbitRunner;
+use brakewave::hybrid::{OrbitEvent, OrbitRunner};
 use brakewave::linalg::{Matrix, Vector, null_spaces};
+use brakewave::orbit::legs::Run as _;
 use brakewave::problem::{Any, SystemProblem, parse_any};
 
 use crate::curve::observed;
@@ -698,5 +699,48 @@ fn a_curve_of_folds_goes_on_as_its_orbits_grow() {
             .find(|point| point.parameters[1] == 0.012);
         let off = least.map_or(f64::NAN, |point| point.parameters[0] - 1.441_205_265_80);
         assert!(off.abs() < 1e-10, "{off:e}");
+    }
+}
+
+/// Wave trains of McKean's nerve at their slowest or fastest: along the curve of these folds the speed, which is free, has a column, and
+/// every orbit has the length L that is prescribed. Where the curve begins the speed is that of the branch.
+#[test]
+fn the_speed_of_a_wave_is_in_the_table() {
+    let text = r#"(
+        system: (
+            states: ["u", "p", "w"], parameters: {"L": 10.0, "c": 0.3172, "a": 0.15, "b": 0.05},
+            modes: {
+                "high": (rates: {"u": "p", "p": "c*p + u - 1 + w", "w": "b*u/c"}, until: [(zero: "u - a", to: "low")]),
+                "low": (rates: {"u": "p", "p": "c*p + u + w", "w": "b*u/c"}, until: [(zero: "a - u", to: "high")]),
+            },
+        ),
+        orbit: (start: Given(mode: "high", state: {"u": 0.15, "p": 0.46877, "w": 0.2366}, period: 10.0), period: "L", free: "c"),
+        continuation: (parameter: "a", range: (0.1, 0.45)),
+        curve: (event: LP, parameters: ("L", "a"), range: ((8.0, 12.0), (0.02, 0.45))),
+    )"#;
+    let Any::System(problem) = parse_any(text, "test").unwrap() else {
+        panic!("a system");
+    };
+    let continuation = problem.continuation.as_ref().unwrap();
+    let mut branch = OrbitRunner::begin(&problem, continuation, None).unwrap();
+    let mut events = Vec::new();
+    while branch.progress().end.is_none() {
+        events.extend(branch.step().into_iter().filter_map(|item| item.event));
+    }
+    let is_fold = |event: &&OrbitEvent| event.kind == EventType::LP;
+    let fold = events.iter().find(is_fold).unwrap();
+    let (name, speed) = &fold.parameters[1];
+    let curve = curve(&problem);
+    assert_eq!(
+        (name.as_str(), &curve.columns[..]),
+        ("c", &["c".to_owned()][..])
+    );
+    let fold_itself = PointType::One(EventType::LP);
+    let own = &curve.points[curve.start];
+    assert_eq!(own.kind, Some(fold_itself));
+    assert!((own.numbers[0].unwrap() - speed).abs() <= 1e-12 * speed);
+    for point in &curve.points {
+        assert!((point.measure - point.parameters[0]).abs() <= 1e-12 * point.measure);
+        assert!(point.numbers[0].is_some_and(|c| c > 0.0 && c.is_finite()));
     }
 }

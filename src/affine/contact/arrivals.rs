@@ -132,6 +132,12 @@ impl<C: Measured> Instant<'_, C> {
         for (contact, to) in self.together {
             digits[*contact] = *to;
         }
+        // a slip that a closed stop has held is zero: it sticks if it holds
+        for contact in 0..digits.len() {
+            if self.forms.is_slip_held(self.own, self.before, contact) {
+                digits[contact] = STICK;
+            }
+        }
         // after an impact the sign of the slip tells
         let released = |contact: &usize| !self.is_impact() || self.is_friction(*contact);
         for contact in self.ended().filter(released) {
@@ -165,7 +171,6 @@ impl<C: Measured> Instant<'_, C> {
     /// Lets sliders follow the friction on the same slip, or the stop whose gap moves with it: one that gives goes on where that
     /// sticks or slips on, or is closed, and holds where it slips back, or opens.
     fn follow(&self, leader: usize, digits: &mut [usize]) {
-        let speed = &self.forms.own[self.own].kinematics[leader].speed;
         let direction = match (&self.forms.laws[leader], digits[leader]) {
             (Law::Friction { .. }, FORWARD) | (Law::Stop { .. }, OPEN) => 1.0,
             (Law::Friction { .. }, BACKWARD) => -1.0,
@@ -178,17 +183,8 @@ impl<C: Measured> Instant<'_, C> {
             (Law::Jenkins { slip, .. }, GIVES_BACKWARD) => Some((contact, slip, -1.0)),
             _ => None,
         });
-        let sliders: Vec<(usize, &Form<C>, f64)> = sliders.collect();
-        if sliders.is_empty() {
-            return;
-        }
-        // two slips are one where others that stick hold their difference
-        let mut others = self.before.to_vec();
-        others[leader] = 0;
-        let held = self.forms.reduced(self.own, &others);
-        let speed = speed.clone().where_zero(&held);
-        for (contact, own, gives) in sliders {
-            let Some(along) = own.clone().where_zero(&held).sign_of_ratio(&speed) else {
+        for (contact, slip, gives) in sliders {
+            let Some(along) = self.one_speed(leader, slip) else {
                 continue;
             };
             let back = direction * along * gives < 0.0;
@@ -237,10 +233,27 @@ impl<C: Measured> Instant<'_, C> {
         Ok(holds && is_same(&self.forces[contact], &forces[contact])?)
     }
 
-    /// Whether friction has no velocity of slip at the instant: it has just stuck, or comes through zero.
-    fn is_at_rest(&self, contact: usize) -> bool {
-        let own = self.ends(contact) || self.before[contact] == STICK;
-        self.is_friction(contact) && own && !self.is_impact()
+    /// Whether friction has no velocity of slip at the instant: it has just stuck, or comes through zero, or an impact leaves none.
+    ///
+    /// # Errors
+    /// An operation that has no result there.
+    fn is_at_rest(&self, contact: usize) -> Result<bool, Obstacle> {
+        if !self.is_friction(contact) {
+            return Ok(false);
+        }
+        if self.is_impact() {
+            return self.is_stopped(contact);
+        }
+        Ok(self.ends(contact) || self.before[contact] == STICK)
+    }
+
+    /// Whether an impact leaves a contact no velocity, whatever it was.
+    ///
+    /// # Errors
+    /// An operation that has no result there.
+    fn is_stopped(&self, contact: usize) -> Result<bool, Obstacle> {
+        let speed = &self.forms.own[self.own].kinematics[contact].speed;
+        Ok(self.is_impact() && self.after(speed)?.trimmed().is_zero())
     }
 
     fn failed(&self, obstacle: Obstacle) -> ContactMistake {
@@ -294,6 +307,8 @@ impl<C: Measured> Instant<'_, C> {
                             lead(down, rises.is_none().then(|| after.clone().negative()));
                         }
                     }
+                    // no slip is left: it sticks if it holds
+                    (Law::Friction { .. }, _) if after.is_zero() => lead(STICK, None),
                     (Law::Friction { .. }, _) => {
                         let ways = [(up, after.clone()), (down, after.clone().negative())];
                         // what it does already comes first
@@ -314,6 +329,14 @@ impl<C: Measured> Instant<'_, C> {
                 }
             }
             trials = next;
+        }
+        // what friction holds need not be pressed on the stop: both together are not determined
+        for trial in &mut trials {
+            let forces = self.forms.forces(self.own, &trial.digits);
+            let is_closed = trial.digits[impact] == CLOSED && trial.pressed.is_none();
+            if is_closed && matches!(forces, Err(ContactMistake::Singular(_))) {
+                trial.digits[impact] = OPEN;
+            }
         }
         Ok(trials)
     }
@@ -337,11 +360,16 @@ impl<C: Measured> Instant<'_, C> {
             }
             let digit = trial.digits[contact];
             let failed = |error| ContactMistake::Obstacle(name(), error);
+            let stood_open = self.stood_open(contact, &trial.digits);
             let unchanged = self.is_unchanged(contact, digit, forces);
-            if unchanged.map_err(failed)? {
+            if unchanged.map_err(failed)? && !stood_open {
                 continue;
             }
-            let limits = self.limits(contact, digit, forces).map_err(failed)?;
+            let mut limits = self
+                .limits(contact, &trial.digits, forces)
+                .map_err(failed)?;
+            // what is zero whatever the state fails nowhere
+            limits.retain(|(limit, _)| !limit.is_zero());
             if limits.is_empty() {
                 continue;
             }
@@ -365,8 +393,8 @@ impl<C: Measured> Instant<'_, C> {
                 let mut conditions = trial.conditions.clone();
                 conditions.push(limit.negative());
                 let mut seen = vec![false; digits.len()];
-                // released just now: it leaves by the sign of what was too much
-                seen[contact] = true;
+                // released just now: it leaves by the sign of what was too much; a stop that closes has to be pressed on
+                seen[contact] = !stood_open;
                 ways.push(Trial {
                     pressed: None,
                     digits,
@@ -375,20 +403,55 @@ impl<C: Measured> Instant<'_, C> {
                     passed,
                 });
             }
+            // at no gap it closes first
+            ways.rotate_left(usize::from(stood_open));
             return Ok(Some(ways));
         }
         Ok(None)
+    }
+
+    /// Whether a stop is open whose gap friction has kept, which now closes it: there may be none.
+    fn stood_open(&self, contact: usize, digits: &[usize]) -> bool {
+        let is_stop = matches!(self.forms.laws[contact], Law::Stop { .. });
+        let stood = is_stop && [digits, self.before].map(|digits| digits[contact]) == [OPEN; 2];
+        if !stood || self.ends(contact) || !self.jump.is_empty() {
+            return false;
+        }
+        let own = &self.forms.own[self.own];
+        let speed = &own.kinematics[contact].speed;
+        let released = (0..digits.len()).find_map(|friction| {
+            let direction = match digits[friction] {
+                FORWARD => 1.0,
+                BACKWARD => -1.0,
+                _ => return None,
+            };
+            let is_released = self.is_friction(friction) && self.before[friction] == STICK;
+            let along = self.one_speed(friction, speed).filter(|_| is_released)?;
+            Some(direction * along < 0.0)
+        });
+        released == Some(true)
+    }
+
+    /// The sign of the factor between the velocity of a contact and another one, which are one where others that stick hold their
+    /// difference.
+    fn one_speed(&self, contact: usize, other: &Form<C>) -> Option<f64> {
+        let mut others = self.before.to_vec();
+        others[contact] = 0;
+        let held = self.forms.reduced(self.own, &others);
+        let own = &self.forms.own[self.own].kinematics[contact].speed;
+        let other = other.clone().where_zero(&held);
+        other.sign_of_ratio(&own.clone().where_zero(&held))
     }
 
     /// What is not negative where a contact stays in a state at the instant, and what follows where it is.
     fn limits(
         &self,
         contact: usize,
-        digit: usize,
+        digits: &[usize],
         forces: &[Form<C>],
     ) -> Result<Vec<(Form<C>, usize)>, Obstacle> {
         let force = || self.after(&forces[contact]);
-        Ok(match (&self.forms.laws[contact], digit) {
+        Ok(match (&self.forms.laws[contact], digits[contact]) {
             (law @ Law::Friction { .. }, STICK) => {
                 let hold = self.after(&self.forms.hold(law, forces)?)?;
                 let upper = (hold.clone().minus(force()?)?.trimmed(), BACKWARD);
@@ -401,15 +464,23 @@ impl<C: Measured> Instant<'_, C> {
                 }
             }
             // a slip that another change has made to begin the wrong way
-            (Law::Friction { .. }, FORWARD) if self.is_at_rest(contact) => {
+            (Law::Friction { .. }, FORWARD) if self.is_at_rest(contact)? => {
                 let rate = self.forms.acceleration(self.own, contact, forces)?;
                 vec![(self.after(&rate)?, STICK)]
             }
-            (Law::Friction { .. }, BACKWARD) if self.is_at_rest(contact) => {
+            (Law::Friction { .. }, BACKWARD) if self.is_at_rest(contact)? => {
                 let rate = self.forms.acceleration(self.own, contact, forces)?;
                 vec![(self.after(&rate)?.negative(), STICK)]
             }
             (Law::Stop { .. }, CLOSED) => vec![(force()?, OPEN)],
+            (Law::Stop { gap, .. }, OPEN) if self.stood_open(contact, digits) => {
+                vec![(gap.clone(), CLOSED)]
+            }
+            // friction that holds bears what would press on it
+            (Law::Stop { .. }, OPEN) if self.ends(contact) && self.is_stopped(contact)? => {
+                let rate = self.forms.acceleration(self.own, contact, forces)?;
+                vec![(self.after(&rate)?.trimmed(), CLOSED)]
+            }
             (
                 Law::Spring {
                     damping: Some(_), ..

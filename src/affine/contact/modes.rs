@@ -156,19 +156,30 @@ impl<C: Measured> ContactForms<C> {
     }
 
     /// Whether a slip is zero all along in a mode.
-    fn is_held(&self, own: usize, digits: &[usize], slip: &Form<C>) -> bool {
+    pub(super) fn is_held(&self, own: usize, digits: &[usize], slip: &Form<C>) -> bool {
         let held = self.reduced(own, digits);
         slip.clone().where_zero(&held).is_zero()
     }
 
-    /// Whether what sticks or is closed holds at zero the slip of friction that slips in a mode, as the third of three slips of two
-    /// blocks: no motion gets on in it, and of the chains of changes that would leave it there are thousands.
+    /// Whether what sticks holds at zero the slip of friction that slips in a mode, as the third of three slips of two blocks: no
+    /// motion gets on in it, and of the chains of changes that would leave it there are thousands. What a closed stop holds is
+    /// pressed on it by a force that friction alone does not hold.
     fn holds_what_slips(&self, own: usize, digits: &[usize]) -> bool {
-        let mut laws = self.laws.iter().zip(digits);
-        laws.any(|(law, digit)| match (law, *digit) {
+        let opened = self.laws.iter().zip(digits);
+        let opened = opened.map(|(law, digit)| match law {
+            Law::Stop { .. } => OPEN,
+            _ => *digit,
+        });
+        let opened: Vec<usize> = opened.collect();
+        (0..self.laws.len()).any(|contact| self.is_slip_held(own, &opened, contact))
+    }
+
+    /// Whether the slip of friction that slips in a mode is held at zero there.
+    pub(super) fn is_slip_held(&self, own: usize, digits: &[usize], contact: usize) -> bool {
+        match (&self.laws[contact], digits[contact]) {
             (Law::Friction { slip, .. }, FORWARD | BACKWARD) => self.is_held(own, digits, slip),
             _ => false,
-        })
+        }
     }
 
     /// Other contacts that end by the same guard as one, with their states beyond. Those whose guard is the same by what others hold
@@ -208,9 +219,13 @@ impl<C: Measured> ContactForms<C> {
         };
         let law = &self.laws[contact];
         let speed = &self.own[own].kinematics[contact].speed;
+        let still = |guard: &Form<C>, to: usize| Ending {
+            keeps: self.is_held(own, digits, speed),
+            ..plain(guard.clone(), to)
+        };
         Ok(match (law, digits[contact]) {
-            (Law::Friction { slip, .. }, FORWARD) => vec![plain(slip.clone(), STICK)],
-            (Law::Friction { slip, .. }, BACKWARD) => vec![plain(slip.clone().negative(), STICK)],
+            (Law::Friction { slip, .. }, FORWARD) => vec![still(slip, STICK)],
+            (Law::Friction { slip, .. }, BACKWARD) => vec![still(&slip.clone().negative(), STICK)],
             (Law::Friction { hold, .. }, STICK) => {
                 let zeros = if hold.is_none() { 2 } else { 0 };
                 let [upper, lower] = left(self.hold(law, forces)?, &forces[contact])?;
@@ -226,21 +241,21 @@ impl<C: Measured> ContactForms<C> {
                 let to = if impact { OPEN } else { CLOSED };
                 vec![Ending {
                     impact: Some(impact),
-                    ..plain(gap.clone(), to)
+                    ..still(gap, to)
                 }]
             }
             (Law::Stop { .. }, CLOSED) => vec![Ending {
                 zeros: 3,
                 ..plain(forces[contact].clone(), OPEN)
             }],
-            (Law::Spring { gap, .. }, OPEN) => vec![plain(gap.clone(), CLOSED)],
+            (Law::Spring { gap, .. }, OPEN) => vec![still(gap, CLOSED)],
             (
                 Law::Spring {
                     gap, damping: None, ..
                 },
                 CLOSED,
             ) => {
-                vec![plain(gap.clone().negative(), OPEN)]
+                vec![still(&gap.clone().negative(), OPEN)]
             }
             (Law::Spring { .. }, CLOSED) => vec![plain(forces[contact].clone(), PARTING)],
             (

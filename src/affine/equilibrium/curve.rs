@@ -92,10 +92,18 @@ pub struct EquilibriumCurve {
     pub(super) guards: Vec<f64>,
 }
 
-/// The factor that makes a function of order one, by its changes over the units of its argument.
-fn factor(linear: &Linear, units: &[f64]) -> f64 {
+/// The factor that makes a function of order one, by its changes over the units of its argument; where these are nothing beside its
+/// order, as those of a rate may be at a branch point, it is of that order.
+fn factor(linear: &Linear, units: &[f64], order: f64) -> f64 {
+    /// Changes that are a smaller part of its order are nothing.
+    const NOTHING: f64 = 1e-9;
     let terms = linear.by.iter().zip(units);
-    let size: f64 = terms.map(|(by, unit)| (by * unit).abs()).sum();
+    let changes: f64 = terms.map(|(by, unit)| (by * unit).abs()).sum();
+    let size = if changes > NOTHING * order {
+        changes
+    } else {
+        order
+    };
     match size.is_normal() {
         true => 1.0 / size,
         false => 1.0,
@@ -168,17 +176,27 @@ impl EquilibriumCurve {
             place: &place,
         };
         let at = at.linearised();
-        let of = |linear: &Linear| factor(linear, units);
-        let all = |list: Option<&Vec<Linear>>, count: usize| match list {
-            Some(list) => list.iter().map(of).collect(),
+        let all = |list: Option<&Vec<Linear>>, orders: &[f64]| match list {
+            Some(list) => {
+                let pairs = list.iter().zip(orders);
+                pairs
+                    .map(|(linear, order)| factor(linear, units, *order))
+                    .collect()
+            }
             // there the mode has no values: elsewhere it is as it is
-            None => vec![1.0; count],
+            None => vec![1.0; orders.len()],
         };
+        let orders = units[..states].iter();
+        let orders: Vec<f64> = orders.map(|unit| unit * setting.scales.rate).collect();
+        let unknown = |count: usize| vec![0.0; count];
         Some(EquilibriumCurve {
             signature: RestMode { mode, name },
-            rates: all(at.as_ref().map(|at| &at.rates), states),
-            surfaces: all(at.as_ref().map(|at| &at.surfaces), own.surfaces().count()),
-            guards: all(at.as_ref().map(|at| &at.guards), own.guards.len()),
+            rates: all(at.as_ref().map(|at| &at.rates), &orders),
+            surfaces: all(
+                at.as_ref().map(|at| &at.surfaces),
+                &unknown(own.surfaces().count()),
+            ),
+            guards: all(at.as_ref().map(|at| &at.guards), &unknown(own.guards.len())),
             lifted,
             beside,
             observed: None,
@@ -381,10 +399,16 @@ fn linear_within(field: &LocalField, units: &Vector, rate: f64) -> Option<f64> {
     least.is_normal().then_some(least)
 }
 
-/// The geometric mean of the sizes of all eigenvalues that are not zero to rounding: a unit of rates.
+/// The geometric mean of the sizes of all eigenvalues that are not zero to rounding, or next to nothing beside others: a unit of rates.
 fn rate_unit(slopes: &Matrix) -> f64 {
+    /// Part of the largest below which one is that, as at a branch point.
+    const NOTHING: f64 = 1e-12;
     let known = known_eigenvalues(slopes).unwrap_or_default();
-    let told = known.iter().filter(|one| one.value.norm() > one.error);
+    let sizes = known.iter().map(|one| one.value.norm());
+    let least = NOTHING * sizes.fold(0.0, f64::max);
+    let told = known
+        .iter()
+        .filter(|one| one.value.norm() > one.error.max(least));
     let logs: Vec<f64> = told.map(|one| one.value.norm().ln()).collect();
     let mean = (logs.iter().sum::<f64>() / logs.len() as f64).exp();
     if mean.is_normal() { mean } else { 1.0 }

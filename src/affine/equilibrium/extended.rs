@@ -98,8 +98,13 @@ pub(super) fn locate(
     }
     let rounding = rounding(&extended, &mut Normalised, &found)?;
     let last = found.len() - 1;
-    let mut point = found.rows(0, n + 1).clone_owned();
-    point[n] = found[last];
+    // in units of order one less than a rounding of these is nothing, and would be the unit of a state that is zero
+    let is_known = |x: &f64| x.abs() > f64::EPSILON;
+    let state = |index: usize| Some(found[index]).filter(is_known).unwrap_or(0.0);
+    let point = Vector::from_fn(n + 1, |index, _| match index == n {
+        true => found[last],
+        false => state(index),
+    });
     Some(Located {
         point,
         uncertainty: (rounding + solution.correction.min(NEWTON.tolerance))

@@ -1,8 +1,10 @@
 //! What expressions are evaluated in: forms in states and forcing, affine ones, and what goes beyond them as terms of its own.
 
 mod rate;
+mod rule;
 mod sign;
 
+pub use rule::Rule;
 pub(super) use sign::Signs;
 #[cfg(test)]
 mod tests;
@@ -20,19 +22,6 @@ const DEEPEST: usize = 1000;
 
 /// Largest whole exponent of something that changes that is made of products.
 const PRODUCTS: f64 = 64.0;
-
-/// How a term that is not affine is made.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Rule {
-    /// ab.
-    Product,
-    /// a/b.
-    Quotient,
-    /// aʳ.
-    Power(f64),
-    /// f(a).
-    Function(Function),
-}
 
 /// A term that is not affine in the states.
 #[derive(Debug, PartialEq)]
@@ -407,7 +396,7 @@ impl<C: Coefficient> Algebra for Form<C> {
                     .try_fold(Form::number(1.0), |power, _| power.periodic_product(&self))
             }
             Operation::Times => Form::term(Rule::Product, [self, other]),
-            Operation::Over => Form::term(Rule::Quotient, [self, other]),
+            Operation::Over => self.over_what_changes(other),
             Operation::Power => self.power(other),
         }
     }

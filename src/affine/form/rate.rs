@@ -93,6 +93,10 @@ fn rate_of_term<C: Coefficient>(
             over(a_rate.sum(moved, -1.0)?, b.clone())
         }
         Rule::Power(r) => times(a_rate, over(own, a.clone())?.scaled(C::number(r))?),
+        Rule::RelativeExponential => {
+            let moved = a.clone().apply(Function::Exp)?.sum(own, -1.0)?;
+            times(a_rate, over(moved, a.clone())?)
+        }
         Rule::Function(function) => times(a_rate, slope(function, a, own)?),
     }
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::{Form, Rule, Term};
 use crate::affine::dual::Measured;
-use crate::affine::expression::{Algebra, Function, Obstacle, Operation};
+use crate::affine::expression::{Function, Obstacle, Operation};
 
 /// What is known of forms in a mode.
 pub(in crate::affine) struct Signs<C> {
@@ -138,13 +138,6 @@ impl<C: Measured> Term<C> {
         if is_same(&resolved[0], one) && is_same(&resolved[1], other) {
             return Ok(None);
         }
-        let [one, other] = resolved;
-        let form = match self.rule {
-            Rule::Product => one.operate(Operation::Times, other),
-            Rule::Quotient => one.operate(Operation::Over, other),
-            Rule::Power(r) => one.operate(Operation::Power, Form::number(r)),
-            Rule::Function(function) => one.apply(function),
-        };
-        form.map(Some)
+        self.rule.of(resolved).map(Some)
     }
 }

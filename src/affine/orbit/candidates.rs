@@ -12,6 +12,8 @@ use super::margin::{Margin, Watch};
 use super::setting::OrbitFailure;
 use super::signature::{Sequence, Way, Zone};
 use super::{CLOSING, OrbitStop};
+use crate::affine::dual::{Dual, Measured as _};
+use crate::affine::expression::Algebra as _;
 use crate::affine::mode::Row;
 use crate::linalg::Vector;
 use crate::orbit::Candidate;
@@ -317,33 +319,50 @@ impl OrbitAt<'_> {
         found
     }
 
-    /// Every exit that a state allows.
+    /// Every exit that a state allows. Of guards that are one form, as where two contacts have one slip, the first has it: which of
+    /// them is said to vanish makes no other sequence.
     fn exits(&self, mode: usize, z: &Vector) -> Vec<Stage> {
         let known = &self.posed.system.modes[mode];
         let mut z = z.clone();
         known.field.complete_at_switch(&mut z);
         let z = &z;
         let guards = known.guards.iter().enumerate();
-        let mut stages = Vec::new();
-        for (guard, known) in guards {
-            if self.relative(&known.row, z).abs() > NEAR {
+        let mut stages: Vec<Stage> = Vec::new();
+        for (guard, own) in guards {
+            if self.relative(&own.row, z).abs() > NEAR {
                 continue;
             }
-            let taken = known.exits.iter().enumerate();
-            for (exit, known) in taken.filter(|(_, exit)| exit.refusal.is_none()) {
-                let mut conditions = known.conditions.iter();
-                if conditions.all(|row| self.relative(row, z) >= -NEAR) {
+            let is_one = |stage: &Stage| {
+                stage.way.guard < guard && self.is_one(&known.guards[stage.way.guard].row, &own.row)
+            };
+            let taken = own.exits.iter().enumerate();
+            for (exit, own) in taken.filter(|(_, exit)| exit.refusal.is_none()) {
+                let state: Vec<f64> = (0..self.orbit.states())
+                    .map(|state| own.reset.value(state, z))
+                    .collect();
+                let leads_there = |stage: &Stage| stage.mode == own.to && stage.state == state;
+                let has = stages
+                    .iter()
+                    .any(|stage| leads_there(stage) && is_one(stage));
+                let mut conditions = own.conditions.iter();
+                if !has && conditions.all(|row| self.relative(row, z) >= -NEAR) {
                     stages.push(Stage {
-                        mode: known.to,
-                        state: (0..self.orbit.states())
-                            .map(|state| known.reset.value(state, z))
-                            .collect(),
+                        mode: own.to,
+                        state,
                         way: Way { guard, exit },
                     });
                 }
             }
         }
         stages
+    }
+
+    /// Whether a form is a positive multiple of another.
+    fn is_one(&self, one: &Row, other: &Row) -> bool {
+        let [size, other_size] = [one, other].map(|row| self.orbit.size(row));
+        let mut left = one.clone();
+        left.subtract(Dual::number(size / other_size), other);
+        self.orbit.size(&left) <= Dual::SAME * size
     }
 
     /// The cycle without a switch at the instant.

@@ -415,8 +415,8 @@ impl AffineOrbit {
     }
 
     /// Without bound: what the parameter changes by while the unknowns do by their units, since its slope decays in
-    /// the time that growth beside a saddle takes, or by their size where that grows. At rest: it changes by a power of the
-    /// durations that vanish, of order one at least.
+    /// the time that growth beside a saddle takes, or by their size where that grows, twice so far where it does like a pole of order
+    /// two. At rest: it changes by a power of the durations that vanish, of order one at least.
     pub(super) fn to_limit(&self, stop: &OrbitStop, node: &Node) -> f64 {
         let Node { point, tangent, .. } = node;
         let slope = tangent[tangent.len() - 1].abs();
@@ -431,7 +431,10 @@ impl AffineOrbit {
                 });
                 0.5 * (slope * period / growth).abs()
             }
-            OrbitStop::Grows => slope * self.stretch(point),
+            OrbitStop::Grows => {
+                let tangent = self.tangent_of_zones(node);
+                2.0 * slope * point.norm_squared() / point.dot(&tangent).abs()
+            }
             OrbitStop::PartRests { left, .. } => *left,
             OrbitStop::Rests { modes } => {
                 let moves = |zone: &usize| !modes.contains(&self.sequence.zone(*zone).name);

@@ -1,5 +1,7 @@
 //! What the values of a problem with a system must hold to among each other.
 
+use std::collections::HashSet;
+
 use super::super::error::{Flaw, excerpt, line};
 use super::super::expectation::Expectation;
 use super::super::explanation::{known, unknown_field};
@@ -9,6 +11,7 @@ use super::super::{Continuation, CurveSection, SystemCurve, SystemCurveEvent, fi
 use super::equilibrium::{COLUMNS, one_of_both};
 use super::mistake::flaw_at;
 use super::{BeginningSection, SystemPlot, SystemProblem};
+use crate::affine::expression::Expression;
 use crate::affine::monitor::MONITOR;
 use crate::affine::system::{BadName, Mistake, Source, SystemError, is_name};
 use crate::affine::values::value;
@@ -260,6 +263,26 @@ impl Checks<'_, SystemProblem> {
         Ok(())
     }
 
+    /// Names in values of parameters that are written as expressions.
+    fn named_by_values(&self) -> HashSet<String> {
+        let mut named = HashSet::new();
+        let texts = self.outline.below("system.parameters");
+        let texts = texts.filter_map(|text| ron::from_str::<String>(text).ok());
+        for value in texts.filter_map(|text| Expression::read(&text).ok()) {
+            value.names(&mut |name, _| {
+                named.insert(name.to_owned());
+            });
+        }
+        named
+    }
+
+    /// Whether a section follows, scans or maps a parameter of this name.
+    fn varies(&self, name: &str) -> bool {
+        let is_named = |text: &str| ron::from_str::<String>(text).is_ok_and(|text| text == name);
+        let mut sections = ["continuation", "curve", "map", "scan"].into_iter();
+        sections.any(|section| self.outline.below(section).any(is_named))
+    }
+
     /// Refuses parameters that nothing depends on, and modes that nothing leads to.
     fn used(&self) -> Check {
         let system = &self.problem.system;
@@ -268,15 +291,26 @@ impl Checks<'_, SystemProblem> {
         let mut unused = system.unused_parameters().into_iter();
         let monitors = self.problem.monitors();
         let in_monitor = |name: &str| monitors.iter().any(|one| one.has(name));
-        if let Some(name) = unused.find(|name| !in_period(name) && !in_monitor(name)) {
+        let in_value = self.named_by_values();
+        let serves = |name: &str| in_value.contains(name) && !self.varies(name);
+        if let Some(name) =
+            unused.find(|name| !in_period(name) && !in_monitor(name) && !serves(name))
+        {
             let at = self.outline.key_of("system.parameters", name);
             let at = at.unwrap_or_else(|| self.outline.locate("system.parameters"));
-            let message = format!("the parameter `{name}` is not used");
-            return Err(Flaw::new(
-                at,
-                message,
-                "remove it, or use it in an expression",
-            ));
+            let (message, help) = match in_value.contains(name) {
+                true => (
+                    format!(
+                        "no expression has the parameter `{name}`, but the value of another one"
+                    ),
+                    "values are found once, before it varies: write that value as an abbreviation of `define`",
+                ),
+                false => (
+                    format!("the parameter `{name}` is not used"),
+                    "remove it, or use it in an expression",
+                ),
+            };
+            return Err(Flaw::new(at, message, help));
         }
         // an earlier run may have begun in any mode
         if self.problem.earlier_run().is_some() {

@@ -177,8 +177,8 @@ fn about_expression(source: &Source, wrong: &Wrong) -> String {
             )
         }
         Wrong::NoFunction(name) if JUMPS.contains(&name.as_str()) => {
-            "what jumps is a switch: write a mode for each side, each with a `zero` that leads to the other, and `sliding` \
-             between them where both may point at it, as dry friction and relays do"
+            "what jumps is a switch: write a contact, as -m*sign(s) is the force of `Friction(slip: \"s\", bound: \"m\")`, or a mode \
+             for each side, each with a `zero` that leads to the other"
                 .to_owned()
         }
         Wrong::NoFunction(name) => {

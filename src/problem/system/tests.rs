@@ -241,6 +241,20 @@ fn monitored() -> String {
     edited(&text, "    orbit: (", monitors)
 }
 
+/// A parameter may serve the value of another alone, which is found once: one that varies would change nothing.
+#[test]
+fn a_parameter_may_serve_the_value_of_another() {
+    let text = edited(FULL, "\"c\": 0.1", "\"n\": 10, \"c\": \"1/n\"");
+    assert_eq!(system(&text).values()[1], 0.1);
+    let text = edited(
+        &text,
+        "parameter: \"A\",\n        range: (0.2",
+        "parameter: \"n\",\n        range: (0.2",
+    );
+    let message = "no expression has the parameter `n`, but the value of another one";
+    refused(&text, "\"n\"", message, "`define`");
+}
+
 #[test]
 fn monitors_are_read() {
     let problem = system(&monitored());
@@ -306,6 +320,7 @@ fn names_are_marked_where_they_are_wrong() {
         ["\"c\": 0.1", "\"c\": 0.1, \"A\": 1", "\"A\"", "something else already", "keep one"],
         ["\"c\": 0.1", "\"c\": 0.1, \"v\": 1", "\"v\"", "something else already", ""],
         ["\"c\": 0.1", "\"c\": 0.1, \"k\": 1", "\"k\"", "the parameter `k` is not used", "remove it"],
+        ["\"c\": 0.1", "\"c\": 0.1, \"k\": 1, \"m\": \"2*k\"", "\"m\"", "the parameter `m` is not used", "remove it"],
         ["\"c\": 0.1", "\"c\": 0.1, \"period\": 1", "\"period\"", "a column of the results", "another name"],
         ["\"c\": 0.1", "\"c\": 0.1, \"max_x\": 1", "\"max_x\"", "a column of the results", ""],
         ["\"c\": 0.1", "\"c\": inf", "inf", "`system.parameters.c` is inf", "finite"],
