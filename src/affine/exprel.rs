@@ -22,7 +22,7 @@ const TERMS: usize = 20;
 /// What is found with φ in a table: eᵃ or e^{a/2}, y, S and what it is summed by.
 pub(super) const HELPERS: usize = 2 + POWERS;
 
-/// φ and its first derivatives ∫₀¹ sᵐe^{sa} ds: ℎₘ = (eᵃ − mℎₘ₋₁)/a by parts.
+/// φ and its first derivatives ∫₀¹ sᵐe^{sa} ds: by parts each is (eᵃ − m times the one before)/a.
 pub(super) fn derivatives(a: f64) -> [f64; 4] {
     let mut last = a.exp_m1() / a;
     std::array::from_fn(|m| {

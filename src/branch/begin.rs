@@ -363,7 +363,8 @@ fn doubled(
 ) -> Result<Begun, RunError> {
     let (wave, at) = posed(&saved.twice(), asked, problem, continuation)?;
     let asked = continuation.toward.directions();
-    let (point, directions) = switch::other(&wave, &at, asked).map_err(NoFirstWave::NoBranch)?;
+    let (point, directions) =
+        switch::other(&wave, (&at, None), asked).map_err(NoFirstWave::NoBranch)?;
     Ok(Begun {
         model: wave.model_at(&point),
         wave,

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::plane::{
-    EventCondition, ExaminationOf, FailureOf, MarginOf, ParameterPlane, TestValues,
+    EventCondition, ExaminationOf, FailureOf, InadmissibleOf, MarginOf, ParameterPlane, TestValues,
 };
 use super::point::{CurveLimits, CurvePoint, Gone, PointType, What};
 use super::system::EventSystem;
@@ -71,8 +71,8 @@ impl<P: ParameterPlane> Solved<P> {
 pub enum CurveRefusal<P: ParameterPlane = WavesInPlane> {
     /// Its test functions cannot be evaluated.
     Flow(FailureOf<P>),
-    /// A margin is negative from where it is first posed.
-    Posed,
+    /// A margin is negative from where it is first posed: the orbit there is not admissible.
+    Posed(Box<InadmissibleOf<P>>),
     /// A test function changes its sign and its zero is not found.
     NotLocated,
     /// The event is none any more.

@@ -95,11 +95,21 @@ impl<P: ParameterPlane> EventCurve<P> {
                 if is_ended {
                     continue;
                 }
-                return Err(CurveRefusal::Posed);
+                return Err(self.posed(step));
             };
             located.push(self.margin_zero(step, margin, before)?);
         }
         Ok(located)
+    }
+
+    /// What is negative at the end of a step, though nothing was posed of it before.
+    fn posed(&self, step: &Stage<P>) -> CurveRefusal<P> {
+        match self.system.orbit(&step.to.point, 0) {
+            Ok((orbit, _)) => {
+                CurveRefusal::Posed(Box::new(orbit.inadmissible(&step.after.examination)))
+            }
+            Err(failure) => CurveRefusal::Flow(failure),
+        }
     }
 
     /// The zero of a margin that is positive before a step, and not at its end.

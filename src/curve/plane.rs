@@ -15,6 +15,8 @@ pub type MarginOf<P> = <<P as ParameterPlane>::Orbit as Orbit>::Margin;
 pub type SignatureOf<P> = <<P as ParameterPlane>::Orbit as Orbit>::Signature;
 /// Their parameters.
 pub type ParameterOf<P> = <<P as ParameterPlane>::Orbit as Orbit>::Parameter;
+/// Why one of them is not admissible.
+pub type InadmissibleOf<P> = <<P as ParameterPlane>::Orbit as Orbit>::Inadmissible;
 /// Why their equations cannot be evaluated.
 pub type FailureOf<P> = <<P as ParameterPlane>::Orbit as Equations>::Failure;
 /// What an examination of them finds.

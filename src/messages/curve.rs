@@ -141,7 +141,12 @@ impl<P: curve::ParameterPlane> Display for curve::CurveRefusal<P> {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         match self {
             curve::CurveRefusal::Flow(error) => error.fmt(f),
-            curve::CurveRefusal::Posed => f.write_str("an inequality fails as soon as it is posed"),
+            curve::CurveRefusal::Posed(inadmissible) => {
+                write!(
+                    f,
+                    "an inequality fails as soon as it is posed: {inadmissible}"
+                )
+            }
             curve::CurveRefusal::NotLocated => {
                 f.write_str("a point of codimension two was not located")
             }

@@ -1,7 +1,7 @@
 //! The other branch at an orbit whose equations are singular at a fixed parameter.
 //!
 //! The branch that is known moves in the parameter there; the other one leaves along the null vector of the equations
-//! at a fixed parameter. At the event they are singular whatever borders them: both branches pass; a short way along
+//! at a fixed parameter, or along this and the parameter: it is looked for in planes that do not meet the known one. At the event they are singular whatever borders them: both branches pass; a short way along
 //! the null vector they are not. At a doubling the orbit is taken as one that is traversed twice: there the null
 //! vector is (ξ, −ξ).
 
@@ -58,15 +58,18 @@ const BESIDE: Settings = Settings {
 
 /// The first orbit of the other branch at an event, and the ways that the branch goes from there, of those asked for. At
 /// a doubling and at a loss of symmetry its two sides go one way, and one is the other shifted in time or mirrored: a
-/// branch that goes one way only is found from either.
+/// branch that goes one way only is found from either. `known` is the direction of the known branch, where that is not the one of the
+/// parameter alone.
 ///
 /// # Errors
 /// No other branch passes there, or it is not admissible.
 pub fn other<O: Orbit>(
     orbit: &O,
-    at: &Vector,
+    (at, known): (&Vector, Option<Vector>),
     directions: &[bool],
 ) -> Result<(Vector, Vec<bool>), NoBranch<O>> {
+    /// A null vector of which less is left is that direction: the known branch is vertical.
+    const LEFT: f64 = 1e-3;
     let evaluated = newton::jacobian(orbit, at).map_err(newton::Failure::System);
     let (matrix, _) = evaluated.map_err(NoBranch::Newton)?;
     let square = matrix.columns(0, at.len() - 1).clone_owned();
@@ -74,7 +77,12 @@ pub fn other<O: Orbit>(
     if least.value > SINGULAR * least.largest {
         return Err(NoBranch::Regular(least.value / least.largest));
     }
-    let along = least.right.insert_row(at.len() - 1, 0.0);
+    let null = least.right.insert_row(at.len() - 1, 0.0);
+    let across = known
+        .filter(|known| known.len() == at.len() && known.norm() > 0.0)
+        .map(|known| &null - &known * (null.dot(&known) / known.norm_squared()));
+    let across = across.filter(|across| across.norm() > LEFT);
+    let along = across.map_or(null, |across| across.normalize());
     let found = [1.0, -1.0].map(|sign| side(orbit, at, &(&along * sign)));
     if let [Err(_), Err(refused)] = found {
         return Err(refused);

@@ -220,7 +220,7 @@ impl<C: Measured> ContactForms<C> {
         let law = &self.laws[contact];
         let speed = &self.own[own].kinematics[contact].speed;
         let still = |guard: &Form<C>, to: usize| Ending {
-            keeps: self.is_held(own, digits, speed),
+            keeps: self.is_held(own, digits, speed) && !self.holds_what_slips(own, digits),
             ..plain(guard.clone(), to)
         };
         Ok(match (law, digits[contact]) {

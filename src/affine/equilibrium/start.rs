@@ -169,6 +169,13 @@ fn is_told_apart(curve: &EquilibriumCurve, point: &Vector) -> bool {
 }
 
 impl EquilibriumCurve {
+    /// A change of states and parameter in scaled unknowns.
+    pub fn scaled(&self, change: &[f64]) -> Vector {
+        let units = &self.setting.scales.units;
+        let scaled = change.iter().zip(units).map(|(x, unit)| x / unit);
+        Vector::from_iterator(units.len().min(change.len()), scaled)
+    }
+
     /// The equilibria of a mode in units of a state, and that state in them.
     ///
     /// # Errors

@@ -51,7 +51,7 @@ pub fn switch(
         (own, at)
     };
     let (orbit, at) = parted(&orbit, &at).unwrap_or((orbit, at));
-    let (point, ways) = other(&orbit, &at, directions)?;
+    let (point, ways) = other(&orbit, (&at, None), directions)?;
     let setting = Setting {
         values: orbit.values_at(&point),
         ..(*orbit.setting).clone()

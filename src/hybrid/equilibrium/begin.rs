@@ -171,7 +171,9 @@ fn switched(
     }
     let at = EquilibriumCurve::at(request, &saved.state);
     let (curve, point) = at.map_err(NoFirstEquilibrium::NoValue)?;
-    let (point, ways) = other(&curve, &point, directions).map_err(NoEquilibriumStart::NoBranch)?;
+    let along = saved.along.as_ref().map(|along| curve.scaled(along));
+    let (point, ways) =
+        other(&curve, (&point, along), directions).map_err(NoEquilibriumStart::NoBranch)?;
     Ok(FirstEquilibrium {
         curve,
         point,

@@ -22,6 +22,7 @@ pub(in crate::hybrid) fn born(
         mode,
         state,
         values,
+        ..
     } = saved;
     if !matches!(kind, Some(EventType::HB | EventType::BE)) {
         return Err(NoFirstPoint::NotHopf {

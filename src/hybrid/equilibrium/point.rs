@@ -117,6 +117,9 @@ pub struct LabelledEquilibrium {
     pub state: Vec<f64>,
     /// Values of the parameters.
     pub values: Vec<f64>,
+    /// Of a branch point, how the states and the parameter change along the branch there, of whatever length.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub along: Option<Vec<f64>>,
 }
 
 impl LabelledEquilibrium {

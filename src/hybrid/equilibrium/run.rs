@@ -227,6 +227,11 @@ impl Itemised for EquilibriumRunner {
             mode: point.mode.clone(),
             state: point.state.clone(),
             values: point.parameters.clone(),
+            along: (point.kind == Some(EventType::BP)).then(|| {
+                let units = &found.orbit.setting.scales.units;
+                let along = found.node.tangent.iter().zip(units);
+                along.map(|(x, unit)| x * unit).collect()
+            }),
         });
         let rows = point.label.map(|label| {
             let all = point.eigenvalues.iter().enumerate();
