@@ -1260,7 +1260,7 @@ fn two_laws_on_one_slip_end_together() {
     let place = ("stick.forward", &[0.0, 0.3, 0.0][..]);
     let elements = ("stick.stick.stick", &[0.0, 0.3, 0.0, 0.0, 0.0][..]);
     for (text, (mode, state), range) in [
-        (friction(0.4), place, (0.2, 0.4)),
+        (friction(0.4), place, (0.25, 0.4)),
         (three(1.3), elements, (1.2, 1.3)),
     ] {
         let (orbit, point) = started(&system(&text), (mode, state, 100.0), ("A", range)).unwrap();
