@@ -133,9 +133,9 @@ impl<C: Measured> Instant<'_, C> {
             digits[*contact] = *to;
         }
         // a slip that a closed stop has held is zero: it sticks if it holds
-        for contact in 0..digits.len() {
+        for (contact, digit) in digits.iter_mut().enumerate() {
             if self.forms.is_slip_held(self.own, self.before, contact) {
-                digits[contact] = STICK;
+                *digit = STICK;
             }
         }
         // after an impact the sign of the slip tells
