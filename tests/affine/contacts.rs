@@ -1302,7 +1302,8 @@ fn at_a_stop(values: &[(&str, f64)]) -> System {
 /// Motions against an integration from switch to switch by DOP853 with a tolerance of 1e-12, which each impact begins anew.
 #[test]
 fn friction_holds_at_a_stop() {
-    let cases: [(&[(&str, f64)], [f64; 2]); 3] = [
+    type Case<'a> = (&'a [(&'a str, f64)], [f64; 2]);
+    let cases: [Case; 3] = [
         (&[("Fs", 0.9)], [-2.290_906_104_859, 0.481_436_305_708]),
         (
             &[("Fs", 0.9), ("A", 2.2)],
