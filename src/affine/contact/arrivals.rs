@@ -330,15 +330,21 @@ impl<C: Measured> Instant<'_, C> {
             }
             trials = next;
         }
-        // what friction holds need not be pressed on the stop: both together are not determined
-        for trial in &mut trials {
+        self.open_where_held(impact, &mut trials);
+        Ok(trials)
+    }
+
+    /// Opens the stop of an impact in trials in which friction holds what would be pressed on it: both forces together are not
+    /// determined.
+    fn open_where_held(&self, impact: usize, trials: &mut [Trial<C>]) {
+        let closed =
+            |trial: &&mut Trial<C>| trial.digits[impact] == CLOSED && trial.pressed.is_none();
+        for trial in trials.iter_mut().filter(closed) {
             let forces = self.forms.forces(self.own, &trial.digits);
-            let is_closed = trial.digits[impact] == CLOSED && trial.pressed.is_none();
-            if is_closed && matches!(forces, Err(ContactMistake::Singular(_))) {
+            if matches!(forces, Err(ContactMistake::Singular(_))) {
                 trial.digits[impact] = OPEN;
             }
         }
-        Ok(trials)
     }
 
     /// The ways on from a trial: by the first contact whose state is not settled by what has held before. `None` where all

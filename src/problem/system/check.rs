@@ -1,5 +1,6 @@
 //! What the values of a problem with a system must hold to among each other.
 
+use std::cell::LazyCell;
 use std::collections::HashSet;
 
 use super::super::error::{Flaw, excerpt, line};
@@ -291,7 +292,8 @@ impl Checks<'_, SystemProblem> {
         let mut unused = system.unused_parameters().into_iter();
         let monitors = self.problem.monitors();
         let in_monitor = |name: &str| monitors.iter().any(|one| one.has(name));
-        let in_value = self.named_by_values();
+        // read only where a parameter stands nowhere else
+        let in_value = LazyCell::new(|| self.named_by_values());
         let serves = |name: &str| in_value.contains(name) && !self.varies(name);
         if let Some(name) =
             unused.find(|name| !in_period(name) && !in_monitor(name) && !serves(name))
