@@ -56,6 +56,29 @@ PIECES = """(
     continuation: (parameter: "alpha", range: (6.0, 8.0), toward: Up),
 )"""
 """A Hopf point of an affine mode, whose cycles are a vertical family."""
+STOPS = """(
+    system: (
+        states: ["x", "v", "y", "w"], parameters: {"F": 1.0, "d": 0.5, "k": 2.0, "c": 0.2, "g": 0.3},
+        contacts: {"p": Stop(gap: "d - x", restitution: "0.5"), "s": Spring(gap: "g + y", stiffness: "k", damping: "c")},
+        rates: {"x": "v", "v": "-x + k*(y - x) - c*v + F - p + 0.1*x^3", "y": "w", "w": "-y - k*(y - x) - c*w - F/2 + s"},
+    ),
+    equilibrium: (start: Given(mode: "open.open", state: {"x": 0.2, "v": 0.0, "y": -0.1, "w": 0.0})),
+    continuation: (parameter: "F", range: (-5.0, 5.0), toward: Both),
+)"""
+"""A mass that comes to a stop, to a damped spring, and to a fold."""
+PRESSED = """(
+    system: (
+        states: ["x", "v", "y", "w"], parameters: {"m": -0.5, "d": 0.5, "k": 2.0, "f": 0.3, "mu": 0.2, "e": 0.1, "vb": 1.0},
+        contacts: {
+            "p": Spring(gap: "x + d", stiffness: "k", damping: "e"), "s": Stop(gap: "1 - y", restitution: "0"),
+            "q": Friction(slip: "v - vb", bound: "mu*s*exp(v - vb)"),
+        },
+        modes: {"all": (rates: {"x": "v", "v": "m*v - v^3 - x - x^2/3 - 3*d + p + q + 0.1*y", "y": "w", "w": "-y/2 + 2 + f*x - s - w"})},
+    ),
+    equilibrium: (start: Given(mode: "all.closed.closed.backward", state: {"x": -0.9, "v": 0.0, "y": 1, "w": 0.0})),
+    continuation: (parameter: "m", range: (-1.0, 3.0), toward: Up),
+)"""
+"""A Hopf point beside a closed stop whose force is in the friction."""
 
 
 class Mathematics(unittest.TestCase):
@@ -111,13 +134,15 @@ class Mathematics(unittest.TestCase):
 class Certificates(Certified):
     """Certificates as they are written hold; forged ones are refused by the checker and by `certify --verify`."""
 
-    PROBLEMS = {"harvest": HARVEST, "brusselator": BRUSSELATOR, "foci": FOCI, "reaction": REACTION, "relay": RELAY, "pieces": PIECES, "twice": TWICE}
+    PROBLEMS = {"harvest": HARVEST, "brusselator": BRUSSELATOR, "foci": FOCI, "reaction": REACTION, "relay": RELAY, "pieces": PIECES, "twice": TWICE,
+                "stops": STOPS, "pressed": PRESSED}  # fmt: skip
     # a value of a monitor is not covered
     CODES = {"foci": 1}
 
     def test_honest(self):
         for name, points, coefficients, beyond in [
             ("harvest", 7, 0, 2), ("brusselator", 5, 1, 0), ("foci", 5, 0, 1), ("reaction", 5, 1, 0), ("relay", 2, 1, 0), ("pieces", 3, 1, 0),
+            ("stops", 8, 0, 3), ("pressed", 3, 1, 0),
         ]:  # fmt: skip
             code, told = check(self.folders[name])
             self.assertEqual(code, 3 if "not covered" in told else 0, told)
@@ -178,6 +203,25 @@ class Certificates(Certified):
         for guard, why in [("x - 0.9", "that `x - 0.9` is positive is not shown"), ("x - 0.35", "that `x - 0.35` is positive is not shown")]:
             rewritten = lambda text, guard=guard: re.sub(r'\(\s*zero: "y - al"', f'(zero: "{guard}", to: "low"), (zero: "y - al"', text)
             self.refused("harvest", rewritten, why, both)
+
+    def test_contacts(self):
+        self.replaced("stops", 'mode: "open.closed"', 'mode: "open.open"', "refused")
+        self.replaced("stops", 'mode: "closed.open"', 'mode: "closed.closed"', "refused")
+        self.replaced("stops", 'mode: "closed.closed"', 'mode: "closed.closed.open"', "is no mode")
+        self.replaced("stops", "growing: Some(1)", "growing: Some(0)", "1 grow")
+        self.replaced("stops", "inequalities: 8", "inequalities: 10", "there are 8 of them")
+        self.replaced("stops", "persists: true", "persists: false", "mode beyond: refused: the equilibria of both modes lie otherwise")
+        # what the program does not even read, in the certificate and in its problem
+        damping = lambda text: re.sub(r'damping: (Some\()?"c"', r'damping: \1"-c"', text)
+        for change, why in [
+            (damping, "that a number of `s` is not negative is not shown"),
+            (lambda text: text.replace("F - p + 0.1", "F + p + 0.1"), "that `p` acts against what it is about is not shown"),
+            (lambda text: text.replace('"d - x"', '"d - x + 0.1*v"'), "the rate of a gap depends on a force"),
+        ]:
+            code, told = check(self.edited("stops", change, ("certificate.ron", "source.ron")))
+            self.assertEqual(code, 1, told)
+            self.assertIn(why, told)
+        self.replaced("pressed", "low: -0.67256", "low: -0.57256", "first Lyapunov coefficient: refused")
 
     def test_numbers(self):
         self.replaced("brusselator", "low: -0.50000000", "low: -0.40000000", "first Lyapunov coefficient: refused")

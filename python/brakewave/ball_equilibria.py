@@ -1,9 +1,9 @@
 """Equilibria of systems of one's own in balls of Arb (python-flint): their equations, zeros of them that are proven, guards,
 eigenvalues, first Lyapunov coefficients.
 
-Written from docs/systems.md and docs/equilibria.md, apart from the program. check.py says what it is for. Unknowns are the states, in a
-sliding mode the share of its second field, the parameter and, at a Hopf point, the frequency, all in their units. No
-eigenvector is among them: folds and Hopf points are zeros of a determinant.
+Written from docs/systems.md, docs/equilibria.md and docs/contacts.md, apart from the program. check.py says what it is for. Unknowns are
+the states, in a sliding mode the share of its second field, the forces of contacts, the parameter and, at a Hopf point, the frequency, all in
+their units. No eigenvector is among them: folds and Hopf points are zeros of a determinant.
 """
 
 import ast
@@ -11,6 +11,7 @@ from fractions import Fraction
 
 from flint import acb, acb_mat, acb_poly, arb
 
+from .ball_contacts import FIELDS, STATES
 from .ball_orbits import counted, parsed
 from .balls import Dual, NotCovered, Refused, Tagged, decimal, determinant, double, dual, exact, injective, jacobian, must, prove_zero, real, whole
 
@@ -180,32 +181,38 @@ class Rest:
 
     def __init__(self, posed, near, condition):
         system = self.system = posed["system"]
-        must(not system.get("forcing") and not system.get("contacts"), "a system with forcing or contacts")
+        must(not system.get("forcing"), "a system with forcing")
         self.posed, self.near, self.states = posed, near, list(system["states"])
         self.parameters, self.n = list(system["parameters"]), len(system["states"])
         must(len(posed["values"]) == len(self.parameters), "there is not a value for every parameter")
         self.varied = whole(posed["parameter"], len(self.parameters))
-        must(len(near["state"]) == self.n and len(posed["units"]) == self.n + 1, "there is not a number for every state")
+        contacts = system.get("contacts", {})
+        must(len(near["state"]) == self.n and len(posed["units"]) == self.n + len(contacts) + 1, "there is not a number for every state")
         must(all(0 < double(unit) < float("inf") for unit in posed["units"]), "a unit that is no length")
         self.kind, self.condition = (condition, None) if isinstance(condition, str) else condition
-        self.modes, sliding = list(system["modes"]), system.get("sliding", {})
-        must(near["mode"] in self.modes or near["mode"] in sliding, f"`{near['mode']}` is no mode")
+        self.modes, sliding = list(system.get("modes", {})), system.get("sliding", {})
+        self.touching, self.own = None, near["mode"]
+        if contacts:
+            self.own, self.touching = touching(contacts, self.modes, near["mode"])
+        else:
+            must(near["mode"] in self.modes or near["mode"] in sliding, f"`{near['mode']}` is no mode")
         self.sides = sliding.get(near["mode"])
-        self.size = self.n + (self.sides is not None)
+        self.size = self.n + (len(contacts) or self.sides is not None)
         self.surface = None if self.sides is None else self.meeting(*self.sides)
         self.twins, self.guards = 0, []
         self.guards += self.watched()
         if self.kind == "Boundary":
             self.vanishing = whole(self.condition["guard"], len(self.guards))
         *each, last = map(double, posed["units"])
-        self.units = [arb(it) for it in each + [1.0] * (self.size - self.n) + [last]]
+        self.units = [arb(it) for it in each + [1.0] * (self.size - len(each)) + [last]]
         if self.kind == "Hopf":
             self.units.append(arb(double(self.condition["omega"])))
 
-    def meaning(self, states, parameter, pi, number=decimal):
+    def meaning(self, y, parameter, pi, number=decimal):
         """What names stand for; None of abbreviations without a value."""
         names = dict(zip(self.parameters, map(number, self.posed["values"])))
-        names |= {self.parameters[self.varied]: parameter, "pi": pi} | dict(zip(self.states, states))
+        names |= {self.parameters[self.varied]: parameter, "pi": pi} | dict(zip(self.states, y))
+        names |= {contact.name: force for contact, force in zip(self.touching or [], y[self.n :])}
         for name, text in self.system.get("define", {}).items():
             try:
                 names[name] = evaluated(text, names, number)
@@ -215,7 +222,8 @@ class Rest:
 
     def formulas(self, replaced=()):
         """Names that stand for themselves, but for some states."""
-        named = {name: Formula.named(name) for name in self.states} | dict(replaced)
+        forces = [contact.name for contact in self.touching or []]
+        named = {name: Formula.named(name) for name in [*self.states, *forces]} | dict(replaced)
         parameters = {name: Formula.named(name) for name in self.parameters}
         names = {**parameters, **named, "pi": Formula.named("pi")}
         for name, text in self.system.get("define", {}).items():
@@ -231,7 +239,7 @@ class Rest:
         return evaluated(self.zero(at), names or self.formulas(), Formula.number)
 
     def switches(self, mode, to=None):
-        until = self.system["modes"][mode].get("until", [])
+        until = self.system["modes"][mode].get("until", []) if mode in self.modes else []
         return [(mode, k) for k, switch in enumerate(until) if to is None or switch["to"] == to]
 
     def meeting(self, first, second):
@@ -247,7 +255,9 @@ class Rest:
         if self.sides is not None:
             yield from ("first", "second")
             surface = [self.formula(at) for at in self.surface]
-        for mode in self.sides or [self.near["mode"]]:
+        for contact in self.touching or []:
+            yield from ((contact, k) for k in range(contact.guards()))
+        for mode in self.sides or [self.own]:
             for at in self.switches(mode):
                 formula = self.formula(at)
                 if not all(formula - one for one in surface):
@@ -259,29 +269,93 @@ class Rest:
                     self.twins += 1
 
     def rates(self, mode, names, number=decimal):
-        rates = self.system["modes"][mode]["rates"]
-        return [evaluated(rates[state], names, number) for state in self.states]
+        """The rates of a mode; with contacts those of the user's mode, and what stretches Jenkins elements."""
+        rates = self.system["modes"][mode]["rates"] if mode in self.modes else self.system["rates"]
+        found = {state: evaluated(rates[state], names, number) for state in self.states if state in rates}
+        for contact in self.touching or []:
+            if contact.kind == "Jenkins":
+                sticks = contact.state == "stick"
+                found[contact.element] = evaluated(contact.law["slip"], names, number) if sticks else 0 * number("0")
+        return [found[state] for state in self.states]
+
+    def field(self, y, parameter):
+        """The rates of the states."""
+        names = self.meaning(y, parameter, acb(arb.pi()))
+        if self.sides is None:
+            return self.rates(self.own, names)
+        below, above = (self.rates(side, names) for side in self.sides)
+        return [one + y[self.n] * (other - one) for one, other in zip(below, above)]
+
+    def moving(self, function, y, parameter):
+        """The rate of a function of the states along the motion."""
+        moved = [Dual(x, rate) for x, rate in zip(y, self.field(y, parameter))] + [Dual(x, 0) for x in y[self.n :]]
+        return dual(function(moved, Dual(parameter, 0))).d
+
+    def form(self, text):
+        """An expression as a function of the unknowns."""
+        return lambda y, parameter: evaluated(text, self.meaning(y, parameter, acb(arb.pi())))
+
+    def speed(self, contact):
+        """The slip of a contact, or the rate of its gap, as such a function."""
+        held = self.form(contact.held)
+        return held if "slip" in contact.law else lambda y, parameter: self.moving(held, y, parameter)
+
+    def beside_law(self, k, y, parameter):
+        """What a force is beside that of its law."""
+        contact, value = self.touching[k], lambda text: self.form(text)(y, parameter)
+        force, law = y[self.n + k], contact.law
+        if contact.state in ("forward", "backward"):
+            return force + value(law["bound"]) if contact.state == "forward" else force - value(law["bound"])
+        if contact.kind == "Jenkins":
+            return force + value(law["stiffness"]) * y[self.states.index(contact.element)]
+        if contact.state == "open":
+            return force
+        damped = value(law["damping"]) * self.speed(contact)(y, parameter) if law.get("damping") is not None else 0
+        return force + value(law["stiffness"]) * value(law["gap"]) + damped
 
     def rest(self, y, parameter):
         """Zero at an equilibrium."""
-        names = self.meaning(y[: self.n], parameter, acb(arb.pi()))
-        if self.sides is None:
-            return self.rates(self.near["mode"], names)
-        below, above = (self.rates(side, names) for side in self.sides)
-        mixed = [one + y[self.n] * (other - one) for one, other in zip(below, above)]
-        return mixed + [evaluated(self.zero(self.surface[0]), names)]
+        rows = self.field(y, parameter)
+        if self.sides is not None:
+            rows.append(self.form(self.zero(self.surface[0]))(y, parameter))
+        for k, contact in enumerate(self.touching or []):
+            rows.append(self.form(contact.held)(y, parameter) if contact.holds else self.beside_law(k, y, parameter))
+        return rows
+
+    def followed(self, y, parameter):
+        """Zero where the forces of contacts are what they are at these states."""
+        rows = []
+        for k, contact in enumerate(self.touching):
+            rows.append(self.moving(self.speed(contact), y, parameter) if contact.holds else self.beside_law(k, y, parameter))
+        return rows
 
     def guard(self, guard, y, parameter):
         if guard in ("first", "second"):
             return y[self.n] if guard == "first" else 1 - y[self.n]
-        return evaluated(self.zero(guard), self.meaning(y[: self.n], parameter, acb(arb.pi())))
+        if not isinstance(guard[0], Contact):
+            return self.form(self.zero(guard))(y, parameter)
+        contact, place = guard
+        force, value = y[self.n + self.touching.index(contact)], lambda text: self.form(text)(y, parameter)
+        if contact.state in ("forward", "backward"):
+            slip = value(contact.law["slip"])
+            return slip if contact.state == "forward" else -slip
+        if contact.state == "stick":
+            least = (place == 0) == (contact.kind == "Jenkins")
+            return value(contact.most) + force if least else value(contact.most) - force
+        if contact.state == "open":
+            return value(contact.law["gap"])
+        return -value(contact.law["gap"]) if contact.kind == "Spring" and contact.law.get("damping") is None else force
 
     def matrix(self, y, parameter):
         """The derivatives of `rest` in the states, and in the share, as rows."""
+        return self.slopes(self.rest, y, parameter)
+
+    def slopes(self, functions, y, parameter):
+        """Derivatives in the states and what else is unknown beside them, as rows."""
         columns = []
         for k in range(self.size):
             seeds = [Dual(x, int(j == k)) for j, x in enumerate(y)]
-            columns.append([dual(row).d for row in self.rest(seeds, Dual(parameter, 0))])
+            columns.append([dual(row).d for row in functions(seeds, Dual(parameter, 0))])
         return [list(row) for row in zip(*columns)]
 
     def unscaled(self, z):
@@ -314,8 +388,23 @@ class Rest:
         if self.sides is not None:
             below, above = self.pushes(state, parameter)
             state = state + [(below / (below - above)).mid()]
+        if self.touching is not None:
+            state = state + self.forces(state, parameter)
         found = [x / unit for x, unit in zip(state + [parameter], self.units)]
         return found + [acb(1)] * (self.kind == "Hopf")
+
+    def forces(self, state, parameter):
+        """The forces of contacts next to those at these states: Newton's method, of what is linear one step."""
+        y = state + [acb(0)] * len(self.touching)
+        for _ in range(8):
+            rows = acb_mat([row[self.n :] for row in self.slopes(self.followed, y, parameter)])
+            side = acb_mat([[-acb(row)] for row in self.followed(y, parameter)])
+            try:
+                step = rows.solve(side).entries()
+            except ZeroDivisionError:
+                raise Refused("the forces are not determined") from None
+            y = state + [(x + by).mid() for x, by in zip(y[self.n :], step)]
+        return y[self.n :]
 
     def pushes(self, state, parameter):
         """The rates of the surface along the fields of both modes."""
@@ -354,33 +443,74 @@ class Rest:
 
     def signs(self):
         """Every inequality, and whether it is shown."""
-        names = self.meaning(self.y[: self.n], self.parameter, acb(arb.pi()))
-        for at in [at for mode in self.sides or [self.near["mode"]] for at in self.switches(mode)]:
+        names = self.meaning(self.y, self.parameter, acb(arb.pi()))
+        for at in [at for mode in self.sides or [self.own] for at in self.switches(mode)]:
             # also of those that are one with another
             must(acb(evaluated(self.zero(at), names)).is_finite(), f"`{self.zero(at)}` has no value")
         for k, guard in enumerate(self.guards):
             if self.kind != "Boundary" or k != self.vanishing:
-                name = guard if isinstance(guard, str) else self.zero(guard)
+                name = guard if isinstance(guard, str) else guard[0].name if isinstance(guard[0], Contact) else self.zero(guard)
                 yield f"that `{name}` is positive", bool(acb(self.guard(guard, self.y, self.parameter)).real > 0)
         if self.sides is not None:
             below, above = self.pushes(self.y[: self.n], self.parameter)
             yield "that fields push to the surface", bool((above - below).real > 0)
+        if self.touching is not None:
+            yield from self.laws()
+
+    def laws(self):
+        """That what holds works against what it holds whatever the others do, and that laws make sense."""
+        rows = self.slopes(self.followed, self.y, self.parameter)
+        try:
+            inverse = acb_mat([row[self.n :] for row in rows]).inv().tolist()
+        except ZeroDivisionError:
+            raise Refused("the forces are not determined") from None
+        for k, contact in enumerate(self.touching):
+            if contact.holds:
+                yield f"that `{contact.name}` holds", bool(inverse[k][k].real > 0)
+        for k, contact in enumerate(self.touching):
+            speed = self.speed(contact)
+            rates = lambda y, parameter: [self.moving(speed, y, parameter), speed(y, parameter)]
+            accelerated, moved = self.slopes(rates, self.y, self.parameter)
+            must("slip" in contact.law or not any(moved[self.n :]), "the rate of a gap depends on a force")
+            yield f"that `{contact.name}` acts against what it is about", bool(acb(accelerated[self.n + k]).real > 0)
+            value = lambda text: acb(self.form(text)(self.y, self.parameter)).real
+            for number in contact.not_negative(value):
+                yield f"that a number of `{contact.name}` is not negative", bool(number >= 0)
 
     # ------------------------------------------------------------------------------------------------ eigenvalues
     def growing(self):
         """How many eigenvalues have a positive real part; the critical ones are 0 or ± iω."""
-        rows = self.matrix(self.y, self.parameter)
+        rows, normals = self.matrix(self.y, self.parameter), []
         if self.sides is not None:
             normal, along = rows[self.n][: self.n], [row[self.n] for row in rows[: self.n]]
             inner = [row[: self.n] for row in rows[: self.n]]
             across = sum(a * d for a, d in zip(normal, along))
             fall = [sum(a * row[j] for a, row in zip(normal, inner)) for j in range(self.n)]
-            rows = [[x - d * f / across for x, f in zip(row, fall)] for row, d in zip(inner, along)]
+            rows, normals = [[x - d * f / across for x, f in zip(row, fall)] for row, d in zip(inner, along)], [normal]
+        if self.touching is not None:
+            rows, normals = self.held()
+        while normals:
             # in the surface one state follows from the others
-            k = max(range(self.n), key=lambda j: float(abs(acb(normal[j])).lower()))
-            others = [j for j in range(self.n) if j != k]
-            rows = [[rows[i][j] - rows[i][k] * normal[j] / normal[k] for j in others] for i in others]
+            normal = normals.pop()
+            k = max(range(len(normal)), key=lambda j: float(abs(acb(normal[j])).lower()))
+            others = [j for j in range(len(normal)) if j != k]
+            less = lambda row: [row[j] - row[k] * normal[j] / normal[k] for j in others]
+            rows, normals = [less(rows[i]) for i in others], [less(row) for row in normals]
         return right_of_axis(acb_mat(rows), {"Fold": [0, 1], "Hopf": [self.omega and self.omega**2, 0, 1]}.get(self.kind, [1]))
+
+    def held(self):
+        """The linear motion of the states with contacts, and normals of the surfaces that it does not leave."""
+        rates = [row for row in self.slopes(self.field, self.y, self.parameter)]
+        followed = self.slopes(self.followed, self.y, self.parameter)
+        inner, outer = acb_mat([row[self.n :] for row in followed]), acb_mat([row[: self.n] for row in followed])
+        forces = inner.solve(outer).tolist()
+        rows = [[row[j] - sum(by * force[j] for by, force in zip(row[self.n :], forces)) for j in range(self.n)] for row in rates]
+        functions = []
+        for contact in self.touching:
+            if contact.holds:
+                functions += [self.form(contact.held)] + [self.speed(contact)] * (contact.kind == "Stop")
+        normals = self.slopes(lambda y, parameter: [of(y, parameter) for of in functions], self.y, self.parameter)
+        return rows, [[acb(x) for x in row[: self.n]] for row in normals]
 
     def lyapunov(self):
         """The first Lyapunov coefficient, with |q| = 1 in the states and the factor 1/ω. The share of a sliding mode is no state: the
@@ -416,10 +546,13 @@ class Rest:
         if self.sides is not None:
             return False
         zero = Degree(0)
-        names = {name: zero for name in [*self.parameters, "pi"]} | {name: Degree(1) for name in self.states}
+        forces = [contact.name for contact in self.touching or []]
+        names = {name: zero for name in [*self.parameters, "pi"]} | {name: Degree(1) for name in [*self.states, *forces]}
         for name, text in self.system.get("define", {}).items():
             names[name] = evaluated(text, names, Degree.number)
-        return all(rate.degree < 2 for rate in self.rates(self.near["mode"], names, Degree.number))
+        parts = [part for contact in self.touching or [] for part in contact.law.items() if part[1] is not None]
+        degrees = ((evaluated(text, names, Degree.number).degree, int(field not in ("stiffness", "damping"))) for field, text in parts)
+        return all(rate.degree < 2 for rate in self.rates(self.own, names, Degree.number)) and all(degree <= most for degree, most in degrees)
 
     # ------------------------------------------------------------------------------------------------ beyond a boundary
     def slope(self, guard):
@@ -440,12 +573,55 @@ class Rest:
         own, there = self.guards[self.vanishing], other.guards[other.vanishing]
         must(joined(self, own, other, there), "what rests in the one mode does not rest in the other by its formulas")
         share = {"first": [acb(0)], "second": [acb(1)]}.get(there, []) if isinstance(there, str) else []
-        other.y, other.parameter = self.y[: self.n] + share, self.parameter
+        other.y, other.parameter = self.y[: self.n] + (share or self.y[self.n :] * (self.touching is not None)), self.parameter
         wrong = [what for what, holds in other.signs() if not holds]
         must(not wrong, f"beyond it {', '.join(wrong)} is not shown")
         one, two = self.slope(own), other.slope(there)
         must(not (one * two).contains(0), "a guard has no slope along the equilibria")
         return bool(one * two < 0)
+
+
+class Contact:
+    """A contact in its state, by the name of that."""
+
+    def __init__(self, name, law, state):
+        must(law.name in FIELDS and set(law.value) <= set(FIELDS[law.name].split()), f"`{name}` has no such law")
+        self.name, self.kind, self.law, self.state = name, law.name, law.value, state
+        self.held, self.element = self.law.get("slip", self.law.get("gap")), f"z_{name}"
+        self.holds = (self.kind, state) in (("Friction", "stick"), ("Stop", "closed"))
+        static = self.law.get("static")
+        self.most = static if static is not None else self.law.get("bound")
+
+    def guards(self):
+        return 2 if self.state == "stick" else 1
+
+    def not_negative(self, value):
+        """Numbers of its law, and what its static bound is more than that of slip."""
+        if self.kind == "Stop":
+            restitution = value(self.law["restitution"])
+            return [restitution, 1 - restitution]
+        names = {"Friction": ["bound"], "Jenkins": ["bound", "stiffness"], "Spring": ["stiffness", "damping"]}[self.kind]
+        found = [value(self.law[name]) for name in names if self.law.get(name) is not None]
+        return found + ([value(self.law["static"]) - found[0]] if self.law.get("static") is not None else [])
+
+    def leads(self, guard, to):
+        """Whether its law has the same force in another state where a guard of this one is zero."""
+        if self.kind in ("Stop", "Spring"):
+            return to != self.state
+        if self.state != "stick" or self.law.get("static") is not None:
+            return False
+        upper = (guard == 0) == (self.kind == "Friction")
+        return to == ("backward" if upper else "forward")
+
+
+def touching(contacts, modes, name):
+    """The user's mode and the contacts with their states, by the name of a mode that contacts make."""
+    parts = name.split(".")
+    own = parts.pop(0) if modes else None
+    must(own is None or own in modes, f"`{name}` is no mode")
+    fits = len(parts) == len(contacts) and all(state in STATES.get(law.name, ()) for law, state in zip(contacts.values(), parts))
+    must(fits, f"`{name}` is no mode")
+    return own, [Contact(name, law, state) for (name, law), state in zip(contacts.items(), parts)]
 
 
 def lifted(x, depth):
@@ -492,6 +668,15 @@ def right_of_axis(matrix, critical):
 
 def joined(one, guard, other, there):
     """Whether the point of a mode at which a guard is zero rests in another, where a guard of that is zero, too."""
+    if one.touching is not None:
+        pairs = list(zip(one.touching, other.touching))
+        changed = [(a, b) for a, b in pairs if a.state != b.state]
+        if not changed and not isinstance(guard[0], Contact) and not isinstance(there[0], Contact):
+            return joined_by_a_switch(one, guard, other, there)
+        if not (isinstance(guard[0], Contact) and isinstance(there[0], Contact) and one.own == other.own and len(changed) == 1):
+            return False
+        (a, b), (own, k), (back, l) = changed[0], guard, there
+        return own is a and back is b and (a.leads(k, b.state) or b.leads(l, a.state))
     if isinstance(there, str) and other.sides is not None and one.sides is None:
         k = ("first", "second").index(there)
         return other.sides[k] == one.near["mode"] and not one.formula(guard) - one.formula(other.surface[k])
@@ -499,7 +684,12 @@ def joined(one, guard, other, there):
         return joined(other, there, one, guard)
     if isinstance(guard, str) or isinstance(there, str) or one.sides is not None or other.sides is not None:
         return False
-    here, to = one.near["mode"], other.near["mode"]
+    return joined_by_a_switch(one, guard, other, there)
+
+
+def joined_by_a_switch(one, guard, other, there):
+    """The same of two modes of the file, by a switch that leaves all states as they are."""
+    here, to = one.own, other.own
     leads = lambda at: not any(one.system["modes"][at[0]]["until"][at[1]].get(it) for it in ("reset", "if"))
     if not any(leads(at) and not one.formula(at) - one.formula(guard) for at in one.switches(here, to)):
         return False

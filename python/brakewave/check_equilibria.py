@@ -99,7 +99,7 @@ class EquilibriumPoint(Statements):
             self.asked(begins, restarted)
             if rest is not None and not restarted and not self.earlier and not self.skipped and is_written(begins, rest.condition):
                 known = True
-                must(all(abs(x.real) <= 2 * unit for x, unit in zip(rest.y, rest.units)), "the unit of a state is less than it is at the first equilibrium")
+                must(all(abs(x.real) <= 2 * unit for x, unit in zip(rest.y[: rest.n], rest.units)), "the unit of a state is less than it is at the first equilibrium")
         if restarted:
             raise NotCovered("numbers of an earlier run")
         self.units_are(known)

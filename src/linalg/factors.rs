@@ -77,7 +77,8 @@ impl Factors {
     /// not finite.
     pub fn solve(&self, right_side: &mut Vector) -> bool {
         let solved = match &self.0 {
-            Stored::Full(factors) => factors.solve_mut(right_side),
+            // the library reads a first entry, which a matrix of no rows does not have
+            Stored::Full(factors) => right_side.is_empty() || factors.solve_mut(right_side),
             Stored::Lists(factors) => factors.solve(right_side),
         };
         solved && right_side.iter().all(|x| x.is_finite())

@@ -79,14 +79,7 @@ impl Stated for orbit::OrbitProof {
             true => String::new(),
             false => format!(" with {given}"),
         };
-        let contacts = system.is_some_and(|system| !system.source.contacts.is_empty());
-        let made = match contacts {
-            true => {
-                " Its modes, their guards and exits are made by the laws of its contacts, forces that hold being those that keep a \
-                 slip or a closed gap at zero."
-            }
-            false => "",
-        };
+        let made = made_by_contacts(system);
         format!(
             "**Hypothesis.** The system of `source.ron`{given}; {name} is free.{made} A guard is positive in its mode; where it is \
              zero the first of its exits is taken whose conditions are not negative.\n\n\
@@ -102,6 +95,17 @@ impl Stated for orbit::OrbitProof {
             self.singled_out(),
             said.unique,
         )
+    }
+}
+
+/// Where the modes of a system come from, if contacts make them.
+fn made_by_contacts(system: Option<&System>) -> &'static str {
+    match system.is_some_and(|system| !system.source.contacts.is_empty()) {
+        true => {
+            " Its modes, their guards and exits are made by the laws of its contacts, forces that hold being those that keep a \
+             slip or a closed gap at zero."
+        }
+        false => "",
     }
 }
 
@@ -191,8 +195,9 @@ impl Stated for equilibrium::EquilibriumProof {
                 self.near.mode
             )
         });
+        let made = made_by_contacts(system);
         format!(
-            "**Hypothesis.** The system of `source.ron`{given}; {name} is free. A guard is positive in its mode; a sliding mode \
+            "**Hypothesis.** The system of `source.ron`{given}; {name} is free.{made} A guard is positive in its mode; a sliding mode \
              lasts while the fields of both modes on its sides push to its surface and their other guards are positive.\n\n\
              **Conclusion.** There are a number {name} in {} and an equilibrium of `{}` with {}. Every guard of the mode is positive \
              there, except what vanishes at the event ({} inequalities). {}{} No other equilibrium of the mode that satisfies the \

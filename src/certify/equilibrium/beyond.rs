@@ -2,15 +2,19 @@
 //!
 //! That the equilibrium of one mode rests in another, too, no interval can tell: formulas do. In a sliding mode with λ = 0 or 1 the field is
 //! that of one of its sides. Two modes of the file whose rates are the same wherever a guard is zero rest there together; for that a state
-//! is expressed by the others, where the guard is ± this state and what has nothing to do with it. Both branches have the parameter as
+//! is expressed by the others, where the guard is ± this state and what has nothing to do with it. Where one contact alone is in another
+//! state, and both guards are those that lead from the one to the other, the laws have one force there. Both branches have the parameter as
 //! their coordinate, and the guards pass zero with slopes: where these have one sign, both branches lie on one side.
 
 use serde::{Deserialize, Serialize};
 
-use super::guard::{ProvenGuard, are_one};
-use super::resting::{Resting, are_opposite, formulas};
+use super::guard::{ContactGuard, ProvenGuard, are_one};
+use super::resting::{Resting, RestingContacts, are_opposite, formulas};
 use super::system::{EquilibriumCondition, EquilibriumSystem, NearEquilibrium, PosedEquilibrium};
 use super::{OpenEquilibrium, place};
+use crate::affine::contact::law::{
+    BACKWARD, CLOSED, FORWARD, GIVES_BACKWARD, GIVES_FORWARD, HELD, Law, OPEN, STICK,
+};
 use crate::affine::expression::{Algebra, Operation};
 use crate::affine::system::System;
 use crate::certify::krawczyk::LinearEquations;
@@ -96,8 +100,52 @@ fn is_one_of(
             (Resting::Mode(_), ProvenGuard::Zero(zero)),
             (Resting::Mode(to), ProvenGuard::Zero(back)),
         ) => leads(system, zero, *to) && rest_alike(system, zero, back) == Some(true),
+        (
+            (Resting::Contacts(one), ProvenGuard::Zero(zero)),
+            (Resting::Contacts(other), ProvenGuard::Zero(back)),
+        ) => {
+            one.states == other.states
+                && leads(system, zero, other.own)
+                && rest_alike(system, zero, back) == Some(true)
+        }
+        (
+            (Resting::Contacts(one), ProvenGuard::Contact(guard)),
+            (Resting::Contacts(other), ProvenGuard::Contact(back)),
+        ) => rest_by_a_contact(system, (one, guard), (other, back)),
         _ => false,
     }
+}
+
+/// Whether a guard of a contact in a state is where another state of it has the same force, with a guard of its own zero.
+fn leads_to<T>(law: &Law<T>, [state, guard]: [usize; 2], to: usize) -> bool {
+    match (law, state, guard) {
+        (Law::Stop { .. } | Law::Spring { .. }, OPEN, _) => to == CLOSED,
+        (Law::Stop { .. } | Law::Spring { .. }, CLOSED, _) => to == OPEN,
+        // what friction holds beyond its bound it lets go with another force
+        (Law::Friction { hold: Some(_), .. }, ..) => false,
+        (Law::Friction { .. }, STICK, 0) => to == BACKWARD,
+        (Law::Friction { .. }, STICK, _) => to == FORWARD,
+        (Law::Jenkins { .. }, HELD, 0) => to == GIVES_FORWARD,
+        (Law::Jenkins { .. }, HELD, _) => to == GIVES_BACKWARD,
+        _ => false,
+    }
+}
+
+/// Whether two modes that contacts make rest together where a guard of the one is zero, and one of the other is, too: by one contact alone.
+fn rest_by_a_contact(
+    system: &System,
+    (one, guard): (&RestingContacts, ContactGuard),
+    (other, back): (&RestingContacts, ContactGuard),
+) -> bool {
+    let contact = guard.contact;
+    let places = one.states.iter().zip(&other.states).enumerate();
+    let alone = |(index, (a, b)): (usize, (&usize, &usize))| (index == contact) == (a != b);
+    let (state, to) = (one.states[contact], other.states[contact]);
+    let law = &system.contacts[contact];
+    one.own == other.own
+        && back.contact == contact
+        && places.into_iter().all(alone)
+        && (leads_to(law, [state, guard.place], to) || leads_to(law, [to, back.place], state))
 }
 
 impl EquilibriumSystem<'_> {
@@ -138,13 +186,14 @@ pub fn persists(
     if !is_one_of(own.system, of_own, (&other.resting, other_guard)) {
         return Err(OpenEquilibrium::Beyond);
     }
-    let share = match other_guard {
-        ProvenGuard::FirstPush => Some(Interval::ZERO),
-        ProvenGuard::SecondPush => Some(Interval::ONE),
-        ProvenGuard::Zero(_) => None,
+    let forces = match (&other.resting, other_guard) {
+        (Resting::Contacts(_), _) => x[own.states()..own.size].to_vec(),
+        (_, ProvenGuard::FirstPush) => vec![Interval::ZERO],
+        (_, ProvenGuard::SecondPush) => vec![Interval::ONE],
+        _ => Vec::new(),
     };
     let states = x[..own.states()].iter().copied();
-    let there = states.chain(share).chain([x[own.parameter()]]);
+    let there = states.chain(forces).chain([x[own.parameter()]]);
     let there: Vec<Interval> = there.collect();
     other.inequalities(&there)?;
     let slopes = own

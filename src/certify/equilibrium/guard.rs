@@ -1,6 +1,7 @@
 //! What is positive at an equilibrium of a mode.
 
-use super::resting::{Resting, are_opposite, formulas};
+use super::resting::{Resting, RestingContacts, are_opposite, formulas};
+use crate::affine::contact::law::Law;
 use crate::affine::expression::Algebra;
 use crate::affine::system::System;
 
@@ -13,6 +14,16 @@ pub enum ProvenGuard {
     SecondPush,
     /// The `zero` of a switch, by mode and index.
     Zero([usize; 2]),
+    /// One of those of a contact in its state.
+    Contact(ContactGuard),
+}
+
+/// A guard of a contact in its state.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ContactGuard {
+    pub contact: usize,
+    /// Its place among those of the state.
+    pub place: usize,
 }
 
 impl ProvenGuard {
@@ -22,9 +33,20 @@ impl ProvenGuard {
             Resting::Sliding(surface) => {
                 format!("the push of `{}`", system.mode_name(surface.sides[side]))
             }
-            Resting::Mode(_) => String::new(),
+            Resting::Mode(_) | Resting::Contacts(_) => String::new(),
         };
         match self {
+            ProvenGuard::Contact(ContactGuard { contact, place }) => {
+                let name = system.source.contacts.names().nth(contact);
+                let guards = match resting {
+                    Resting::Contacts(RestingContacts { states, .. }) => {
+                        system.contacts[contact].guards(states[contact])
+                    }
+                    _ => &[],
+                };
+                let what = guards.get(place).copied().unwrap_or_default();
+                format!("the {what} of `{}`", name.unwrap_or_default())
+            }
             ProvenGuard::FirstPush => push(0),
             ProvenGuard::SecondPush => push(1),
             ProvenGuard::Zero([mode, switch]) => {
@@ -41,6 +63,7 @@ pub fn switches(system: &System, resting: &Resting) -> Vec<[usize; 2]> {
     let sides = match resting {
         Resting::Mode(mode) => vec![*mode],
         Resting::Sliding(surface) => surface.sides.to_vec(),
+        Resting::Contacts(contacts) => vec![contacts.own],
     };
     let of_mode = |mode: usize| {
         let count = system.modes.get(mode).map_or(0, |mode| mode.switches.len());
@@ -50,7 +73,7 @@ pub fn switches(system: &System, resting: &Resting) -> Vec<[usize; 2]> {
 }
 
 /// The guards of a mode, those of one formula once. A sliding mode has, beside the pushes that hold it, those of the modes on its sides
-/// but its surface.
+/// but its surface; one that contacts make those of each contact, before those of the user's mode.
 pub fn guards(system: &System, resting: &Resting) -> Vec<ProvenGuard> {
     let place = formulas(system, None);
     let (mut found, surface) = match resting {
@@ -59,6 +82,14 @@ pub fn guards(system: &System, resting: &Resting) -> Vec<ProvenGuard> {
             vec![ProvenGuard::FirstPush, ProvenGuard::SecondPush],
             place.zero(surface.zero),
         ),
+        Resting::Contacts(contacts) => {
+            let laws = system.contacts.iter().zip(&contacts.states).enumerate();
+            let of_contact = |(contact, (law, state)): (usize, (&Law<_>, &usize))| {
+                let places = 0..law.guards(*state).len();
+                places.map(move |place| ProvenGuard::Contact(ContactGuard { contact, place }))
+            };
+            (laws.flat_map(of_contact).collect(), None)
+        }
     };
     let surface = surface.into_iter();
     let mut known: Vec<_> = surface

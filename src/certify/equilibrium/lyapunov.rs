@@ -4,15 +4,14 @@
 //!
 //! > l₁ = 1/(2ω⟨q, q⟩) Re[⟨p, C(q, q, q̄)⟩ + 2⟨p, B(q, h₁₁)⟩ + ⟨p, B(q̄, h₂₀)⟩], Ah₁₁ = −B(q, q̄), (2iω − A)h₂₀ = B(q, q)
 //!
-//! (Yu. A. Kuznetsov, Elements of Applied Bifurcation Theory, 5.4), as of a q of length 1. In a sliding mode Mẏ = E(y) has the same
+//! (Yu. A. Kuznetsov, Elements of Applied Bifurcation Theory, 5.4), as of a q of length 1. In a sliding mode, or with contacts, Mẏ = E(y) has the same
 //! expansion, with E_y in the place of A and iωM in that of iω; ⟨p, Mq⟩ = 1, and ⟨q, q⟩ is that of the states. Linear equations are
 //! solved over all of the intervals, those of p with a border: (Aᵀ + iωM)p + sq = 0, Σ pᵢ(Mq̄)ᵢ = 1, where s is 0.
 
 use serde::{Deserialize, Serialize};
 
 use super::Rows;
-use super::place::is_affine;
-use super::resting::Resting;
+use super::dependence::is_affine;
 use super::system::EquilibriumSystem;
 use crate::certify::analytic::Analytic;
 use crate::certify::krawczyk::LinearEquations;
@@ -148,9 +147,7 @@ impl EquilibriumSystem<'_> {
 
     /// The coefficient of a Hopf point; `None` where it is not enclosed, or zero for a reason that is not told.
     pub fn lyapunov(&self, x: &[Interval]) -> Option<ProvenLyapunov> {
-        if let Resting::Mode(mode) = self.resting
-            && is_affine(self.system, mode)
-        {
+        if is_affine(self.system, &self.resting) {
             return Some(ProvenLyapunov::Vertical);
         }
         let (n, omega) = (self.size, *x.last()?);

@@ -2,15 +2,19 @@
 //!
 //! 1. The numbers of the system are the decimals that were written; expressions are evaluated in intervals with derivatives to
 //!    any order ([`place`]).
-//! 2. The equations of the equilibrium and the condition of the event ([`system`]) have exactly one zero in a box, and it is
-//!    regular.
-//! 3. Every guard of the mode is positive there but the one that vanishes at the event ([`guard`]).
+//! 2. The equations of the equilibrium ([`field`]) and the condition of the event ([`system`]) have exactly one zero in a box,
+//!    and it is regular.
+//! 3. Every guard of the mode ([`guard`]) is positive there but the one that vanishes at the event, and what is held is held by its force
+//!    ([`inequalities`]).
 //! 4. Parameter, states, ω and l₁ ([`lyapunov`]) follow from the enclosure of that zero, and how many eigenvalues grow there
 //!    ([`spectrum`]).
 //! 5. At a boundary equilibrium of two modes the signs of slopes tell on which sides of it either is admissible ([`beyond`]).
 
 mod beyond;
+mod dependence;
+mod field;
 mod guard;
+mod inequalities;
 mod lyapunov;
 mod open;
 mod place;
@@ -34,7 +38,7 @@ use super::arc::Broken;
 use super::certificate::{CertifiedPoint, GrowthTally, Provable, RefusedProof};
 use super::orbit::decimals;
 use super::{krawczyk, wider};
-use crate::affine::equilibrium::{EquilibriumBifurcation, EquilibriumCurve};
+use crate::affine::equilibrium::{EquilibriumBifurcation, EquilibriumCurve, EquilibriumMargin};
 use crate::affine::system::System;
 use crate::hybrid::equilibrium::EquilibriumItem;
 use crate::interval::Interval;
@@ -42,6 +46,7 @@ use crate::orbit::special::Special;
 use crate::orbit::{EventType, Orbit};
 use crate::problem::decimal_of;
 use guard::ProvenGuard;
+use resting::Resting;
 use system::EquilibriumSystem;
 
 /// Stated intervals are wider than proven by this share of their unit, 2⁻⁶⁰, which is less than a rounding of it.
@@ -136,7 +141,7 @@ impl EquilibriumProof {
         let EquilibriumCondition::Boundary { guard } = self.condition else {
             return None;
         };
-        let resting = resting::Resting::new(system, &self.near.mode).ok()?;
+        let resting = Resting::new(system, &self.near.mode).ok()?;
         let guards = guard::guards(system, &resting);
         Some(guards.get(guard)?.name(system, &resting))
     }
@@ -168,9 +173,6 @@ fn prepared(
     let setting = &curve.setting;
     let at = setting.parameter;
     let system = setting.system.clone().with_monitors(Vec::new());
-    if system.products.is_some() {
-        return Err(OpenEquilibrium::Contacts);
-    }
     let names = system.source.parameters.names();
     let values = decimals(names.zip(setting.values.iter().copied()), text);
     let value = item.point.parameters.get(at).copied().unwrap_or(f64::NAN);
@@ -179,20 +181,23 @@ fn prepared(
         state: item.point.state.clone(),
         parameter: value,
     };
-    let condition = singled_out(&system, &near, (curve, special), text)?;
+    let mut units = setting.scales.units.clone();
+    let forces = field::units_of_forces(&system, (&values, at), &setting.scales);
+    units.splice(near.state.len()..near.state.len(), forces);
     let posed = PosedEquilibrium {
         system: Some(system),
         values,
         parameter: at,
-        units: setting.scales.units.clone(),
+        units,
     };
+    let condition = singled_out(&posed, &near, (curve, special), text)?;
     let after = special.after().map(|after| after.name);
     prove(posed, near, condition, after.as_deref())
 }
 
 /// What singles out a special point.
 fn singled_out(
-    system: &System,
+    posed: &PosedEquilibrium,
     near: &NearEquilibrium,
     (curve, special): (&EquilibriumCurve, &Special<EquilibriumCurve>),
     text: &str,
@@ -217,23 +222,33 @@ fn singled_out(
             EquilibriumBifurcation::Several { .. } | EquilibriumBifurcation::Unlocated { .. },
         ) => return Err(OpenEquilibrium::Several),
         Special::Change(change) => {
-            let resting = resting::Resting::new(system, &near.mode)?;
-            let is_vanishing =
-                |guard: &ProvenGuard| match (curve.written_guard(&change.margin), guard) {
-                    (None, ProvenGuard::FirstPush) => change.margin.guard == 0,
-                    (None, ProvenGuard::SecondPush) => change.margin.guard == 1,
-                    (Some(at), ProvenGuard::Zero(own)) => guard::are_one(system, at, *own),
-                    _ => false,
-                };
-            let guards = guard::guards(system, &resting);
-            let guard = guards
-                .iter()
-                .position(is_vanishing)
-                .ok_or(OpenEquilibrium::System)?;
+            let guard = vanishing(posed, near, (curve, &change.margin))?;
             EquilibriumCondition::Boundary { guard }
         }
         Special::Failed(_) => return Err(OpenEquilibrium::System),
     })
+}
+
+/// The guard whose zero a change of mode is.
+fn vanishing(
+    posed: &PosedEquilibrium,
+    near: &NearEquilibrium,
+    (curve, margin): (&EquilibriumCurve, &EquilibriumMargin),
+) -> Result<usize, OpenEquilibrium> {
+    let system = posed.system()?;
+    let resting = Resting::new(system, &near.mode)?;
+    if let Resting::Contacts(_) = resting {
+        return inequalities::nearest_to_zero(posed, near).ok_or(OpenEquilibrium::System);
+    }
+    let is_vanishing = |guard: &ProvenGuard| match (curve.written_guard(margin), guard) {
+        (None, ProvenGuard::FirstPush) => margin.guard == 0,
+        (None, ProvenGuard::SecondPush) => margin.guard == 1,
+        (Some(at), ProvenGuard::Zero(own)) => guard::are_one(system, at, *own),
+        _ => false,
+    };
+    let guards = guard::guards(system, &resting);
+    let vanishing = guards.iter().position(is_vanishing);
+    vanishing.ok_or(OpenEquilibrium::System)
 }
 
 /// Proves the point next to an equilibrium in doubles; the mode beyond it, of which the name is given, is left out where nothing is
@@ -321,50 +336,6 @@ fn statement(
         }),
         growing: system.growing(&zero.at),
     })
-}
-
-impl EquilibriumSystem<'_> {
-    /// Proves that every guard but the one that vanishes is positive; returns how many there are. Of a sliding mode ∇h·(F₊ − F₋) > 0 is
-    /// one more.
-    fn inequalities(&self, x: &[Interval]) -> Result<usize, OpenEquilibrium> {
-        let vanishing = match self.condition {
-            EquilibriumCondition::Boundary { guard } => Some(*guard),
-            _ => None,
-        };
-        let y: Vec<_> = x[..self.size].iter().map(|x| place::still(*x)).collect();
-        let parameter = place::still(x[self.size]);
-        // of one formula with another, or of the surface: it has a value at least
-        let at = self.place(&y[..self.states()], parameter);
-        let mut zeros = guard::switches(self.system, &self.resting).into_iter();
-        if !zeros.all(|zero| at.zero(zero).is_some()) {
-            return Err(OpenEquilibrium::NotEnclosed);
-        }
-        let mut proven = 0;
-        for (index, guard) in self.guards.iter().enumerate() {
-            if vanishing == Some(index) {
-                continue;
-            }
-            let value = self
-                .guard(guard, &y, parameter)
-                .ok_or(OpenEquilibrium::NotEnclosed)?;
-            if !value.value.is_positive() {
-                return Err(OpenEquilibrium::Guard(
-                    guard.name(self.system, &self.resting),
-                ));
-            }
-            proven += 1;
-        }
-        if self.resting.is_sliding() {
-            let [below, above] = self.pushes(x).ok_or(OpenEquilibrium::NotEnclosed)?;
-            if !(above - below).is_positive() {
-                return Err(OpenEquilibrium::Guard(
-                    "what holds the sliding mode".to_owned(),
-                ));
-            }
-            proven += 1;
-        }
-        Ok(proven)
-    }
 }
 
 /// The type of a point by what singles it out; of a value the certificate does not say who asked for it.

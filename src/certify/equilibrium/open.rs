@@ -3,9 +3,6 @@
 /// Why an equilibrium is not proven.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum OpenEquilibrium {
-    /// Modes that contacts make.
-    #[error("not covered: systems with `contacts`")]
-    Contacts,
     /// A value of a monitor.
     #[error("not covered: a value of a monitor")]
     Monitor,
@@ -38,6 +35,14 @@ pub enum OpenEquilibrium {
     /// ω is zero, or is not told from zero.
     #[error("undecided: the frequency of the pair is not known to be positive")]
     Frequency,
+    /// A surface that its force may not hold.
+    #[error("undecided: that what holds the mode acts against what it holds is not proven")]
+    Held,
+    /// The law of a contact.
+    #[error(
+        "undecided: that the law of `{0}` makes sense is not proven: its force against its slip or for its gap, no constant less than zero"
+    )]
+    Law(String),
     /// A guard.
     #[error("undecided: that {0} is positive at the equilibrium is not proven")]
     Guard(String),

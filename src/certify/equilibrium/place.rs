@@ -1,6 +1,6 @@
 //! The expressions of a system at a place: where its states and parameters are numbers of any kind.
 
-use crate::affine::expression::{Algebra, Expression, Function, Obstacle, Operation};
+use crate::affine::expression::{Algebra, Expression};
 use crate::affine::system::System;
 use crate::interval::{Gradient, Interval, Number};
 
@@ -8,6 +8,8 @@ use crate::interval::{Gradient, Interval, Number};
 pub struct NameValues<'a, A> {
     system: &'a System,
     states: Vec<A>,
+    /// Forces of contacts; none where nothing has any.
+    forces: Vec<A>,
     parameters: Vec<A>,
     pi: A,
     /// Abbreviations; `None` of those that have no value here.
@@ -15,11 +17,16 @@ pub struct NameValues<'a, A> {
 }
 
 impl<'a, A: Algebra> NameValues<'a, A> {
-    /// Where states, parameters and π are these.
-    pub fn new(system: &'a System, states: Vec<A>, parameters: Vec<A>, pi: A) -> NameValues<'a, A> {
+    /// Where states, forces, parameters and π are these.
+    pub fn new(
+        system: &'a System,
+        [states, forces, parameters]: [Vec<A>; 3],
+        pi: A,
+    ) -> NameValues<'a, A> {
         let mut place = NameValues {
             system,
             states,
+            forces,
             parameters,
             pi,
             abbreviations: Vec::new(),
@@ -35,6 +42,9 @@ impl<'a, A: Algebra> NameValues<'a, A> {
         let source = &self.system.source;
         if let Some(state) = source.states.iter().position(|state| state == name) {
             return self.states.get(state).cloned();
+        }
+        if let Some(contact) = source.contacts.index(name) {
+            return self.forces.get(contact).cloned();
         }
         if let Some(index) = source.parameters.index(name) {
             return self.parameters.get(index).cloned();
@@ -61,54 +71,6 @@ impl<'a, A: Algebra> NameValues<'a, A> {
         let switches = &self.system.modes.get(mode)?.switches;
         self.value(&switches.get(switch)?.zero)
     }
-}
-
-/// How an expression depends on the states, as it is written.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Dependence {
-    Fixed,
-    Affine,
-    Beyond,
-}
-
-impl Algebra for Dependence {
-    fn number(_: f64) -> Dependence {
-        Dependence::Fixed
-    }
-
-    fn negative(self) -> Dependence {
-        self
-    }
-
-    fn operate(self, operation: Operation, other: Dependence) -> Result<Dependence, Obstacle> {
-        use Dependence::{Beyond, Fixed};
-        Ok(match (operation, self, other) {
-            (Operation::Plus | Operation::Minus, one, other) => one.max(other),
-            (Operation::Times, Fixed, one) | (Operation::Times | Operation::Over, one, Fixed) => {
-                one
-            }
-            (Operation::Power, Fixed, Fixed) => Fixed,
-            _ => Beyond,
-        })
-    }
-
-    fn apply(self, _: Function) -> Result<Dependence, Obstacle> {
-        Ok(match self {
-            Dependence::Fixed => self,
-            _ => Dependence::Beyond,
-        })
-    }
-}
-
-/// Whether the rates of a mode are affine in the states, whatever the parameters, as they are written.
-pub fn is_affine(system: &System, mode: usize) -> bool {
-    let states = vec![Dependence::Affine; system.source.states.len()];
-    let parameters = vec![Dependence::Fixed; system.source.parameters.0.len()];
-    let place = NameValues::new(system, states, parameters, Dependence::Fixed);
-    let rates = place
-        .rates(mode)
-        .unwrap_or_else(|| vec![Dependence::Beyond]);
-    rates.iter().all(|rate| *rate != Dependence::Beyond)
 }
 
 /// A number that does not vary.

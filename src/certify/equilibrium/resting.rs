@@ -2,7 +2,8 @@
 
 use super::OpenEquilibrium;
 use super::place::NameValues;
-use crate::affine::expression::{Algebra, Operation};
+use crate::affine::contact::law::{CLOSED, Law, STICK};
+use crate::affine::expression::{Algebra, Expression, Operation};
 use crate::affine::system::System;
 use crate::certify::orbit::exact::NamePolynomial;
 
@@ -13,6 +14,17 @@ pub enum Resting {
     Mode(usize),
     /// A sliding mode.
     Sliding(SlidingSurface),
+    /// One that contacts make.
+    Contacts(RestingContacts),
+}
+
+/// A mode that contacts make.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RestingContacts {
+    /// The user's mode.
+    pub own: usize,
+    /// The state of every contact.
+    pub states: Vec<usize>,
 }
 
 /// The surface of a sliding mode.
@@ -37,8 +49,9 @@ pub fn formulas(
     if let Some((state, formula)) = replaced {
         states[state] = formula;
     }
+    let forces = system.source.contacts.names().map(named).collect();
     let parameters = system.source.parameters.names().map(named).collect();
-    NameValues::new(system, states, parameters, named("pi"))
+    NameValues::new(system, [states, forces, parameters], named("pi"))
 }
 
 /// Whether two formulas add up to zero.
@@ -54,6 +67,10 @@ impl Resting {
     /// There is none, or its surface is not known.
     pub fn new(system: &System, name: &str) -> Result<Resting, OpenEquilibrium> {
         let mode = system.mode(name).ok_or(OpenEquilibrium::System)?;
+        if let Some(products) = &system.products {
+            let (own, states) = products.digits(mode);
+            return Ok(Resting::Contacts(RestingContacts { own, states }));
+        }
         let Some(index) = mode.checked_sub(system.modes.len()) else {
             return Ok(Resting::Mode(mode));
         };
@@ -75,8 +92,42 @@ impl Resting {
         Ok(Resting::Sliding(SlidingSurface { sides, zero, back }))
     }
 
-    /// Whether it is a sliding mode.
-    pub fn is_sliding(&self) -> bool {
-        matches!(self, Resting::Sliding(_))
+    /// What the unknowns beside the states follow from: λ of a sliding mode, the forces of contacts.
+    pub fn constraints(&self, system: &System) -> Vec<Constraint> {
+        match self {
+            Resting::Mode(_) => Vec::new(),
+            Resting::Sliding(surface) => vec![Constraint::Surface(surface.zero)],
+            Resting::Contacts(contacts) => {
+                let laws = system.contacts.iter().zip(&contacts.states).enumerate();
+                let of = |(contact, (law, state)): (usize, (&Law<Expression>, &usize))| match (
+                    law, *state,
+                ) {
+                    (Law::Friction { .. }, STICK) => Constraint::Slip(contact),
+                    (Law::Stop { .. }, CLOSED) => Constraint::Gap(contact),
+                    _ => Constraint::Law(contact),
+                };
+                laws.map(of).collect()
+            }
+        }
+    }
+}
+
+/// What an unknown beside the states follows from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Constraint {
+    /// The `zero` of a switch, as mode and index, is zero all along.
+    Surface([usize; 2]),
+    /// The slip of a contact is.
+    Slip(usize),
+    /// The gap of a contact is.
+    Gap(usize),
+    /// The law of a contact says its force.
+    Law(usize),
+}
+
+impl Constraint {
+    /// Whether it holds something at zero.
+    pub fn holds(self) -> bool {
+        !matches!(self, Constraint::Law(_))
     }
 }

@@ -1,6 +1,6 @@
 //! How many eigenvalues of an equilibrium have a positive real part.
 //!
-//! The linearisation is taken to coordinates of the surface of a sliding mode, and modulo the critical vectors at an event, whose
+//! The linearisation is taken to coordinates of the surfaces that the mode does not leave, and modulo the critical vectors at an event, whose
 //! eigenvalues 0 or ± iω are known. For what is left, A, let V be approximate eigenvectors, W about V⁻¹, and H a diagonal of signs, those of the
 //! real parts. Where (WV)*H(WAV) + its adjoint is positive definite, so is PA + A*P with P = W*HW; then A has no eigenvalue
 //! on the axis, and as many right of it as P has positive ones, which are those of H (A. Ostrowski, H. Schneider, J. Math.
@@ -11,7 +11,7 @@ use nalgebra::Complex;
 
 use super::Rows;
 use super::system::{EquilibriumCondition, EquilibriumSystem};
-use crate::certify::orbit::flow::{dot, product, sum};
+use crate::certify::orbit::flow::{product, sum};
 use crate::certify::orbit::multipliers::{self, Complexes, negative, part};
 use crate::interval::Interval;
 
@@ -35,19 +35,21 @@ fn minus(row: &mut [Interval], factor: Interval, other: &[Interval]) {
     }
 }
 
-/// A square matrix in the coordinates of the vectors with n·v = 0 but one, where it leads from these to these; with vectors of them.
-fn within(mut matrix: Rows, normal: &[Interval], mut vectors: Rows) -> Option<(Rows, Rows)> {
-    let dropped = pivot(normal)?;
-    matrix.remove(dropped);
-    for row in &mut matrix {
-        let last = row[dropped];
-        let factor = last / normal[dropped];
-        minus(row, factor, normal);
-        row.remove(dropped);
+/// A square matrix in the coordinates of the vectors with n·v = 0 for every normal n, as many as there are of those but
+/// one for each, where it leads from these to these; with vectors of them.
+fn within(mut matrix: Rows, mut normals: Rows, mut vectors: Rows) -> Option<(Rows, Rows)> {
+    while let Some(normal) = normals.pop() {
+        let dropped = pivot(&normal)?;
+        matrix.remove(dropped);
+        for row in matrix.iter_mut().chain(&mut normals) {
+            let factor = row[dropped] / normal[dropped];
+            minus(row, factor, &normal);
+            row.remove(dropped);
+        }
+        vectors.iter_mut().for_each(|vector| {
+            vector.remove(dropped);
+        });
     }
-    vectors.iter_mut().for_each(|vector| {
-        vector.remove(dropped);
-    });
     Some((matrix, vectors))
 }
 
@@ -145,20 +147,8 @@ impl EquilibriumSystem<'_> {
         };
         let vectors = (0..critical).map(|which| self.vector(x, which)[..states].to_vec());
         let vectors: Rows = vectors.collect();
-        let mut matrix = self.matrix(x)?;
-        if !self.resting.is_sliding() {
-            return growing(&modulo(matrix, vectors)?);
-        }
-        // A − d(∇h·A)/(∇h·d)
-        let normal = matrix.pop()?[..states].to_vec();
-        let along: Vec<Interval> = matrix.iter().map(|row| row[states]).collect();
-        matrix.iter_mut().for_each(|row| row.truncate(states));
-        let across = dot(&normal, &along);
-        let fall = product(std::slice::from_ref(&normal), &matrix).pop()?;
-        for (row, d) in matrix.iter_mut().zip(along) {
-            minus(row, d / across, &fall);
-        }
-        let (matrix, vectors) = within(matrix, &normal, vectors)?;
+        let (matrix, normals) = self.motion(x)?;
+        let (matrix, vectors) = within(matrix, normals, vectors)?;
         growing(&modulo(matrix, vectors)?)
     }
 }
@@ -191,8 +181,8 @@ mod tests {
         assert_eq!(rest.and_then(|rest| growing(&rest)), Some(1));
         // within x + y + z = 0, which this keeps, it is a turn that grows
         let turn: &[&[f64]] = &[&[1.0, 0.0, -1.0], &[-1.0, 1.0, 0.0], &[0.0, -1.0, 1.0]];
-        let ones = [Interval::ONE; 3];
-        let plane = within(rows(turn, 1e-12), &ones, Vec::new());
+        let ones = vec![Interval::ONE; 3];
+        let plane = within(rows(turn, 1e-12), vec![ones], Vec::new());
         assert_eq!(plane.and_then(|(plane, _)| growing(&plane)), Some(2));
     }
 }

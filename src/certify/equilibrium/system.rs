@@ -1,8 +1,9 @@
 //! The equations of an equilibrium at an event: as many as unknowns, so that a regular zero is isolated.
 //!
 //! In a mode of the file E(y, p) are its rates, y = x. In a sliding mode on h = 0 y = (x, λ), and E has the n rates
-//! (1 − λ)F₋ + λF₊ and h: Filippov's combination rests. λ is not differentiated in time: with M = diag(1, …, 1, 0) the
-//! linearisation is Mẏ = E_y y, whose eigenvalues are those within the surface, where ∇h·(F₊ − F₋) is not zero.
+//! (1 − λ)F₋ + λF₊ and h: Filippov's combination rests. With contacts y = (x, q), and E has the n rates and an equation for every
+//! force ([`super::field`]). λ and q are not differentiated in time: with M = diag(1, …, 1, 0, …, 0) the linearisation is Mẏ = E_y y,
+//! whose eigenvalues are those within the surfaces, where these unknowns are functions of the states.
 //!
 //! | point | unknowns | equations |
 //! |---|---|---|
@@ -21,7 +22,7 @@ use serde::{Deserialize, Serialize};
 
 use super::guard::{ProvenGuard, guards};
 use super::place::NameValues;
-use super::resting::Resting;
+use super::resting::{Constraint, Resting};
 use super::{OpenEquilibrium, Rows};
 use crate::affine::system::System;
 use crate::certify::analytic::Analytic;
@@ -41,7 +42,7 @@ pub struct PosedEquilibrium {
     pub values: Vec<Decimal>,
     /// Index of the continuation parameter.
     pub parameter: usize,
-    /// Units in which uniqueness is measured: of the states, and of the parameter.
+    /// Units in which uniqueness is measured: of the states, of the forces of contacts, and of the parameter.
     pub units: Vec<f64>,
 }
 
@@ -97,7 +98,7 @@ pub enum EquilibriumCondition {
 const SEEDS: usize = 4;
 
 /// Intervals with derivatives in unknowns.
-type Seeded = Gradient<Interval, SEEDS>;
+pub type Seeded = Gradient<Interval, SEEDS>;
 
 /// The equations of a point.
 pub struct EquilibriumSystem<'a> {
@@ -108,6 +109,8 @@ pub struct EquilibriumSystem<'a> {
     pub resting: Resting,
     /// What is positive at an equilibrium of the mode.
     pub guards: Vec<ProvenGuard>,
+    /// What the unknowns beside the states follow from.
+    pub constraints: Vec<Constraint>,
     /// Length of y.
     pub size: usize,
     /// ℓ.
@@ -122,9 +125,6 @@ impl<'a> EquilibriumSystem<'a> {
         condition: &'a EquilibriumCondition,
     ) -> Result<(EquilibriumSystem<'a>, Vec<f64>), OpenEquilibrium> {
         let system = posed.system()?;
-        if system.products.is_some() {
-            return Err(OpenEquilibrium::Contacts);
-        }
         let states = system.source.states.len();
         let usable = |unit: &f64| unit.is_finite() && *unit > 0.0;
         let fits = system.forcing.is_none()
@@ -133,15 +133,17 @@ impl<'a> EquilibriumSystem<'a> {
             && near.parameter.is_finite()
             && posed.values.len() == system.source.parameters.0.len()
             && posed.parameter < posed.values.len()
-            && posed.units.len() == states + 1
+            && posed.units.len() == states + system.contacts.len() + 1
             && posed.units.iter().all(usable);
         if !fits {
             return Err(OpenEquilibrium::System);
         }
         let resting = Resting::new(system, &near.mode)?;
+        let constraints = resting.constraints(system);
         let mut equations = EquilibriumSystem {
             guards: guards(system, &resting),
-            size: states + usize::from(resting.is_sliding()),
+            size: states + constraints.len(),
+            constraints,
             posed,
             system,
             near,
@@ -159,10 +161,7 @@ impl<'a> EquilibriumSystem<'a> {
             _ => {}
         }
         let mut guess = near.state.clone();
-        if equations.resting.is_sliding() {
-            let share = equations.share().ok_or(OpenEquilibrium::NotEnclosed)?;
-            guess.push(share);
-        }
+        guess.extend(equations.forces().ok_or(OpenEquilibrium::NotEnclosed)?);
         guess.push(near.parameter);
         let critical = equations
             .critical(&guess)
@@ -181,10 +180,10 @@ impl<'a> EquilibriumSystem<'a> {
         self.near.state.len()
     }
 
-    /// Names, where the states and the parameter are these.
+    /// Names, where y and the parameter are these.
     pub fn place<N: Analytic, const D: usize>(
         &self,
-        states: &[Gradient<N, D>],
+        y: &[Gradient<N, D>],
         parameter: Gradient<N, D>,
     ) -> NameValues<'a, Gradient<N, D>> {
         let values = self.posed.values.iter().enumerate();
@@ -193,44 +192,9 @@ impl<'a> EquilibriumSystem<'a> {
             false => Gradient::constant(value.interval()),
         });
         let pi = Gradient::constant(PI);
-        NameValues::new(self.system, states.to_vec(), values.collect(), pi)
-    }
-
-    /// E(y, p).
-    pub fn rest<N: Analytic, const D: usize>(
-        &self,
-        y: &[Gradient<N, D>],
-        parameter: Gradient<N, D>,
-    ) -> Option<Vec<Gradient<N, D>>> {
-        let states = self.states();
-        let place = self.place(&y[..states], parameter);
-        match &self.resting {
-            Resting::Mode(mode) => place.rates(*mode),
-            Resting::Sliding(surface) => {
-                let [first, second] = surface.sides;
-                let (below, above) = (place.rates(first)?, place.rates(second)?);
-                let share = y[states];
-                let mixed = below.into_iter().zip(above);
-                let mixed = mixed.map(|(below, above)| below + share * (above - below));
-                let surface = place.zero(surface.zero)?;
-                Some(mixed.chain([surface]).collect())
-            }
-        }
-    }
-
-    /// The value of a guard.
-    pub fn guard<N: Analytic, const D: usize>(
-        &self,
-        guard: &ProvenGuard,
-        y: &[Gradient<N, D>],
-        parameter: Gradient<N, D>,
-    ) -> Option<Gradient<N, D>> {
-        let states = self.states();
-        match guard {
-            ProvenGuard::FirstPush => Some(y[states]),
-            ProvenGuard::SecondPush => Some(Gradient::double(1.0) - y[states]),
-            ProvenGuard::Zero(at) => self.place(&y[..states], parameter).zero(*at),
-        }
+        let (states, forces) = y.split_at(self.states());
+        let names = [states.to_vec(), forces.to_vec(), values.collect()];
+        NameValues::new(self.system, names, pi)
     }
 
     /// Values of functions and their derivatives in the unknowns, over intervals of these.
@@ -274,42 +238,17 @@ impl<'a> EquilibriumSystem<'a> {
         Some(slopes)
     }
 
-    /// ∇h·F₋ and ∇h·F₊ along the surface h = 0 of a sliding mode, the second of which is not less.
-    pub fn pushes(&self, x: &[Interval]) -> Option<[Interval; 2]> {
-        let Resting::Sliding(surface) = &self.resting else {
-            return None;
-        };
-        let states = self.states();
-        let still = Gradient::constant(x[self.size]);
-        let at: Vec<Gradient<Interval, 1>> =
-            x[..states].iter().map(|x| Gradient::constant(*x)).collect();
-        let place = self.place(&at, still);
-        let along = |side: usize| {
-            let rates = place.rates(side)?;
-            let moved = x.iter().zip(rates).map(|(x, rate)| Gradient {
-                value: *x,
-                by: [rate.value],
-            });
-            let moved: Vec<Gradient<Interval, 1>> = moved.collect();
-            Some(self.place(&moved, still).zero(surface.zero)?.by[0])
-        };
-        let [first, second] = surface.sides.map(along);
-        Some([first?, second?])
-    }
-
-    /// λ next to the state in doubles.
-    fn share(&self) -> Option<f64> {
-        let place = self.near.state.iter().chain([&0.0, &self.near.parameter]);
-        let place: Vec<Interval> = place.map(|x| Interval::point(*x)).collect();
-        let [below, above] = self.pushes(&place)?.map(Interval::middle);
-        let share = below / (below - above);
-        share.is_finite().then_some(share)
-    }
-
     /// Units of y.
     fn units_of_y(&self) -> Vec<f64> {
-        let states = self.posed.units.iter().take(self.states()).copied();
-        states.chain([1.0]).take(self.size).collect()
+        let (_, units) = self.posed.units.split_last().unwrap_or((&1.0, &[]));
+        // λ is a share
+        let shares = std::iter::repeat(1.0);
+        units
+            .iter()
+            .copied()
+            .chain(shares)
+            .take(self.size)
+            .collect()
     }
 
     /// Whether an equation has the rate of a state: M.
@@ -490,11 +429,11 @@ impl<'a> EquilibriumSystem<'a> {
 }
 
 /// Numbers without a direction of their own.
-fn plain<N: Analytic>(numbers: &[N]) -> Vec<Gradient<N, 1>> {
+pub fn plain<N: Analytic>(numbers: &[N]) -> Vec<Gradient<N, 1>> {
     numbers.iter().map(|value| plain_one(*value)).collect()
 }
 
-fn plain_one<N: Analytic>(value: N) -> Gradient<N, 1> {
+pub fn plain_one<N: Analytic>(value: N) -> Gradient<N, 1> {
     Gradient {
         value,
         by: [N::double(0.0)],
