@@ -1,17 +1,43 @@
 //! The periodic Schur form: unitary turns of rows and columns that make all factors of a product triangular.
 
-use nalgebra::ComplexField;
+use super::Factor;
+use super::product::{Number, Scalar, exponent_of, size, times_power};
 
-use super::product::{Number, Product, exponent_of, size, times_power};
+/// Whether a shift is so many times what begins a block that a sweep with it does nothing.
+pub(super) fn is_out_of_proportion<S: Scalar, T: Scalar>(shift: S, begin: T, below: T) -> bool {
+    /// A shift may be this many times the first of the block.
+    const MOST: f64 = 1e6;
+    let shift = size(shift);
+    !shift.is_finite() || shift > MOST * (size(begin) + size(below))
+}
+
+/// Brings numbers that are multiplied on and on back to order one where they come near the end of the range. The power of two that
+/// is taken out of them; none where they all vanish or are no numbers.
+pub(super) fn kept_in_range<T: Scalar>(numbers: &mut [T]) -> Option<i64> {
+    /// Between these sizes products with a factor of any size are numbers.
+    const RANGE: std::ops::Range<f64> = 1e-100..1e100;
+    let most = |most: f64, number: &T| most.max(number.norm1());
+    let largest = numbers.iter().fold(0.0, most);
+    if RANGE.contains(&largest) {
+        return Some(0);
+    }
+    if !(largest > 0.0 && largest.is_finite()) {
+        return None;
+    }
+    let by = exponent_of(largest);
+    let each = numbers.iter_mut();
+    each.for_each(|number| *number = times_power(*number, -by));
+    Some(by)
+}
 
 /// A rotation [c s; −s̄ c] of two coordinates.
 #[derive(Clone, Copy, Debug)]
-struct PlaneRotation<T> {
+pub(super) struct PlaneRotation<T> {
     c: f64,
     s: T,
 }
 
-impl<T: ComplexField<RealField = f64> + Copy> PlaneRotation<T> {
+impl<T: Scalar> PlaneRotation<T> {
     /// That which takes (a, b) to (r, 0).
     fn onto_first(a: T, b: T) -> PlaneRotation<T> {
         let (first, other) = (size(a), size(b));
@@ -42,7 +68,7 @@ pub(super) struct Chain<T> {
     pub turns: usize,
 }
 
-impl<T: ComplexField<RealField = f64> + Copy> Chain<T> {
+impl<T: Scalar> Chain<T> {
     pub fn at(&self, factor: usize, row: usize, column: usize) -> T {
         self.entries[(factor * self.n + column) * self.n + row]
     }
@@ -52,7 +78,7 @@ impl<T: ComplexField<RealField = f64> + Copy> Chain<T> {
     }
 
     /// Turns rows i and i + 1 of a factor, which are zero before a column.
-    fn turn_rows(&mut self, factor: usize, i: usize, turn: PlaneRotation<T>, from: usize) {
+    pub fn turn_rows(&mut self, factor: usize, i: usize, turn: PlaneRotation<T>, from: usize) {
         let n = self.n;
         let PlaneRotation { c, s } = turn;
         let back = s.conjugate();
@@ -67,7 +93,7 @@ impl<T: ComplexField<RealField = f64> + Copy> Chain<T> {
     }
 
     /// Turns columns i and i + 1 of a factor back, which are zero from a row on.
-    fn turn_columns(&mut self, factor: usize, i: usize, turn: PlaneRotation<T>, to: usize) {
+    pub fn turn_columns(&mut self, factor: usize, i: usize, turn: PlaneRotation<T>, to: usize) {
         let n = self.n;
         let PlaneRotation { c, s } = turn;
         let back = s.conjugate();
@@ -81,7 +107,7 @@ impl<T: ComplexField<RealField = f64> + Copy> Chain<T> {
     }
 
     /// Turns rows of a factor, which are zero before a column, so that the lower one is zero there, too.
-    fn level(&mut self, factor: usize, row: usize, column: usize) -> PlaneRotation<T> {
+    pub fn level(&mut self, factor: usize, row: usize, column: usize) -> PlaneRotation<T> {
         let turn = PlaneRotation::onto_first(
             self.at(factor, row, column),
             self.at(factor, row + 1, column),
@@ -93,7 +119,7 @@ impl<T: ComplexField<RealField = f64> + Copy> Chain<T> {
 
     /// A turn of rows of the last factor goes through all others, which stay triangular, to its columns, which are zero
     /// from a row on.
-    fn pass(&mut self, i: usize, mut turn: PlaneRotation<T>, to: usize) {
+    pub fn pass(&mut self, i: usize, mut turn: PlaneRotation<T>, to: usize) {
         let last = self.count - 1;
         for factor in 0..last {
             self.turn_columns(factor, i, turn, i + 2);
@@ -103,83 +129,38 @@ impl<T: ComplexField<RealField = f64> + Copy> Chain<T> {
         self.turns += 1;
     }
 
-    /// The periodic Hessenberg-triangular form.
-    pub fn reduce(&mut self) {
-        let (n, last) = (self.n, self.count - 1);
-        let mut most = 0;
-        for factor in 0..last {
-            let mut turns = 0;
-            for column in 0..n {
-                for row in (column..n - 1).rev() {
-                    if self.at(factor, row + 1, column) == T::zero() {
-                        continue;
-                    }
-                    let turn = self.level(factor, row, column);
-                    self.turn_columns(factor + 1, row, turn, n);
-                    turns += 1;
-                }
-            }
-            most = most.max(turns);
-        }
-        self.turns += most;
-        for column in 0..n.saturating_sub(2) {
-            for row in (column + 1..n - 1).rev() {
-                let turn = self.level(last, row, column);
-                self.pass(row, turn, n);
-            }
-        }
-    }
-}
-
-impl Chain<f64> {
-    /// The same in complex numbers.
-    pub fn complex(&self) -> Chain<Number> {
-        let entries = self.entries.iter();
-        Chain {
-            n: self.n,
-            count: self.count,
-            entries: entries.map(|entry| Number::new(*entry, 0.0)).collect(),
-            turns: self.turns,
-        }
-    }
-}
-
-impl Chain<Number> {
     /// A sweep without shift, which puts larger eigenvalues before smaller ones whatever is singular.
-    fn sort(&mut self, low: usize, high: usize) {
+    pub fn sort(&mut self, low: usize, high: usize) {
         let last = self.count - 1;
-        let level = |chain: &mut Self, factor: usize| -> Vec<PlaneRotation<Number>> {
-            (low..high).map(|i| chain.level(factor, i, i)).collect()
-        };
-        let mut turns = level(self, last);
+        let mut turns = Vec::with_capacity(high - low);
+        turns.extend((low..high).map(|i| self.level(last, i, i)));
         for factor in 0..=last {
             for (i, turn) in (low..high).zip(&turns) {
                 self.turn_columns(factor, i, *turn, i + 2);
             }
             if factor < last {
-                turns = level(self, factor);
+                turns.clear();
+                turns.extend((low..high).map(|i| self.level(factor, i, i)));
             }
         }
         self.turns += high - low;
     }
 
-    /// A sweep with the shift of Wilkinson. False where that is so much larger than what begins the block that the sweep
-    /// would do nothing.
-    fn shifted(&mut self, low: usize, high: usize) -> bool {
-        /// A shift may be this many times the first of the block.
-        const MOST: f64 = 1e6;
+    /// A sweep with a shift. False where that is so much larger than what begins the block that the sweep would do nothing.
+    pub fn shifted(&mut self, low: usize, high: usize, shift: T, exponent: i64) -> bool {
         let last = self.count - 1;
-        let mut first = Product::ONE;
+        let (mut first, mut power) = ([T::one()], 0);
         for factor in 0..last {
-            first.times(self.at(factor, low, low));
+            first[0] *= self.at(factor, low, low);
+            let Some(by) = kept_in_range(&mut first) else {
+                return false;
+            };
+            power += by;
         }
-        let Some((shift, exponent)) = self.shift(low, high) else {
-            return false;
-        };
+        let [first] = first;
+        let relative = times_power(shift / first, exponent - power);
         let (begin, below) = (self.at(last, low, low), self.at(last, low + 1, low));
-        let relative = times_power(shift / first.number, exponent - first.exponent);
-        let most = MOST * (size(begin) + size(below));
-        if !relative.norm().is_finite() || relative.norm() > most {
+        if is_out_of_proportion(relative, begin, below) {
             return false;
         }
         // columns of the Hessenberg form end one row below the diagonal
@@ -195,38 +176,116 @@ impl Chain<Number> {
         true
     }
 
+    /// The last two dimensions of the product of a block, by rows and over a power of two: the largest entry is of order one. None
+    /// where they vanish or are no numbers.
+    pub fn trailing(&self, low: usize, high: usize) -> Option<([T; 4], i64)> {
+        let (last, begin, zero) = (self.count - 1, high - 1, T::zero());
+        let at = |factor: usize, row: usize, column: usize| -> T {
+            self.at(factor, begin + row, begin + column)
+        };
+        // the same of all factors but the last, and the row before them, which the last one brings back
+        let mut rows = [zero, zero, T::one(), zero, T::one()];
+        let mut exponent = 0;
+        for factor in 0..last {
+            let [mut before, mut beside, first, across, second] = rows;
+            if low < begin {
+                let [own, one, other] = [0, 1, 2].map(|j| self.at(factor, begin - 1, high - 2 + j));
+                before = own * before + one * first;
+                beside = own * beside + one * across + other * second;
+            }
+            let [a, b, d] = [at(factor, 0, 0), at(factor, 0, 1), at(factor, 1, 1)];
+            rows = [
+                before,
+                beside,
+                a * first,
+                a * across + b * second,
+                d * second,
+            ];
+            exponent += kept_in_range(&mut rows)?;
+        }
+        let [before, beside, first, across, second] = rows;
+        let back = match low < begin {
+            true => self.at(last, begin, begin - 1),
+            false => zero,
+        };
+        let [a, b, c, d] = [(0, 0), (0, 1), (1, 0), (1, 1)].map(|(i, j)| at(last, i, j));
+        let mut block = [
+            back * before + a * first,
+            back * beside + a * across + b * second,
+            c * first,
+            c * across + d * second,
+        ];
+        let largest = block
+            .iter()
+            .fold(0.0, |most: f64, entry| most.max(entry.norm1()));
+        if !(largest > 0.0 && largest.is_finite()) {
+            return None;
+        }
+        let by = exponent_of(largest);
+        block = block.map(|entry| times_power(entry, -by));
+        Some((block, exponent + by))
+    }
+
+    /// Where the block that ends with a dimension begins: what is so small that it is nothing is made zero there.
+    pub fn begin_of_block(&mut self, high: usize, norm: f64) -> usize {
+        let last = self.count - 1;
+        let mut low = high;
+        while low > 0 {
+            let below = size(self.at(last, low, low - 1));
+            let beside = size(self.at(last, low, low)) + size(self.at(last, low - 1, low - 1));
+            let least = if beside > 0.0 { beside } else { norm };
+            if below <= f64::EPSILON * least {
+                self.set(last, low, low - 1, T::zero());
+                break;
+            }
+            low -= 1;
+        }
+        low
+    }
+
+    /// The norm of a factor.
+    pub fn norm(&self, factor: usize) -> f64 {
+        let own = factor * self.n * self.n..(factor + 1) * self.n * self.n;
+        let entries = self.entries[own].iter();
+        let squares = entries.map(|one| one.modulus_squared());
+        squares.sum::<f64>().sqrt()
+    }
+}
+
+impl Chain<f64> {
+    /// That of factors of n dimensions, which were not yet turned.
+    pub fn of(factors: &[&Factor], n: usize) -> Chain<f64> {
+        let entries: Vec<&[f64]> = factors.iter().map(|one| one.matrix.as_slice()).collect();
+        Chain {
+            n,
+            count: factors.len(),
+            entries: entries.concat(),
+            turns: 0,
+        }
+    }
+
+    /// Whether nothing is below the diagonal of the last factor, the only one that may not be triangular.
+    pub fn is_triangular(&self) -> bool {
+        let last = self.count - 1;
+        (1..self.n).all(|i| self.at(last, i, i - 1) == 0.0)
+    }
+
+    /// The same in complex numbers.
+    pub fn complex(&self) -> Chain<Number> {
+        let entries = self.entries.iter();
+        Chain {
+            n: self.n,
+            count: self.count,
+            entries: entries.map(|entry| Number::new(*entry, 0.0)).collect(),
+            turns: self.turns,
+        }
+    }
+}
+
+impl Chain<Number> {
     /// That eigenvalue of the last two dimensions of the product of a block that is nearer to its last entry.
     fn shift(&self, low: usize, high: usize) -> Option<(Number, i64)> {
-        let last = self.count - 1;
-        let begin = high.saturating_sub(2).max(low);
-        let wide = high + 1 - begin;
-        let zero = Number::new(0.0, 0.0);
-        let mut product = [[zero; 3]; 3];
-        for (i, row) in product.iter_mut().enumerate() {
-            row[i] = Number::new(1.0, 0.0);
-        }
-        let mut exponent = 0;
-        for factor in 0..=last {
-            let mut next = [[zero; 3]; 3];
-            let mut largest = 0.0_f64;
-            for (i, row) in next.iter_mut().enumerate().take(wide) {
-                for (j, entry) in row.iter_mut().enumerate().take(wide) {
-                    let terms = product.iter().enumerate().take(wide);
-                    *entry = terms
-                        .map(|(l, row)| self.at(factor, begin + i, begin + l) * row[j])
-                        .sum();
-                    largest = largest.max(size(*entry));
-                }
-            }
-            if !(largest > 0.0 && largest.is_finite()) {
-                return None;
-            }
-            let by = exponent_of(largest);
-            exponent += by;
-            product = next.map(|row| row.map(|entry| times_power(entry, -by)));
-        }
-        let (a, b) = (product[wide - 2][wide - 2], product[wide - 2][wide - 1]);
-        let (c, d) = (product[wide - 1][wide - 2], product[wide - 1][wide - 1]);
+        let ([a, b, c, d], exponent) = self.trailing(low, high)?;
         let half = (a - d) * 0.5;
         let root = (half * half + b * c).sqrt();
         let way = if (half.conj() * root).re >= 0.0 {
@@ -235,15 +294,12 @@ impl Chain<Number> {
             half - root
         };
         // of x² − (a − d)x − bc the root of smaller modulus, without cancellation
-        let off = if way.norm() > 0.0 { b * c / way } else { zero };
+        let off = if way.norm() > 0.0 {
+            b * c / way
+        } else {
+            Number::new(0.0, 0.0)
+        };
         Some((d - off, exponent))
-    }
-
-    /// The norm of a factor.
-    fn norm(&self, factor: usize) -> f64 {
-        let own = factor * self.n * self.n..(factor + 1) * self.n * self.n;
-        let entries = self.entries[own].iter();
-        entries.map(|one| one.norm_sqr()).sum::<f64>().sqrt()
     }
 
     /// The periodic Schur form. What had to be left out of the last factor, relative to its norm.
@@ -256,30 +312,24 @@ impl Chain<Number> {
         let norm = self.norm(last);
         let (mut high, mut sweeps, mut all) = (self.n - 1, 0, 0);
         while high > 0 {
-            let mut low = high;
-            while low > 0 {
-                let below = size(self.at(last, low, low - 1));
-                let beside = size(self.at(last, low, low)) + size(self.at(last, low - 1, low - 1));
-                let least = if beside > 0.0 { beside } else { norm };
-                if below <= f64::EPSILON * least || (low == high && sweeps >= MOST) {
-                    if sweeps >= MOST {
-                        left_out = left_out.max(below / norm);
-                    }
-                    self.set(last, low, low - 1, Number::new(0.0, 0.0));
-                    break;
-                }
-                low -= 1;
+            let mut low = self.begin_of_block(high, norm);
+            if low < high && sweeps >= MOST {
+                let below = size(self.at(last, high, high - 1));
+                left_out = left_out.max(below / norm);
+                self.set(last, high, high - 1, Number::new(0.0, 0.0));
+                low = high;
             }
             if low == high {
                 high -= 1;
                 sweeps = 0;
                 continue;
             }
-            if all % PLAIN == 0 || !self.shifted(low, high) {
+            all += 1;
+            let shift = self.shift(low, high).filter(|_| all % PLAIN != 0);
+            if !shift.is_some_and(|(shift, power)| self.shifted(low, high, shift, power)) {
                 self.sort(low, high);
             }
             sweeps += 1;
-            all += 1;
         }
         if left_out.is_finite() {
             left_out

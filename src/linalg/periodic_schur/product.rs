@@ -4,22 +4,62 @@ use nalgebra::{Complex, ComplexField};
 
 pub(super) type Number = Complex<f64>;
 
+/// A real or complex number.
+pub(super) trait Scalar: ComplexField<RealField = f64> + Copy {
+    /// Its modulus.
+    fn size(self) -> f64;
+
+    fn number(self) -> Number;
+
+    /// A number that is known to be one of these.
+    fn of(number: Number) -> Self;
+}
+
+impl Scalar for f64 {
+    fn size(self) -> f64 {
+        self.abs()
+    }
+
+    fn number(self) -> Number {
+        Number::new(self, 0.0)
+    }
+
+    fn of(number: Number) -> f64 {
+        number.re
+    }
+}
+
+impl Scalar for Number {
+    /// By its square, but where that leaves the range of numbers.
+    fn size(self) -> f64 {
+        const RANGE: std::ops::Range<f64> = 1e-280..1e280;
+        let square = self.norm_sqr();
+        match RANGE.contains(&square) {
+            true => square.sqrt(),
+            false => self.norm(),
+        }
+    }
+
+    fn number(self) -> Number {
+        self
+    }
+
+    fn of(number: Number) -> Number {
+        number
+    }
+}
+
 /// z·2ᵉ without overflow on the way.
-pub(super) fn times_power(number: Number, exponent: i64) -> Number {
+pub(super) fn times_power<T: ComplexField<RealField = f64>>(number: T, exponent: i64) -> T {
     let half = (exponent / 2).clamp(-1022, 1023);
     let rest = (exponent - half).clamp(-1022, 1023);
     let power = |exponent: i64| f64::from_bits(((exponent + 1023) as u64) << 52);
-    number * power(half) * power(rest)
+    number.scale(power(half)).scale(power(rest))
 }
 
-/// |x|: by its square, but where that leaves the range of numbers.
-pub(super) fn size<T: ComplexField<RealField = f64>>(number: T) -> f64 {
-    const RANGE: std::ops::Range<f64> = 1e-280..1e280;
-    let square = number.clone().modulus_squared();
-    match RANGE.contains(&square) {
-        true => square.sqrt(),
-        false => number.modulus(),
-    }
+/// |x|.
+pub(super) fn size<T: Scalar>(number: T) -> f64 {
+    number.size()
 }
 
 /// A number with an exponent of its own.
