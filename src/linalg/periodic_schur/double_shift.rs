@@ -204,8 +204,9 @@ impl Chain<f64> {
         const MOST: usize = 60;
         const PLAIN: usize = 6;
         const STALLED: usize = 10;
-        /// The same for a block of two, which has its shift at once.
-        const MOST_OF_TWO: usize = 6;
+        /// The same for a block of two, which has its shift at once: after one sweep without, which tells a small eigenvalue from
+        /// the rounding of a large one.
+        const MOST_OF_TWO: usize = 7;
         let norm = self.norm(self.count - 1);
         let mut pairs = Vec::new();
         // those of a block of more and of one of two
@@ -219,6 +220,10 @@ impl Chain<f64> {
                 false => (&mut sweeps[0], MOST),
             };
             let is_stalled = !is_two && *own % STALLED == STALLED - 1;
+            let is_plain = match is_two {
+                true => *own == 0,
+                false => all % PLAIN == 0 && !is_stalled,
+            };
             let is_done = low == high || *own >= most;
             *own += 1;
             let shifts = match is_done {
@@ -235,7 +240,7 @@ impl Chain<f64> {
                 continue;
             }
             let is_swept = match shifts {
-                Some(_) if all % PLAIN == 0 && !is_two && !is_stalled => false,
+                Some(_) if is_plain => false,
                 Some(shifts) if is_two => self.shifted(low, high, shifts.re, shifts.exponent),
                 Some(shifts) => self.shifted_twice(low, high, shifts),
                 None => false,
