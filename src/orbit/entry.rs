@@ -267,9 +267,12 @@ fn is_admissible<O: Orbit>(
     to: &Node,
     examination: &O::Examination,
 ) -> bool {
+    /// A duration that is all rounding is the root of it, of order m where its equation is a zero of this order, and a linear bound
+    /// the m-th part of that. Orders are three or four.
+    const ORDERS: f64 = 10.0;
     let holds = |unknowns: Vector| {
         let mut margins = examination.margins().iter();
-        margins.all(|margin| O::value(margin) > orbit.reach(margin, &unknowns))
+        margins.all(|margin| O::value(margin) > ORDERS * orbit.reach(margin, &unknowns))
     };
     examination.verdict() == SignVerdict::Positive
         && dip::rounding_of_unknowns(orbit, tangent, &to.point).is_some_and(holds)

@@ -27,6 +27,7 @@ mod prescribed;
 mod problems;
 mod refusals;
 mod rests;
+mod roundings;
 mod shooting;
 mod sliding;
 mod start;

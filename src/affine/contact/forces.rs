@@ -331,8 +331,8 @@ impl<C: Measured> Moving<C> {
 /// A row of A and −r.
 type Row<C> = (Vec<Form<C>>, Form<C>);
 
-/// The solution of a linear system by elimination, pivots in the order of the unknowns: masses make it positive definite.
-/// `None` where it is singular.
+/// The solution of a linear system by elimination, pivots in the order of the unknowns: masses make it positive definite. What
+/// cancels but for rounding is zero, so that forces do not hang on what others hold. `None` where it is singular.
 fn eliminated<C: Measured>(mut rows: Vec<Row<C>>) -> Result<Option<Vec<Form<C>>>, Obstacle> {
     let count = rows.len();
     let sizes = |row: &Row<C>| row.0.iter().map(Form::largest).fold(0.0, f64::max);
@@ -352,14 +352,13 @@ fn eliminated<C: Measured>(mut rows: Vec<Row<C>>) -> Result<Option<Vec<Form<C>>>
             let factor = row.0[pivot].clone().over(own[pivot].clone())?;
             for (entry, own) in row.0.iter_mut().zip(&own).skip(pivot) {
                 if !own.is_zero() {
-                    *entry = entry
-                        .clone()
-                        .minus(factor.clone().times(own.clone())?)?
-                        .trimmed();
+                    let taken = factor.clone().times(own.clone())?;
+                    *entry = entry.clone().held_by(taken.negative())?;
                 }
             }
             row.0[pivot] = Form::default();
-            row.1 = row.1.clone().minus(factor.times(value.clone())?)?;
+            let taken = factor.times(value.clone())?;
+            row.1 = row.1.clone().held_by(taken.negative())?;
         }
     }
     let solved = rows.into_iter().enumerate().map(|(index, (row, value))| {

@@ -225,9 +225,10 @@ impl<C: Measured> ContactForms<C> {
         let moving = &self.own[own].kinematics[contact];
         let mut rate = moving.drift.clone();
         for (force, by) in forces.iter().zip(&moving.by) {
-            rate = rate.plus(by.clone().times(force.clone())?)?;
+            // what a force holds it takes away, of which rounding is left
+            rate = rate.held_by(by.clone().times(force.clone())?)?;
         }
-        Ok(rate.trimmed())
+        Ok(rate)
     }
 
     /// A form in which forces stand as states in a mode, with these as they are there.

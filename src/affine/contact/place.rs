@@ -5,7 +5,8 @@ use crate::affine::mode::AffineSystem;
 use crate::affine::motion::Moment;
 use crate::affine::system::System;
 
-/// Part of the terms of a slip or a gap below which it is zero: a state is written in so many digits.
+/// Part of the terms of a slip or a gap, or of what their rates make of the time in which the forcing turns by 1, below which it is zero:
+/// a state is written in so many digits, and the velocity of what rests is rounding.
 const ZERO: f64 = 1e-9;
 
 impl System {
@@ -24,6 +25,11 @@ impl System {
         let mode = products.number(own, &first);
         let z = at.lift(mode, &place.state, place.phase);
         let guards = &at.modes[mode].guards;
+        let matrix = at.modes[mode].matrix.at.abs();
+        let moved = match at.omega.value {
+            0.0 => z.map(|_| 0.0),
+            omega => matrix * z.abs() / omega.abs(),
+        };
         let mut fits = digits.clone();
         let mut wrong = None;
         let mut index = 0;
@@ -37,7 +43,7 @@ impl System {
         for (contact, ((name, _), law)) in contacts {
             let row = &guards.get(index)?.row;
             index += law.guards(0).len();
-            let (value, size) = (row.value(&z), row.size(&z));
+            let (value, size) = (row.value(&z), row.size(&z).max(row.size(&moved)));
             let sign = if value.abs() <= ZERO * size {
                 0.0
             } else {

@@ -38,7 +38,7 @@ impl Conserved {
         if system.program.made() > 0 || !system.modes.are_exact() {
             return Conserved::of_contacts(system, sequence, units);
         }
-        let basis = dependencies(changes(system, sequence));
+        let basis = dependencies(changes(system, sequence, units));
         // what is held has the value that holds it, and moves with it
         let mut known = Forms::default();
         for held in &first.held {
@@ -72,13 +72,13 @@ impl Conserved {
             row.by.iter().all(fixed) && !(states + 1..system.size()).any(|c| row.has(c))
         };
         let held = system.modes[sequence.zone(0).mode].held.iter().enumerate();
-        let lasts = |row: &&Row| is_flat(row) && is_held(system, sequence, row);
+        let lasts = |row: &&Row| is_flat(row) && is_held(system, sequence, row, units);
         let (numbers, gradients): (Vec<usize>, Vec<Vector>) = held
             .filter(|(_, row)| lasts(row))
             .map(|(number, row)| (number, row.at.rows(0, states).clone_owned()))
             .unzip();
         let sizes = units.z.rows(0, states).clone_owned();
-        let sums = dependencies(changes(system, sequence));
+        let sums = dependencies(changes(system, sequence, units));
         let sums = sums.into_iter().map(|(_, sum)| sum);
         let all: Vec<Vector> = gradients.into_iter().chain(sums).collect();
         let surfaces = Surfaces::new(&all, &sizes);
@@ -168,21 +168,37 @@ fn row(sum: &Vector, size: usize) -> Row {
     row
 }
 
-/// Whether contacts hold a form in every zone.
-fn is_held(system: &AffineSystem, sequence: &Sequence, form: &Row) -> bool {
+/// Whether contacts hold a form in every zone: it is one of theirs, or a sum of them, as a slip between two blocks is where both stick to
+/// a belt.
+fn is_held(system: &AffineSystem, sequence: &Sequence, form: &Row, units: &Units) -> bool {
     let mut zones = sequence.0.iter();
-    zones.all(|zone| system.modes[zone.mode].held.contains(form))
+    zones.all(|zone| {
+        let held = &system.modes[zone.mode].held;
+        held.contains(form) || {
+            let mut forms = Forms::default();
+            held.iter().for_each(|held| {
+                forms.insert(held, units);
+            });
+            forms.contain(form, units.size(form), units)
+        }
+    })
 }
 
 /// What is held at zero in every zone, whatever the parameters: each form with a component that it has most of.
-fn held(system: &AffineSystem, sequence: &Sequence) -> Vec<(usize, Vector)> {
-    let first = &system.modes[sequence.zone(0).mode].held;
-    let all = first.iter().filter(|held| {
+fn held(system: &AffineSystem, sequence: &Sequence, units: &Units) -> Vec<(usize, Vector)> {
+    let zones = sequence.0.iter();
+    let forms = zones.flat_map(|zone| &system.modes[zone.mode].held);
+    let all = forms.filter(|held| {
         let fixed = held.by.iter().flat_map(|by| by.iter()).all(|by| *by == 0.0);
-        fixed && is_held(system, sequence, held)
+        fixed && is_held(system, sequence, held, units)
     });
     let mut known: Vec<(usize, Vector)> = Vec::new();
+    let mut seen = Forms::default();
     for form in all {
+        if seen.contain(form, units.size(form), units) {
+            continue;
+        }
+        seen.insert(form, units);
         let form = without(form.at.clone(), &known);
         let pivot = form.rows(0, system.states).iamax();
         if form[pivot] != 0.0 {
@@ -206,9 +222,9 @@ fn without(mut form: Vector, held: &[(usize, Vector)]) -> Vector {
 
 /// Of every state: how its rate depends on z in every zone, and how its jump does at every switch, with derivatives in the
 /// parameters, where what is held is zero.
-fn changes(system: &AffineSystem, sequence: &Sequence) -> Vec<Vec<f64>> {
+fn changes(system: &AffineSystem, sequence: &Sequence, units: &Units) -> Vec<Vec<f64>> {
     let mut rows: Vec<Vec<f64>> = vec![Vec::new(); system.states];
-    let held = held(system, sequence);
+    let held = held(system, sequence, units);
     let mut seen = Vec::new();
     let mut add = |matrix: &MatrixBy, stays: f64| {
         for (state, row) in rows.iter_mut().enumerate() {

@@ -17,12 +17,16 @@ const NEARLY: f64 = 1e-3;
 /// A state smaller than this part of its size over the whole motion has decayed to zero: Newton's method does the rest.
 const DECAYED: f64 = 1e-9;
 
+/// So many roundings of the terms of a rate are what a motion may leave in a state over a return.
+const ROUNDINGS: f64 = 100.0;
+
 /// How far a place is from another one that should be the same after so many returns, relative to the states on the way and
 /// to what their rates, and those of the rates, make of the time of one return: a state may be zero at all of the switches,
 /// begin and end a zone of sliding with no rate, or be at rest at the beginning.
 ///
 /// A state whose size is next to nothing of the one in `whole`, that over the whole motion, has decayed to zero: it is the
-/// same as before however fast it decays.
+/// same as before however fast it decays. One that is off by no more than rounding of the terms of its rate has come back: what is at
+/// rest has a velocity of rounding.
 fn distance(
     system: &AffineSystem,
     begin: &Moment,
@@ -41,30 +45,31 @@ fn distance(
     let edges = [begin, here].map(|place| (place.mode, &place.state, place.phase));
     let time = (here.time - begin.time) / returns as f64;
     let mut sizes = vec![0.0_f64; begin.state.len()];
+    let mut terms = sizes.clone();
     for (mode, states, phase) in ends.chain(edges) {
         let matrix = &system.modes[mode].matrix.at * (time / TAU);
-        let first = &matrix * system.lift(mode, states, phase);
+        let lifted = system.lift(mode, states, phase);
+        let first = &matrix * &lifted;
         let second = &matrix * &first;
         for (state, x) in states.iter().enumerate() {
             let size = x.abs().max(first[state].abs()).max(second[state].abs());
             sizes[state] = sizes[state].max(size);
+            let products = (0..lifted.len()).map(|of| (matrix[(state, of)] * lifted[of]).abs());
+            let all = products.sum();
+            terms[state] = terms[state].max(all);
         }
     }
-    let pairs = begin
-        .state
-        .iter()
-        .zip(&here.state)
-        .zip(sizes.iter().zip(whole));
-    let off = |((x, y), (size, whole)): ((&f64, &f64), (&f64, &f64))| {
-        let off = (x - y).abs();
-        let decayed = *size <= DECAYED * whole;
-        if off == 0.0 || decayed {
+    let off = |state: usize| {
+        let off = (begin.state[state] - here.state[state]).abs();
+        let decayed = sizes[state] <= DECAYED * whole[state];
+        let is_rounding = off <= ROUNDINGS * f64::EPSILON * terms[state] * TAU;
+        if decayed || is_rounding {
             0.0
         } else {
-            off / size
+            off / sizes[state]
         }
     };
-    pairs.map(off).fold(0.0, f64::max)
+    (0..sizes.len()).map(off).fold(0.0, f64::max)
 }
 
 /// What counts as a return of a motion.
