@@ -32,6 +32,7 @@ mod equilibrium_start;
 mod event;
 mod follow;
 mod located;
+mod memo;
 mod null_pair;
 mod orbits;
 mod plane;

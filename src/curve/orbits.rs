@@ -1,16 +1,17 @@
 //! Orbits of a user's system over a plane of two parameters.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
 use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
 
+use super::memo::Memo;
 use super::plane::{EventCondition, NotEvaluated, ParameterPlane, Test, TestValues};
 use super::point::{Gone, PointType, RegionName, What};
 use crate::affine::closure::Prescribed;
 use crate::affine::monitor::{Monitor, MonitorSource};
 use crate::affine::monitored;
-use crate::affine::orbit::multipliers::Monodromy;
+use crate::affine::orbit::monodromy::Monodromy;
 use crate::affine::orbit::symmetry::Kept;
 use crate::affine::orbit::{
     AffineOrbit, Examination, Margin, Multiplier, OrbitFailure, Scales, Sequence, Setting, Watch,
@@ -38,30 +39,6 @@ pub struct OrbitsInPlane {
     symmetry: Option<Kept>,
     #[serde(skip)]
     memo: Memo,
-}
-
-/// The last orbits posed in either parameter, with their values: the system there is made once, however often a point
-/// is looked at. It is no part of what they are, and a copy has one of its own.
-#[derive(Debug, Default)]
-struct Memo(Mutex<[Option<CachedOrbit>; 2]>);
-
-/// An orbit posed at values, by their bits.
-#[derive(Debug)]
-struct CachedOrbit {
-    bits: [u64; 2],
-    orbit: AffineOrbit,
-}
-
-impl Clone for Memo {
-    fn clone(&self) -> Memo {
-        Memo::default()
-    }
-}
-
-impl PartialEq for Memo {
-    fn eq(&self, _: &Memo) -> bool {
-        true
-    }
 }
 
 /// An event of the multipliers.
@@ -246,45 +223,29 @@ impl ParameterPlane for OrbitsInPlane {
         values: [f64; 2],
         index: usize,
     ) -> Result<AffineOrbit, OrbitFailure> {
-        let bits = values.map(f64::to_bits);
-        let mut known = self.memo.0.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(known) = &known[index]
-            && known.bits == bits
-            && known.orbit.sequence.has_unknowns_of(sequence)
-        {
-            return Ok(known.orbit.clone());
-        }
-        let mut all = self.values.clone();
-        for (parameter, value) in self.parameters.into_iter().zip(values) {
-            all[parameter] = value;
-        }
-        let setting = Setting {
-            system: monitored::keeping(&self.system, &self.monitor),
-            values: all,
-            parameter: self.parameters[index],
-            second: Some(self.parameters[1 - index]),
-            periods: self.periods,
-            prescribed: self.prescribed.clone(),
-            // what is asked of the multipliers is asked for below
-            stability: false,
-            scales: Scales {
-                parameter: self.widths[index],
-                ..self.scales.clone()
-            },
+        let pose = || {
+            let mut all = self.values.clone();
+            for (parameter, value) in self.parameters.into_iter().zip(values) {
+                all[parameter] = value;
+            }
+            let setting = Setting {
+                system: monitored::keeping(&self.system, &self.monitor),
+                values: all,
+                parameter: self.parameters[index],
+                second: Some(self.parameters[1 - index]),
+                periods: self.periods,
+                prescribed: self.prescribed.clone(),
+                // what is asked of the multipliers is asked for below
+                stability: false,
+                scales: Scales {
+                    parameter: self.widths[index],
+                    ..self.scales.clone()
+                },
+            };
+            AffineOrbit::new(Arc::new(setting), sequence.clone())
         };
-        let orbit = AffineOrbit::new(Arc::new(setting), sequence.clone());
-        let mut orbit = orbit.ok_or(OrbitFailure::NoZones)?;
-        // what is integrated for one of the two is known for the other
-        if let Some(other) = &known[1 - index]
-            && other.orbit.sequence == *sequence
-        {
-            orbit = orbit.with_memory_of(&other.orbit);
-        }
-        known[index] = Some(CachedOrbit {
-            bits,
-            orbit: orbit.clone(),
-        });
-        Ok(orbit)
+        let orbit = self.memo.orbit(sequence, values, index, pose);
+        orbit.ok_or(OrbitFailure::NoZones)
     }
 
     fn key(margin: &Margin) -> (Watch, usize) {
@@ -498,17 +459,8 @@ impl ParameterPlane for OrbitsInPlane {
         };
         let cosine = monodromy.cosine().unwrap_or(f64::NAN);
         let doubling = passed(Some(PointType::One(EventType::PD)), doubling);
-        // beside a multiplier ±1 the pair may be that one and another; two real ones μ and 1/μ are no event
-        let pair = |order: u8, both: f64| {
-            let is_met = (cosine - both).abs() <= MET;
-            let turns = monodromy.angle_on_circle().is_some();
-            let kind = if is_met {
-                Some(PointType::Resonance(order))
-            } else {
-                turns.then_some(PointType::One(EventType::NS))
-            };
-            passed(kind, torus)
-        };
+        let turns = monodromy.angle_on_circle().is_some();
+        let pair = |order: u8, both: f64| test_of_pair((cosine, turns), (order, both), torus);
         let double = |multiplier: f64| orbit.is_double(point, multiplier);
         let tests = match condition {
             EventCondition::Spectral(MultiplierEvent::Torus) => tests_of_torus(cosine, doubling),
@@ -579,6 +531,17 @@ fn passed(kind: Option<PointType>, value: f64) -> Test {
         value,
         ends: false,
     }
+}
+
+/// The function of a pair with the product 1, with the cosine of its angle and whether it is on the circle: beside a multiplier ±1, of this
+/// order of resonance, the pair may be that one and another; two real ones μ and 1/μ are no event.
+fn test_of_pair((cosine, turns): (f64, bool), (order, both): (u8, f64), torus: f64) -> Test {
+    let kind = if (cosine - both).abs() <= MET {
+        Some(PointType::Resonance(order))
+    } else {
+        turns.then_some(PointType::One(EventType::NS))
+    };
+    passed(kind, torus)
 }
 
 /// A test without the zero that it has where a double multiplier meets the event.

@@ -2,7 +2,11 @@
 
 use std::fmt;
 
+use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
+
+use super::multiplier::{self, Multiplier};
+use crate::orbit::EventType;
 
 /// A change of stability.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -68,6 +72,48 @@ pub enum Critical {
         /// In radians, between 0 and π.
         angle: f64,
     },
+}
+
+impl Critical {
+    /// What passes the unit circle where the number of multipliers outside is the first before it and the second beyond.
+    pub(super) fn passing(all: &[Multiplier], [before, after]: [usize; 2]) -> Option<Critical> {
+        /// One that is located on the circle is ±1 to this.
+        const REAL: f64 = 1e-6;
+        let own: Vec<Complex<f64>> = multiplier::own(all).map(|one| one.value).collect();
+        let passing = own.get(before.min(after)..before.max(after))?;
+        let count = passing.len();
+        let near = |to: f64| passing.iter().all(|one| (one - to).norm() <= REAL);
+        Some(match passing {
+            [_] if near(-1.0) => Critical::PeriodDoubling,
+            [_] if near(1.0) => Critical::Branching,
+            _ if near(-1.0) => Critical::Doublings { count },
+            _ if near(1.0) => Critical::Branchings { count },
+            [one, other] if *one == other.conj() => Critical::Torus {
+                angle: one.arg().abs(),
+            },
+            _ => Critical::Several { count },
+        })
+    }
+
+    /// Its type.
+    pub(super) fn kind(&self) -> EventType {
+        match self {
+            Critical::PeriodDoubling | Critical::Repeats { .. } | Critical::Doublings { .. } => {
+                EventType::PD
+            }
+            Critical::Branching
+            | Critical::Symmetric
+            | Critical::Branchings { .. }
+            | Critical::Family
+            | Critical::Shrinking
+            | Critical::Vanishing => EventType::BP,
+            Critical::Unlocated { .. } => EventType::MX,
+            Critical::Homoclinic { .. }
+            | Critical::SaddleNode { .. }
+            | Critical::RestOnBoundary { .. } => EventType::HC,
+            Critical::Torus { .. } | Critical::Several { .. } => EventType::NS,
+        }
+    }
 }
 
 impl fmt::Display for Critical {

@@ -28,7 +28,7 @@ pub struct Examination {
     /// How much a motion grows over every zone.
     pub growths: Vec<ZoneGrowth>,
     /// Functions that change their sign where the stability changes: those of
-    /// [`super::multipliers::Monodromy::tests`]. Empty where it is not looked for, and where the period is prescribed: beside a
+    /// [`super::monodromy::Monodromy::tests`]. Empty where it is not looked for, and where the period is prescribed: beside a
     /// wave there are perturbations of other wavelengths.
     pub tests: Vec<f64>,
     /// All multipliers, the largest first: none at a graze, or where stability is not looked for.

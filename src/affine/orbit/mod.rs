@@ -7,8 +7,8 @@
 //! whatever the parameter, as [`forms`] tell, or [`generic`] points, and `conserved` which sums never change. [`margin`] measures the
 //! inequalities, [`examine`] decides them, by what [`turning`] tells of smooth functions; [`candidates`] finds what lies beyond an
 //! event, [`ends`] why nothing does, which is a `stop`, by the motions beside it as [`discontinuity`] has them, `family` where others of
-//! a family go on, and `bounds` where friction makes no sense; [`multipliers`] has the stability, `multiplier` each number of it, with the `saltation` of every switch
-//! and what `surface` tells of sliding;
+//! a family go on, and `bounds` where friction makes no sense; [`multipliers`] has the stability, [`monodromy`] what tells where it changes,
+//! `multiplier` each number of it, with the `saltation` of every switch and what `surface` tells of sliding;
 //! [`start`] finds the first orbit, or says by [`behaviour`] what a motion looks like that comes to none, [`switch`] that of the other
 //! branch at an event, [`hopf`] that at which orbits shrink to nothing, [`homoclinic`] that at which they `stay` for ever. [`row`] has
 //! what results keep of one, `monitor` the numbers of it that a problem asks for, those of them that are integrals by `integral`;
@@ -35,6 +35,7 @@ pub mod layout;
 pub mod margin;
 mod memory;
 mod monitor;
+pub mod monodromy;
 pub mod multiplier;
 pub mod multipliers;
 pub(in crate::affine) mod passage;
@@ -56,8 +57,6 @@ pub mod symmetry;
 mod turning;
 
 use std::sync::Arc;
-
-use nalgebra::Complex;
 
 use crate::affine::system::DEFAULT_FLOW_TOLERANCE;
 use crate::continuation::Node;
@@ -554,27 +553,10 @@ impl Orbit for AffineOrbit {
         outside: [usize; 2],
         between: Option<[f64; 2]>,
     ) -> Option<Critical> {
-        /// One that is located on the circle is ±1 to this.
-        const REAL: f64 = 1e-6;
         if let Some(between) = between {
             return Some(Critical::Unlocated { outside, between });
         }
-        let [before, after] = outside;
-        let all = self.multipliers(&node.point).ok()?;
-        let own: Vec<Complex<f64>> = multiplier::own(&all).map(|one| one.value).collect();
-        let passing = own.get(before.min(after)..before.max(after))?;
-        let count = passing.len();
-        let near = |to: f64| passing.iter().all(|one| (one - to).norm() <= REAL);
-        Some(match passing {
-            [_] if near(-1.0) => Critical::PeriodDoubling,
-            [_] if near(1.0) => Critical::Branching,
-            _ if near(-1.0) => Critical::Doublings { count },
-            _ if near(1.0) => Critical::Branchings { count },
-            [one, other] if *one == other.conj() => Critical::Torus {
-                angle: one.arg().abs(),
-            },
-            _ => Critical::Several { count },
-        })
+        Critical::passing(&self.multipliers(&node.point).ok()?, outside)
     }
 
     fn measured(
@@ -591,21 +573,6 @@ impl Orbit for AffineOrbit {
     }
 
     fn kind(special: &Critical) -> EventType {
-        match special {
-            Critical::PeriodDoubling | Critical::Repeats { .. } | Critical::Doublings { .. } => {
-                EventType::PD
-            }
-            Critical::Branching
-            | Critical::Symmetric
-            | Critical::Branchings { .. }
-            | Critical::Family
-            | Critical::Shrinking
-            | Critical::Vanishing => EventType::BP,
-            Critical::Unlocated { .. } => EventType::MX,
-            Critical::Homoclinic { .. }
-            | Critical::SaddleNode { .. }
-            | Critical::RestOnBoundary { .. } => EventType::HC,
-            Critical::Torus { .. } | Critical::Several { .. } => EventType::NS,
-        }
+        special.kind()
     }
 }

@@ -6,7 +6,7 @@
 use std::f64::consts::TAU;
 
 use super::layout::AffineOrbit;
-use super::multipliers::Monodromy;
+use super::monodromy::Monodromy;
 use super::passage::Jet;
 use super::setting::OrbitFailure;
 use crate::affine::mode::Row;
