@@ -3,7 +3,7 @@
 use std::fmt::{self, Display, Formatter};
 
 use super::figures::with_error;
-use super::list;
+use super::first_of;
 use crate::continuation::walk::End;
 use crate::orbit::{self, Orbit};
 
@@ -104,7 +104,7 @@ impl<O: Orbit> Display for orbit::special::BranchStop<O> {
                 f.write_str("no admissible signature continues beyond this event; tried ")?;
                 let (no_solutions, refused): (Vec<_>, Vec<_>) =
                     tried.iter().partition(|tried| tried.is_no_solution());
-                f.write_str(&list(&refused, "; "))?;
+                f.write_str(&first_of(&refused, "; "))?;
                 let signatures = no_solutions
                     .iter()
                     .filter_map(|tried| tried.signature.as_ref());
@@ -116,7 +116,7 @@ impl<O: Orbit> Display for orbit::special::BranchStop<O> {
                 write!(
                     f,
                     "{between}of {} the equations do not hold at the event",
-                    list(&signatures, ", ")
+                    first_of(&signatures, ", ")
                 )
             }
             BranchStop::Converges {

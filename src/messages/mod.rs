@@ -92,3 +92,15 @@ fn list<T: Display>(things: &[T], between: &str) -> String {
     let words: Vec<String> = things.iter().map(T::to_string).collect();
     words.join(between)
 }
+
+/// The first of many things, and how many more there are.
+fn first_of<T: Display>(things: &[T], between: &str) -> String {
+    /// So many are read.
+    const MOST: usize = 8;
+    let (first, more) = things.split_at(things.len().min(MOST));
+    let first = list(first, between);
+    match more.len() {
+        0 => first,
+        count => format!("{first}{between}and {count} more"),
+    }
+}

@@ -149,3 +149,22 @@ fn no_slider_gives_one_way_only() {
         assert_eq!(last.kind, GR, "{}", last.what);
     }
 }
+
+/// A slip that is nothing beside what its rate makes of it in the time of the forcing is none: a state of a profile is one of its mode.
+/// One of a thousandth is a slip.
+#[test]
+fn a_slip_of_rounding_sticks() {
+    let text = r#"(states: ["x", "v"], parameters: {"F": 0.5}, forcing: "1.2",
+        contacts: {"q": Friction(slip: "v", bound: "F")}, rates: {"x": "v", "v": "cos(phase) - x + q"})"#;
+    let system = system(text);
+    let affine = at(&system, &[]);
+    let contradicted = |slip: f64| {
+        let place = place(&system, "stick", &[0.3, slip], 1.0);
+        system.contradicted(&affine, &place).map(|(_, fits)| fits)
+    };
+    for slip in [0.0, 2.6e-30, -1e-16] {
+        assert_eq!(contradicted(slip), None, "{slip:e}");
+    }
+    assert_eq!(contradicted(1e-3).as_deref(), Some("forward"));
+    assert_eq!(contradicted(-1e-3).as_deref(), Some("backward"));
+}
