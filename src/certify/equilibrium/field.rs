@@ -8,7 +8,7 @@
 
 use super::Rows;
 use super::place::NameValues;
-use super::resting::{Constraint, Resting};
+use super::resting::{ForceEquation, Resting};
 use super::system::{EquilibriumSystem, Seeded, plain, plain_one};
 use crate::affine::contact::law::{
     BACKWARD, CLOSED, FORWARD, GIVES_BACKWARD, GIVES_FORWARD, HELD, Law, OPEN,
@@ -69,7 +69,7 @@ impl EquilibriumSystem<'_> {
     }
 
     /// The rate of a function of the states along the motion.
-    pub fn along<N: Analytic, const D: usize>(
+    fn along<N: Analytic, const D: usize>(
         &self,
         y: &[Gradient<N, D>],
         parameter: Gradient<N, D>,
@@ -91,15 +91,25 @@ impl EquilibriumSystem<'_> {
         contact: usize,
     ) -> Option<Gradient<N, D>> {
         match self.law(contact)?.0 {
-            Law::Friction { slip, .. } | Law::Jenkins { slip, .. } => {
-                self.place(y, parameter).value(slip)
+            Law::Friction { .. } | Law::Jenkins { .. } => {
+                self.slip_or_gap(&self.place(y, parameter), contact)
             }
-            Law::Stop { gap, .. } | Law::Spring { gap, .. } => {
-                self.along(y, parameter, |y, parameter| {
-                    self.place(y, parameter).value(gap)
-                })
-            }
+            Law::Stop { .. } | Law::Spring { .. } => self.along(y, parameter, |y, parameter| {
+                self.slip_or_gap(&self.place(y, parameter), contact)
+            }),
         }
+    }
+
+    /// The rate of that.
+    pub fn acceleration<N: Analytic, const D: usize>(
+        &self,
+        y: &[Gradient<N, D>],
+        parameter: Gradient<N, D>,
+        contact: usize,
+    ) -> Option<Gradient<N, D>> {
+        self.along(y, parameter, |y, parameter| {
+            self.speed(y, parameter, contact)
+        })
     }
 
     /// q less what its law says.
@@ -153,18 +163,18 @@ impl EquilibriumSystem<'_> {
         let place = self.place(y, parameter);
         for constraint in &self.constraints {
             rows.push(match *constraint {
-                Constraint::Surface(zero) => place.zero(zero)?,
-                Constraint::Slip(contact) | Constraint::Gap(contact) => {
-                    self.held(&place, contact)?
+                ForceEquation::Surface(zero) => place.zero(zero)?,
+                ForceEquation::Slip(contact) | ForceEquation::Gap(contact) => {
+                    self.slip_or_gap(&place, contact)?
                 }
-                Constraint::Law(contact) => self.beside_law(y, parameter, contact)?,
+                ForceEquation::Law(contact) => self.beside_law(y, parameter, contact)?,
             });
         }
         Some(rows)
     }
 
-    /// The slip or the gap that a contact holds.
-    fn held<N: Analytic, const D: usize>(
+    /// The slip or the gap of a contact.
+    fn slip_or_gap<N: Analytic, const D: usize>(
         &self,
         place: &NameValues<Gradient<N, D>>,
         contact: usize,
@@ -181,16 +191,14 @@ impl EquilibriumSystem<'_> {
         y: &[Gradient<N, D>],
         parameter: Gradient<N, D>,
     ) -> Option<Vec<Gradient<N, D>>> {
-        let of = |constraint: &Constraint| match *constraint {
-            Constraint::Surface(zero) => self.along(y, parameter, |y, parameter| {
+        let of = |constraint: &ForceEquation| match *constraint {
+            ForceEquation::Surface(zero) => self.along(y, parameter, |y, parameter| {
                 self.place(y, parameter).zero(zero)
             }),
-            Constraint::Slip(contact) | Constraint::Gap(contact) => {
-                self.along(y, parameter, |y, parameter| {
-                    self.speed(y, parameter, contact)
-                })
+            ForceEquation::Slip(contact) | ForceEquation::Gap(contact) => {
+                self.acceleration(y, parameter, contact)
             }
-            Constraint::Law(contact) => self.beside_law(y, parameter, contact),
+            ForceEquation::Law(contact) => self.beside_law(y, parameter, contact),
         };
         self.constraints.iter().map(of).collect()
     }
@@ -205,13 +213,13 @@ impl EquilibriumSystem<'_> {
         let mut found = Vec::new();
         for constraint in &self.constraints {
             match *constraint {
-                Constraint::Surface(zero) => found.push(place.zero(zero)?),
-                Constraint::Slip(contact) => found.push(self.held(&place, contact)?),
-                Constraint::Gap(contact) => {
-                    found.push(self.held(&place, contact)?);
+                ForceEquation::Surface(zero) => found.push(place.zero(zero)?),
+                ForceEquation::Slip(contact) => found.push(self.slip_or_gap(&place, contact)?),
+                ForceEquation::Gap(contact) => {
+                    found.push(self.slip_or_gap(&place, contact)?);
                     found.push(self.speed(y, parameter, contact)?);
                 }
-                Constraint::Law(_) => {}
+                ForceEquation::Law(_) => {}
             }
         }
         Some(found)

@@ -155,9 +155,7 @@ impl EquilibriumSystem<'_> {
         let speeds = self.differentiated(base, |x| {
             let (y, parameter) = (plain(&x[..self.size]), plain_one(x[self.size]));
             let speed = self.speed(&y, parameter, contact)?.value;
-            let rate = self.along(&y, parameter, |y, parameter| {
-                self.speed(y, parameter, contact)
-            })?;
+            let rate = self.acceleration(&y, parameter, contact)?;
             Some(vec![speed, rate.value])
         });
         let speeds = speeds.ok_or_else(open)?.jacobian;
@@ -166,10 +164,7 @@ impl EquilibriumSystem<'_> {
             return Err(OpenEquilibrium::Law(name.to_owned()));
         }
         let mut signs = vec![(speeds[1][force], true)];
-        let values: Vec<_> = base
-            .iter()
-            .map(|x| Gradient::<Interval, 1>::constant(*x))
-            .collect();
+        let values: Vec<_> = base.iter().map(|x| place::still(*x)).collect();
         let place = self.place(&values[..self.size], values[self.size]);
         let value = |text: &Expression| Ok(place.value(text).ok_or_else(open)?.value);
         let mut not_negative = Vec::new();

@@ -93,18 +93,18 @@ impl Resting {
     }
 
     /// What the unknowns beside the states follow from: λ of a sliding mode, the forces of contacts.
-    pub fn constraints(&self, system: &System) -> Vec<Constraint> {
+    pub fn constraints(&self, system: &System) -> Vec<ForceEquation> {
         match self {
             Resting::Mode(_) => Vec::new(),
-            Resting::Sliding(surface) => vec![Constraint::Surface(surface.zero)],
+            Resting::Sliding(surface) => vec![ForceEquation::Surface(surface.zero)],
             Resting::Contacts(contacts) => {
                 let laws = system.contacts.iter().zip(&contacts.states).enumerate();
                 let of = |(contact, (law, state)): (usize, (&Law<Expression>, &usize))| match (
                     law, *state,
                 ) {
-                    (Law::Friction { .. }, STICK) => Constraint::Slip(contact),
-                    (Law::Stop { .. }, CLOSED) => Constraint::Gap(contact),
-                    _ => Constraint::Law(contact),
+                    (Law::Friction { .. }, STICK) => ForceEquation::Slip(contact),
+                    (Law::Stop { .. }, CLOSED) => ForceEquation::Gap(contact),
+                    _ => ForceEquation::Law(contact),
                 };
                 laws.map(of).collect()
             }
@@ -114,7 +114,7 @@ impl Resting {
 
 /// What an unknown beside the states follows from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Constraint {
+pub enum ForceEquation {
     /// The `zero` of a switch, as mode and index, is zero all along.
     Surface([usize; 2]),
     /// The slip of a contact is.
@@ -125,9 +125,9 @@ pub enum Constraint {
     Law(usize),
 }
 
-impl Constraint {
+impl ForceEquation {
     /// Whether it holds something at zero.
     pub fn holds(self) -> bool {
-        !matches!(self, Constraint::Law(_))
+        !matches!(self, ForceEquation::Law(_))
     }
 }

@@ -22,7 +22,7 @@ use serde::{Deserialize, Serialize};
 
 use super::guard::{ProvenGuard, guards};
 use super::place::NameValues;
-use super::resting::{Constraint, Resting};
+use super::resting::{ForceEquation, Resting};
 use super::{OpenEquilibrium, Rows};
 use crate::affine::system::System;
 use crate::certify::analytic::Analytic;
@@ -110,7 +110,7 @@ pub struct EquilibriumSystem<'a> {
     /// What is positive at an equilibrium of the mode.
     pub guards: Vec<ProvenGuard>,
     /// What the unknowns beside the states follow from.
-    pub constraints: Vec<Constraint>,
+    pub constraints: Vec<ForceEquation>,
     /// Length of y.
     pub size: usize,
     /// ℓ.
