@@ -342,26 +342,59 @@ class Contacts:
 
     # ------------------------------------------------------------------------------------------------ what follows
     def arrivals(self, at):
-        """Every end of the chain of changes at an instant, with what is not negative for it."""
-        digits, released = list(at.before), False
+        """Every combination of states that may follow at an instant, with what is not negative for it."""
+        digits, released = list(at.before), None
         if at.contact is not None:
             digits[at.contact] = at.ending.to
             # what is released leaves by the sign of what was too much, as long as nothing else changes
-            released = self.laws[at.contact][0] == "Friction" and at.before[at.contact] == STICK
-        seen = frozenset([at.contact] if released else [])
-        ends, count = [], 0
-        trials = self.turned(at, (digits, [], seen, []))[::-1]
-        while trials:
-            count += 1
-            if count > MOST_WAYS:
-                raise NotCovered("so many ways on at one instant")
-            trial = trials.pop()
-            ways = self.unsettled(at, trial)
-            if ways is None:
-                ends.append((trial[0], trial[1]))
-            else:
-                trials.extend(reversed(ways))
-        return ends
+            if self.laws[at.contact][0] == "Friction" and at.before[at.contact] == STICK:
+                released = at.contact
+        ends, dead, count = [], [], 0
+        for first in self.turned(at, (digits, [], released, {})):
+            known, trials = set(), [first]
+            while trials:
+                trial = trials.pop()
+                if tuple(trial[0]) in known:
+                    continue
+                count += 1
+                if count > MOST_WAYS:
+                    raise NotCovered("so many ways on at one instant")
+                forces = self.forces(at.own, trial[0])
+                if forces is None:
+                    dead.append((trial[0], trial[1] + [it for k in self.others(at) for it in self.broken(at, trial, k)]))
+                    continue
+                known.add(tuple(trial[0]))
+                conditions, beyond = list(trial[1]), []
+                for contact in self.others(at):
+                    limits = self.open_limits(at, trial, contact, forces)
+                    beyond = [self.changed(trial, contact, *limit) for limit in limits] + beyond
+                    # it holds in this state, or another state would not
+                    holds = (self.laws[contact][0], trial[0][contact]) in (("Friction", STICK), ("Stop", CLOSED), ("Spring", CLOSED))
+                    conditions += (not holds and self.broken(at, trial, contact)) or [limit for limit, _ in limits]
+                ends.append((trial[0], conditions))
+                trials.extend(reversed(beyond))
+        # where no motion follows comes last
+        return ends + dead
+
+    def others(self, at):
+        """All contacts, the one that ends first."""
+        ended = [] if at.contact is None else [at.contact]
+        return [*ended, *(k for k in range(len(at.before)) if k != at.contact)]
+
+    def changed(self, trial, contact, limit, to):
+        """A trial in which a contact has changed."""
+        digits, conditions, _, left = trial
+        return [*digits[:contact], to, *digits[contact + 1 :]], conditions, None, left | {contact: (digits[contact], limit)}
+
+    def broken(self, at, trial, contact):
+        """What is not negative where a contact does not stay in the state that it has left, with the others as they are."""
+        digits, _, _, left = trial
+        if contact not in left:
+            return []
+        digit, limit = left[contact]
+        forces = self.forces(at.own, [*digits[:contact], digit, *digits[contact + 1 :]])
+        limits = [(limit, digits[contact])] if forces is None else self.limits(at, contact, digit, forces)
+        return [-limit for limit, to in limits if to == digits[contact] and not self.is_zero(limit)][:1]
 
     def after(self, at, form):
         return self.replaced_by(form, at.jump) if at.jump else form
@@ -393,11 +426,11 @@ class Contacts:
         return trials
 
     def led(self, kind, contact, trial, after, rises):
-        digits, conditions, seen, passed = trial
+        digits, conditions, *rest = trial
         digit = digits[contact]
 
         def to(new, *held):
-            return [*digits[:contact], new, *digits[contact + 1 :]], [*conditions, *held], seen, passed
+            return [*digits[:contact], new, *digits[contact + 1 :]], [*conditions, *held], *rest
 
         if kind == "Friction" and digit == STICK:
             if rises is not None:
@@ -414,29 +447,18 @@ class Contacts:
             return [to(digit, goes_on), to(HELD, -goes_on)]
         return [trial]
 
-    def unsettled(self, at, trial):
-        """The ways on by the first contact that is not settled, or None."""
-        digits, conditions, seen, passed = trial
-        forces = self.forces(at.own, digits)
-        if forces is None:
-            return None
+    def open_limits(self, at, trial, contact, forces):
+        """What is not negative where a contact stays in its state on trial, if that hangs on the instant, each with what follows."""
+        digits, _, released, _ = trial
         is_same = lambda apart: self.is_zero(apart) or self.ratio(apart, at.ending.guard) is not None
-        same_force = lambda k: is_same(self.after(at, forces[k]) - at.forces[k])
-        holds = lambda k: self.laws[k][0] == "Friction" and bool(at.jump)
-        same_hold = lambda k: not holds(k) or is_same(self.after(at, self.hold(k, forces)) - self.hold(k, at.forces))
-        ended = [] if at.contact is None else [at.contact]
-        for contact in [*ended, *(k for k in range(len(digits)) if k != at.contact)]:
-            same = digits[contact] == at.before[contact] and not at.is_impact and same_force(contact) and same_hold(contact)
-            limits = [] if contact in seen or same else self.limits(at, contact, digits[contact], forces)
-            if not limits:
-                continue
-            ways = [(digits, conditions + [limit for limit, _ in limits], seen | {contact}, passed)]
-            for limit, to in limits:
-                through, new = [*passed, digits], [*digits[:contact], to, *digits[contact + 1 :]]
-                if new not in through:
-                    ways.append((new, [*conditions, -limit], frozenset([contact]), through))
-            return ways
-        return None
+        holds = self.laws[contact][0] == "Friction" and bool(at.jump)
+        same_hold = lambda: not holds or is_same(self.after(at, self.hold(contact, forces)) - self.hold(contact, at.forces))
+        same_force = lambda: is_same(self.after(at, forces[contact]) - at.forces[contact])
+        same = digits[contact] == at.before[contact] and not at.is_impact and same_force() and same_hold()
+        if contact == released or same:
+            return []
+        limits = self.limits(at, contact, digits[contact], forces)
+        return [(limit, to) for limit, to in limits if not self.is_zero(limit)]
 
     def limits(self, at, contact, digit, forces):
         """What is not negative where a contact stays in a state, and the state where it is."""

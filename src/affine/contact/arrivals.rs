@@ -1,16 +1,18 @@
 //! Where a mode with contacts ends, and which states of the contacts follow.
 //!
 //! What one contact does may make others change in the same instant: a block that stops loads its neighbour, an impact
-//! turns a slip round. From the states that the contact which ends would lead to, every other one is looked at in the
-//! order of the file, and where what it does hangs on the state of the instant both ways are followed, each with its
-//! condition. What is left is every end of such a chain, one exit each. A switch of the user's own modes begins such a chain, too:
-//! beyond it other forces act.
+//! turns a slip round. From the states that the contact which ends would lead to, every one is looked at in the order of the
+//! file, and where what it does hangs on the state of the instant the states beyond are looked at, too. Every combination of states
+//! that is come to is one exit, with what makes each contact stay in its state there: by which of many chains of changes it is come
+//! to decides nothing. A switch of the user's own modes begins such changes, too: beyond it other forces act.
+
+use std::collections::HashSet;
 
 use super::forms::ContactForms;
 use super::law::{
     BACKWARD, CLOSED, FORWARD, GIVES_BACKWARD, GIVES_FORWARD, HELD, Law, OPEN, PARTING, STICK,
 };
-use super::mistake::ContactMistake;
+use super::mistake::{ContactMistake, MAX_STATES};
 use crate::affine::dual::{Dual, Measured};
 use crate::affine::expression::{Algebra, Obstacle};
 use crate::affine::form::Form;
@@ -39,18 +41,34 @@ pub struct Arrival<C = Dual> {
     pub pressed: Option<usize>,
 }
 
-/// Contacts in states that are on trial, with what is not negative where they came to them.
+/// Contacts in states that are on trial.
 #[derive(Clone)]
-struct Trial<C> {
-    digits: Vec<usize>,
-    conditions: Vec<Form<C>>,
-    /// Contacts that have been looked at in these states.
-    seen: Vec<bool>,
-    /// States that the chain has been through.
-    passed: Vec<Vec<usize>>,
+pub(super) struct Trial<C> {
+    /// The state of each.
+    pub digits: Vec<usize>,
+    /// What is not negative where an impact leads to them, or to those from which other contacts have changed.
+    pub conditions: Vec<Form<C>>,
+    /// A contact that leaves its state whatever else it does there.
+    released: Option<usize>,
+    /// The state that each contact has left since, if it has, and what was negative there.
+    left: Vec<Option<(usize, Form<C>)>>,
     /// See [`Arrival::pressed`].
-    pressed: Option<usize>,
+    pub pressed: Option<usize>,
 }
+
+/// What is not negative where a contact stays in a state at an instant, and the state that follows where it is.
+type Limit<C> = (Form<C>, usize);
+
+/// What is still to be done where it is found what follows at an instant.
+enum Open<C> {
+    /// To look at a trial.
+    Trial(Trial<C>),
+    /// To take in an arrival.
+    End(Arrival<C>),
+}
+
+/// What follows from a trial: the trials that come before it, it, and those beyond it.
+type Looked<C> = (Vec<Trial<C>>, Arrival<C>, Vec<Trial<C>>);
 
 /// The instant at which a mode ends.
 pub struct Instant<'a, C = Dual> {
@@ -73,7 +91,7 @@ pub struct Instant<'a, C = Dual> {
 }
 
 /// The states of a contact in which what is turned rises and falls, and in which it is held.
-fn ways<C>(law: &Law<Form<C>>) -> [usize; 3] {
+pub(super) fn ways<C>(law: &Law<Form<C>>) -> [usize; 3] {
     match law {
         Law::Friction { .. } => [FORWARD, BACKWARD, STICK],
         Law::Jenkins { .. } => [HELD, HELD, HELD],
@@ -81,84 +99,47 @@ fn ways<C>(law: &Law<Form<C>>) -> [usize; 3] {
     }
 }
 
-/// The trials to which an impact leads a contact from one of them, by its velocity after it; whether that rises, where it is known.
-fn led<C: Measured>(
-    law: &Law<Form<C>>,
-    contact: usize,
-    trial: &Trial<C>,
-    (after, rises): (&Form<C>, Option<bool>),
-) -> Vec<Trial<C>> {
-    let [up, down, held] = ways(law);
-    let digit = trial.digits[contact];
-    let mut next = Vec::new();
-    let mut lead = |to: usize, condition: Option<Form<C>>| {
-        let mut trial = trial.clone();
-        trial.digits[contact] = to;
-        // a closed stop that is pressed on would have an impact of its own in the same instant
-        let is_pressed = matches!(law, Law::Stop { .. }) && [digit, to] == [CLOSED; 2];
-        trial.pressed = is_pressed.then_some(contact);
-        trial.conditions.extend(condition);
-        next.push(trial);
-    };
-    match (law, digit) {
-        (Law::Friction { .. } | Law::Stop { .. }, digit) if digit == held => {
-            if rises != Some(false) {
-                lead(up, rises.is_none().then(|| after.clone()));
-            }
-            if rises != Some(true) {
-                lead(down, rises.is_none().then(|| after.clone().negative()));
-            }
-        }
-        // no slip is left: it sticks if it holds
-        (Law::Friction { .. }, _) if after.is_zero() => lead(STICK, None),
-        (Law::Friction { .. }, _) => {
-            let ways = [(up, after.clone()), (down, after.clone().negative())];
-            // what it does already comes first
-            let order = if digit == up { [0, 1] } else { [1, 0] };
-            for way in order {
-                lead(ways[way].0, Some(ways[way].1.clone()));
-            }
-        }
-        (Law::Jenkins { .. }, GIVES_FORWARD | GIVES_BACKWARD) => {
-            let goes_on = match digit {
-                GIVES_FORWARD => after.clone(),
-                _ => after.clone().negative(),
-            };
-            lead(digit, Some(goes_on.clone()));
-            lead(HELD, Some(goes_on.negative()));
-        }
-        _ => lead(digit, None),
-    }
-    next
-}
-
 impl<C: Measured> Instant<'_, C> {
-    /// Every end of the chain of changes.
+    /// Every combination of states that may follow.
     ///
     /// # Errors
-    /// Forces that are not determined.
+    /// Forces that are not determined, or more combinations than are looked at.
     pub fn arrivals(&self) -> Result<Vec<Arrival<C>>, ContactMistake> {
         let trial = self.first();
-        let mut ends = Vec::new();
-        let mut open = match self.contact {
+        let first = match self.contact {
             Some((contact, _)) => self.turned(contact, trial)?,
             None => vec![trial],
         };
-        open.reverse();
-        while let Some(trial) = open.pop() {
-            let ways = match trial.pressed {
-                Some(_) => None,
-                None => self.unsettled(&trial)?,
-            };
-            match ways {
-                None => ends.push(Arrival {
-                    digits: trial.digits,
-                    conditions: trial.conditions,
-                    pressed: trial.pressed,
-                }),
-                Some(ways) => open.extend(ways.into_iter().rev()),
+        let mut ends = Vec::new();
+        let mut dead = Vec::new();
+        for trial in first {
+            let mut known = HashSet::new();
+            let mut open = vec![Open::Trial(trial)];
+            while let Some(next) = open.pop() {
+                let trial = match next {
+                    Open::End(end) => {
+                        ends.push(end);
+                        continue;
+                    }
+                    Open::Trial(trial) if known.contains(&trial.digits) => continue,
+                    Open::Trial(trial) => trial,
+                };
+                let Some((before, end, beyond)) = self.looked_at(&trial)? else {
+                    dead.push(self.dead_end(trial)?);
+                    continue;
+                };
+                if known.len() == MAX_STATES {
+                    let name = self.forms.name(self.own, self.before);
+                    return Err(ContactMistake::States(name));
+                }
+                known.insert(trial.digits);
+                open.extend(beyond.into_iter().map(Open::Trial).rev());
+                open.push(Open::End(end));
+                open.extend(before.into_iter().map(Open::Trial).rev());
             }
         }
+        // where no motion follows comes last
+        ends.extend(dead);
         Ok(ends)
     }
 
@@ -174,11 +155,12 @@ impl<C: Measured> Instant<'_, C> {
     /// The first trial: what ends has ended.
     fn first(&self) -> Trial<C> {
         let mut digits = self.before.to_vec();
-        let mut seen = vec![false; digits.len()];
+        let mut released = None;
         if let Some((contact, ending)) = self.contact {
             digits[contact] = ending.to;
             // what is released leaves by the sign of what was too much, as long as nothing else changes
-            seen[contact] = self.is_friction(contact) && self.before[contact] == STICK;
+            let is_released = self.is_friction(contact) && self.before[contact] == STICK;
+            released = is_released.then_some(contact);
         }
         for (contact, to) in self.together {
             digits[*contact] = *to;
@@ -190,21 +172,21 @@ impl<C: Measured> Instant<'_, C> {
             }
         }
         // after an impact the sign of the slip tells
-        let released = |contact: &usize| !self.is_impact() || self.is_friction(*contact);
-        for contact in self.ended().filter(released) {
+        let leads = |contact: &usize| !self.is_impact() || self.is_friction(*contact);
+        for contact in self.ended().filter(leads) {
             self.follow(contact, &mut digits);
         }
         Trial {
-            seen,
+            released,
             conditions: Vec::new(),
-            passed: Vec::new(),
+            left: vec![None; digits.len()],
             pressed: None,
             digits,
         }
     }
 
     /// A form after the jump.
-    fn after(&self, form: &Form<C>) -> Result<Form<C>, Obstacle> {
+    pub(super) fn after(&self, form: &Form<C>) -> Result<Form<C>, Obstacle> {
         if self.jump.is_empty() {
             return Ok(form.clone());
         }
@@ -307,122 +289,147 @@ impl<C: Measured> Instant<'_, C> {
         Ok(self.is_impact() && self.after(speed)?.trimmed().is_zero())
     }
 
-    fn failed(&self, obstacle: Obstacle) -> ContactMistake {
-        ContactMistake::Obstacle(self.forms.name(self.own, self.before), obstacle)
+    pub(super) fn failed_in(&self, digits: &[usize], obstacle: Obstacle) -> ContactMistake {
+        ContactMistake::Obstacle(self.forms.name(self.own, digits), obstacle)
     }
 
-    /// The trials after an impact of a contact, which turns the slip of others and the velocity of their gaps.
-    fn turned(&self, impact: usize, trial: Trial<C>) -> Result<Vec<Trial<C>>, ContactMistake> {
-        let mut trials = vec![trial];
-        if self.jump.is_empty() {
-            return Ok(trials);
-        }
-        let own = &self.forms.own[self.own];
-        for (contact, law) in self.forms.laws.iter().enumerate() {
-            if contact == impact {
-                continue;
-            }
-            let speed = &own.kinematics[contact].speed;
-            let after = self.after(speed).map_err(|error| self.failed(error))?;
-            let after = after.trimmed();
-            let change = after.clone().minus(speed.clone());
-            let change = change.map_err(|error| self.failed(error))?.trimmed();
-            if change.largest() <= C::SAME.min(f64::EPSILON) * speed.largest() {
-                continue;
-            }
-            // before an impact the velocity of the gap is negative
-            let closing = &own.kinematics[impact].speed;
-            let rises = change.sign_of_ratio(closing).map(|sign| sign < 0.0);
-            let led = trials.iter().flat_map(|trial| match trial.pressed {
-                Some(_) => vec![trial.clone()],
-                None => led(law, contact, trial, (&after, rises)),
-            });
-            trials = led.collect();
-        }
-        self.open_where_held(impact, &mut trials);
-        Ok(trials)
-    }
-
-    /// Opens the stop of an impact in trials in which friction holds what would be pressed on it: both forces together are not
-    /// determined.
-    fn open_where_held(&self, impact: usize, trials: &mut [Trial<C>]) {
-        let closed =
-            |trial: &&mut Trial<C>| trial.digits[impact] == CLOSED && trial.pressed.is_none();
-        for trial in trials.iter_mut().filter(closed) {
-            let forces = self.forms.forces(self.own, &trial.digits);
-            if matches!(forces, Err(ContactMistake::Singular(_))) {
-                trial.digits[impact] = OPEN;
+    /// What follows from a trial; nothing where the forces are not determined: the motion ends there, and the mode says why.
+    fn looked_at(&self, trial: &Trial<C>) -> Result<Option<Looked<C>>, ContactMistake> {
+        let mut conditions = trial.conditions.clone();
+        let [mut before, mut beyond] = [const { Vec::new() }; 2];
+        if trial.pressed.is_none() {
+            let failed = |error| self.failed_in(&trial.digits, error);
+            let forces = match self.forms.forces(self.own, &trial.digits) {
+                Ok(forces) => forces,
+                Err(ContactMistake::Singular(_) | ContactMistake::Paradox(..)) => return Ok(None),
+                Err(mistake) => return Err(mistake),
+            };
+            for contact in self.others() {
+                let limits = self.open_limits(contact, trial, forces).map_err(failed)?;
+                let next = limits
+                    .iter()
+                    .map(|limit| self.changed(trial, contact, limit));
+                // at no gap it closes first
+                let ways = match self.stood_open(contact, &trial.digits) {
+                    true => &mut before,
+                    false => &mut beyond,
+                };
+                // those of the last contact come first
+                ways.splice(..0, next);
+                conditions.extend(self.conditions(contact, trial, limits).map_err(failed)?);
             }
         }
-    }
-
-    /// The ways on from a trial: by the first contact whose state is not settled by what has held before. `None` where all
-    /// are.
-    fn unsettled(&self, trial: &Trial<C>) -> Result<Option<Vec<Trial<C>>>, ContactMistake> {
-        let forms = self.forms;
-        let name = || forms.name(self.own, &trial.digits);
-        let forces = match forms.forces(self.own, &trial.digits) {
-            Ok(forces) => forces,
-            // the motion ends there, and the mode says why
-            Err(ContactMistake::Singular(_) | ContactMistake::Paradox(..)) => return Ok(None),
-            Err(mistake) => return Err(mistake),
+        let end = Arrival {
+            digits: trial.digits.clone(),
+            conditions,
+            pressed: trial.pressed,
         };
-        let first = self.contact.map(|(contact, _)| contact);
-        let others = (0..trial.digits.len()).filter(|contact| Some(*contact) != first);
-        for contact in first.into_iter().chain(others) {
-            if trial.seen[contact] {
-                continue;
-            }
-            let digit = trial.digits[contact];
-            let failed = |error| ContactMistake::Obstacle(name(), error);
-            let stood_open = self.stood_open(contact, &trial.digits);
-            let unchanged = self.is_unchanged(contact, digit, forces);
-            if unchanged.map_err(failed)? && !stood_open {
-                continue;
-            }
-            let mut limits = self
-                .limits(contact, &trial.digits, forces)
-                .map_err(failed)?;
-            // what is zero whatever the state fails nowhere
-            limits.retain(|(limit, _)| !limit.is_zero());
-            if limits.is_empty() {
-                continue;
-            }
-            let mut ways = Vec::new();
-            let mut holds = trial.clone();
-            holds.seen[contact] = true;
-            holds
-                .conditions
-                .extend(limits.iter().map(|(limit, _)| limit.clone()));
-            ways.push(holds);
-            for (limit, to) in limits {
-                let mut passed = trial.passed.clone();
-                passed.push(trial.digits.clone());
-                let mut digits = trial.digits.clone();
-                digits[contact] = to;
-                self.follow(contact, &mut digits);
-                // the same states again are no way on
-                if passed.contains(&digits) {
-                    continue;
-                }
-                let mut conditions = trial.conditions.clone();
-                conditions.push(limit.negative());
-                let mut seen = vec![false; digits.len()];
-                // released just now: it leaves by the sign of what was too much; a stop that closes has to be pressed on
-                seen[contact] = !stood_open;
-                ways.push(Trial {
-                    pressed: None,
-                    digits,
-                    conditions,
-                    seen,
-                    passed,
-                });
-            }
-            // at no gap it closes first
-            ways.rotate_left(usize::from(stood_open));
-            return Ok(Some(ways));
+        Ok(Some((before, end, beyond)))
+    }
+
+    /// A trial from which no motion follows, with all that led to it.
+    fn dead_end(&self, trial: Trial<C>) -> Result<Arrival<C>, ContactMistake> {
+        let mut conditions = trial.conditions.clone();
+        for contact in self.others() {
+            let broken = self.broken(contact, &trial);
+            conditions.extend(broken.map_err(|error| self.failed_in(&trial.digits, error))?);
         }
-        Ok(None)
+        Ok(Arrival {
+            digits: trial.digits,
+            conditions,
+            pressed: None,
+        })
+    }
+
+    /// All contacts, the one that ends first.
+    fn others(&self) -> impl Iterator<Item = usize> {
+        let first = self.contact.map(|(contact, _)| contact);
+        let others = (0..self.before.len()).filter(move |contact| Some(*contact) != first);
+        first.into_iter().chain(others)
+    }
+
+    /// A trial in which a contact has changed.
+    fn changed(&self, trial: &Trial<C>, contact: usize, (limit, to): &Limit<C>) -> Trial<C> {
+        let mut changed = trial.clone();
+        changed.released = None;
+        changed.left[contact] = Some((trial.digits[contact], limit.clone()));
+        changed.digits[contact] = *to;
+        self.follow(contact, &mut changed.digits);
+        changed
+    }
+
+    /// What is not negative where a contact stays in its state on trial, if that hangs on the state of the instant.
+    ///
+    /// # Errors
+    /// An operation that has no result there.
+    fn open_limits(
+        &self,
+        contact: usize,
+        trial: &Trial<C>,
+        forces: &[Form<C>],
+    ) -> Result<Vec<Limit<C>>, Obstacle> {
+        let digit = trial.digits[contact];
+        let stood_open = self.stood_open(contact, &trial.digits);
+        let settled = trial.released == Some(contact)
+            || self.is_unchanged(contact, digit, forces)? && !stood_open;
+        if settled {
+            return Ok(Vec::new());
+        }
+        let mut limits = self.limits(contact, &trial.digits, forces)?;
+        // what is zero whatever the state fails nowhere
+        limits.retain(|(limit, _)| !limit.is_zero());
+        Ok(limits)
+    }
+
+    /// What is not negative where a contact is in its state at an end with these limits: it holds there, or another state would
+    /// not.
+    ///
+    /// # Errors
+    /// An operation that has no result there.
+    fn conditions(
+        &self,
+        contact: usize,
+        trial: &Trial<C>,
+        limits: Vec<Limit<C>>,
+    ) -> Result<Vec<Form<C>>, Obstacle> {
+        let [_, _, held] = ways(&self.forms.laws[contact]);
+        let holds = trial.digits[contact] == held;
+        // a gap that stood open is another condition than the force that closes it
+        let left = trial.left[contact].as_ref();
+        let stood_open = left.is_some_and(|(left, _)| *left != held)
+            && matches!(self.forms.laws[contact], Law::Stop { .. })
+            && !self.ends(contact);
+        let broken = match holds && !stood_open {
+            true => None,
+            false => self.broken(contact, trial)?,
+        };
+        let own = limits.into_iter().map(|(limit, _)| limit);
+        let own = own.filter(|_| holds || broken.is_none());
+        Ok(own.chain(broken.clone()).collect())
+    }
+
+    /// What is not negative where a contact has left a state because it does not stay in it, with all others as they are on trial;
+    /// as they were then, where that state has no forces beside them.
+    ///
+    /// # Errors
+    /// An operation that has no result there.
+    fn broken(&self, contact: usize, trial: &Trial<C>) -> Result<Option<Form<C>>, Obstacle> {
+        let Some((left, limit)) = &trial.left[contact] else {
+            return Ok(None);
+        };
+        let mut beside = trial.digits.clone();
+        beside[contact] = *left;
+        let limit = match self.forms.forces(self.own, &beside) {
+            Ok(forces) => {
+                let limits = self.limits(contact, &beside, forces)?;
+                let own = limits
+                    .into_iter()
+                    .find(|(limit, to)| *to == trial.digits[contact] && !limit.is_zero());
+                own.map(|(limit, _)| limit)
+            }
+            Err(_) => Some(limit.clone()),
+        };
+        Ok(limit.map(Form::negative))
     }
 
     /// Whether a stop is open whose gap friction has kept, which now closes it: there may be none.
@@ -464,7 +471,7 @@ impl<C: Measured> Instant<'_, C> {
         contact: usize,
         digits: &[usize],
         forces: &[Form<C>],
-    ) -> Result<Vec<(Form<C>, usize)>, Obstacle> {
+    ) -> Result<Vec<Limit<C>>, Obstacle> {
         let force = || self.after(&forces[contact]);
         Ok(match (&self.forms.laws[contact], digits[contact]) {
             (law @ Law::Friction { .. }, STICK) => {

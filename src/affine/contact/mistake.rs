@@ -10,6 +10,10 @@ pub const MAX_CONTACTS: usize = 12;
 /// Most modes of a system with contacts where these are not all affine: they are made at once.
 pub const MAX_PRODUCTS: usize = 1000;
 
+/// Most combinations of states of contacts that are looked at where one of them changes: those of six blocks that rub on one
+/// another.
+pub const MAX_STATES: usize = 1000;
+
 /// What is wrong with a contact.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, thiserror::Error)]
 pub enum ContactMistake {
@@ -71,6 +75,12 @@ pub enum ContactMistake {
     /// Too many modes that are not affine.
     #[error("{0} modes that are not affine; at most {MAX_PRODUCTS} are possible")]
     Products(usize),
+    /// Contacts that act on one another in too many states.
+    #[error(
+        "more than {MAX_STATES} combinations of states of its contacts may follow where a contact of `{0}` changes: at most six \
+         that act on one another are possible"
+    )]
+    States(String),
     /// An operation without result.
     #[error("the forces in `{0}` have no value: {1}")]
     Obstacle(String, Obstacle),

@@ -1,13 +1,14 @@
 //! Contacts: forces that keep to a law, and the modes that these laws make.
 //!
 //! [`law`] has the laws as they are written and the names of their states; [`forces`] finds the forces of all contacts in given
-//! states from one linear system, `forms` are what modes are made of; [`arrivals`] says which states follow where one of them ends,
-//! and [`modes`] makes a mode like any other of it, when it is asked for; [`mistake`] has what may be wrong with one, and `place`
+//! states from one linear system, `forms` are what modes are made of; [`arrivals`] says which states follow where one of them ends, with
+//! what its impact does to others in `impacts`, and [`modes`] makes a mode like any other of it, when it is asked for; [`mistake`] has what may be wrong with one, and `place`
 //! whether a state is that of a mode.
 
 mod arrivals;
 mod forces;
 pub(crate) mod forms;
+mod impacts;
 pub mod law;
 pub mod mistake;
 mod modes;

@@ -80,7 +80,7 @@ pub(super) fn flaw_at(source: &Source, outline: &Outline, path: &str, error: &Sy
 /// What to do about a contact.
 fn about_contact(mistake: &ContactMistake) -> String {
     match mistake {
-        ContactMistake::Many(_) | ContactMistake::Products(_) => {
+        ContactMistake::Many(_) | ContactMistake::Products(_) | ContactMistake::States(_) => {
             "leave out contacts that do not change".to_owned()
         }
         ContactMistake::Nonlinear(name) => {
