@@ -10,7 +10,7 @@ use nalgebra::Complex;
 use super::mode::{AffineMode, AffineSystem, Row};
 use super::surfaces::Surfaces;
 use crate::interval::Interval;
-use crate::linalg::{Factors, Matrix, Vector, known_eigenvalues, pseudo_inverse, solve};
+use crate::linalg::{Factors, Matrix, Vector, known_eigenvalues, pseudo_inverse, radius, solve};
 
 /// An equilibrium of a mode: f(x) = 0, also on the surfaces that the mode does not leave.
 #[derive(Clone, Debug, PartialEq)]
@@ -96,6 +96,9 @@ const STEPS: usize = 60;
 const PLAIN_STEPS: usize = 24;
 const LONG_STEPS: usize = 30;
 
+/// Part of the usual terms of a rate that their rounding may hide.
+const HIDDEN: f64 = 1e-3;
+
 /// Roundings of a rate, relative to its terms.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
@@ -112,7 +115,7 @@ const CHANGED: f64 = 0.05;
 /// one on what is invariant, as an axis without predators, end at any number next to zero.
 const NOTHING: f64 = 1e-30;
 
-/// More degenerate equilibria than this are a family.
+/// More degenerate equilibria than this are a family, and more that are far away are some of infinitely many.
 const FEW: usize = 4;
 
 /// What vanishes where a mode rests.
@@ -177,7 +180,7 @@ impl RestState {
 
 impl AffineSystem {
     /// The equilibria of a mode: the one of an affine mode; of another all that Newton's method finds where no state
-    /// exceeds 10, or 40 times its size, in the order of the first state.
+    /// exceeds 10, or 40 times its size, and those beyond where they are few, in the order of the first state.
     ///
     /// # Errors
     /// Why there is none, or a family of them.
@@ -197,6 +200,7 @@ impl AffineSystem {
         // in units of 1 and, where the mode has others, in its own
         let plain = Vector::from_element(n, 1.0);
         let sizes = self.sizes(mode);
+        let usual = self.rates(mode, &sizes).map(|rates| rates.sizes);
         let is_alike = sizes
             .iter()
             .all(|size| (1.0 / ALIKE..=ALIKE).contains(size));
@@ -209,7 +213,7 @@ impl AffineSystem {
             let rest = self
                 .settle(mode, &state)
                 .or_else(|| self.settle_degenerate(mode, &state));
-            if let Some(rest) = rest {
+            if let Some(rest) = rest.filter(|rest| self.is_told(mode, rest, usual.as_ref())) {
                 let mut within = rest.state.iter().zip(&farthest);
                 let near = within.all(|(x, farthest)| x.abs() <= *farthest);
                 let list = if near { &mut found } else { &mut far };
@@ -218,9 +222,9 @@ impl AffineSystem {
                 }
             }
         }
-        // a pendulum has infinitely many: those far away count where there is none nearby
-        if found.is_empty() {
-            found = far;
+        // a pendulum has infinitely many: those far away count where they are few, or where there is none nearby
+        if found.is_empty() || far.len() <= FEW {
+            found.append(&mut far);
         }
         single_out(&mut found);
         found.sort_by(|one, other| one.state[0].total_cmp(&other.state[0]));
@@ -231,6 +235,19 @@ impl AffineSystem {
         Some(found)
             .filter(|found| !found.is_empty())
             .ok_or(NoEquilibrium::NotFound)
+    }
+
+    /// Whether rates are zero at a degenerate equilibrium by more than that rounding of their terms hides what they are elsewhere, where
+    /// terms have these sizes: far out exponentials leave nothing of the others.
+    fn is_told(&self, mode: usize, rest: &RestState, usual: Option<&Vector>) -> bool {
+        if rest.isolation == Isolation::Simple {
+            return true;
+        }
+        let there = self.rates(mode, &rest.state);
+        usual.zip(there).is_none_or(|(usual, there)| {
+            let mut pairs = there.sizes.iter().zip(usual);
+            pairs.all(|(there, usual)| *usual == 0.0 || ROUNDING * there <= usual * HIDDEN)
+        })
     }
 
     /// The simple equilibrium of a mode that Newton's method finds from a state; of an affine mode the only one.
@@ -333,15 +350,9 @@ impl AffineSystem {
             let changes = |beside: &Option<NewtonStep>| {
                 let moved = beside.as_ref().zip(inverse.as_ref());
                 moved.is_none_or(|(beside, inverse)| {
+                    // in the units of the states in which that is least
                     let changed = inverse.abs() * (&beside.square - &step.square).abs();
-                    // in the units of the states
-                    let size = |i: usize, j: usize| {
-                        error[j].max(f64::MIN_POSITIVE) / error[i].max(f64::MIN_POSITIVE)
-                    };
-                    let n = error.len();
-                    (0..n).any(|i| {
-                        (0..n).map(|j| changed[(i, j)] * size(i, j)).sum::<f64>() > CHANGED
-                    })
+                    radius(&changed) > CHANGED
                 })
             };
             match beside.iter().any(changes) {

@@ -18,7 +18,7 @@ use nalgebra::{DMatrix, DVector};
 pub use balance::{acts, balance, without_noise};
 pub use eigenvalues::{Eigenvalue, eigenvalues, known_eigenvalues};
 pub use factors::Factors;
-pub use solve::{condition, pseudo_inverse, solve};
+pub use solve::{condition, pseudo_inverse, radius, solve};
 
 /// Dense matrix, column-major.
 pub type Matrix = DMatrix<f64>;

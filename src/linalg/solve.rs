@@ -100,20 +100,29 @@ pub fn condition(matrix: &Matrix) -> f64 {
 
 /// The same, by the factors of the matrix.
 fn least_condition(matrix: &Matrix, factors: &Factors) -> f64 {
-    /// Iterations of the power method: its factor is wanted to a few per cent.
-    const ITERATIONS: usize = 16;
     let Some(inverse) = factors
         .inverse()
         .filter(|inverse| inverse.iter().all(|x| x.is_finite()))
     else {
         return f64::INFINITY;
     };
-    let product = inverse.abs() * matrix.abs();
+    radius(&(inverse.abs() * matrix.abs()))
+}
+
+/// The spectral radius of a matrix without negative entries, to a few per cent: what its largest row sum comes to in the units in which
+/// that is least.
+pub fn radius(matrix: &Matrix) -> f64 {
+    /// Iterations of the power method.
+    const ITERATIONS: usize = 16;
     let mut vector = Vector::repeat(matrix.nrows(), 1.0);
     let mut radius = 0.0;
     for _ in 0..ITERATIONS {
-        vector = &product * vector;
+        vector = matrix * vector;
         radius = vector.amax();
+        // of a triangular matrix without diagonal nothing is left
+        if radius == 0.0 {
+            return radius;
+        }
         vector /= radius;
     }
     radius
