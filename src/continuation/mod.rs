@@ -6,6 +6,7 @@
 //! - [`branching`]: tangents of the curves that pass through one point;
 //! - [`locate`]: points within a step;
 //! - [`limit`]: a point that steps come near and do not reach;
+//! - [`unbounded`]: branches that leave every bound;
 //! - [`walk`]: the driver that follows a curve, event by event, to its end;
 //! - [`zero`]: zeros of functions of one variable.
 
@@ -19,6 +20,7 @@ mod cut_disc;
 pub mod limit;
 pub mod locate;
 pub mod newton;
+pub mod unbounded;
 pub mod walk;
 pub mod zero;
 

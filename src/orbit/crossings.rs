@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 
-use super::located::{AT_ZERO, BranchEvent, Crossed, LocatedEvent, Step};
+use super::located::{AT_ZERO, BranchEvent, Crossed, LocatedEvent, Step, TURN};
 use super::{Examined, Growth, Orbit, uncertainty};
 use crate::continuation::Node;
 use crate::continuation::locate::{self, Place};
@@ -157,7 +157,7 @@ pub(super) fn crossings<O: Orbit>(
     if low.s >= high.s {
         return Some(Vec::new());
     }
-    let signs = signs(orbit, step, [&low, &high])?;
+    let signs = signs(orbit, step, [&low, &high], fold)?;
     let fold = fold.filter(|s| low.s < *s && *s < high.s);
     counted(orbit, step, [low, high], fold, signs)
 }
@@ -167,15 +167,20 @@ fn signs<O: Orbit>(
     orbit: &O,
     step: &Step<O>,
     [low, high]: [&SeenStability; 2],
+    fold: Option<f64>,
 ) -> Option<Vec<(Place, LocatedEvent<O>)>> {
     let tolerance = step.steps.tolerance;
+    // a slope of the parameter whose sign rounding changes makes a function across folds change its own
+    let slopes = [step.from, step.to].map(|node| node.tangent[node.tangent.len() - 1]);
+    let by_rounding = slopes[0] * slopes[1] < 0.0 && fold.is_none();
     let mut located = Vec::new();
     for (index, (&before, &after)) in low.tests.iter().zip(&high.tests).enumerate() {
         let ends = [step.before, step.after];
         let told = || ends.iter().all(|end| end.is_told(index));
         let differ = before * after < 0.0 && told();
         // nor where one of them is no number
-        if !differ {
+        let own = ends[0].tests()[index] * ends[1].tests()[index];
+        if !differ || by_rounding && own > 0.0 {
             continue;
         }
         let value = |node: &Node| {
@@ -292,6 +297,23 @@ fn rounding_beside<O: Orbit>(
 /// An arclength, and what happens there.
 type Gathered<O> = (f64, Vec<(Place, LocatedEvent<O>)>);
 
+/// The crossing that a fold of the parameter at an arclength is: of a pitchfork, and known better.
+fn turning_crossing<O: Orbit>(
+    step: &Step<O>,
+    signs: &[(Place, LocatedEvent<O>)],
+    s: f64,
+) -> Option<f64> {
+    let turns = |located: &LocatedEvent<O>| match located.event {
+        BranchEvent::Crossing(test) => O::turns_at(test),
+        _ => false,
+    };
+    let mut signs = signs.iter();
+    let near = |(place, located): &&(Place, LocatedEvent<O>)| {
+        turns(located) && (place.s - s).abs() <= TURN * step.ds
+    };
+    signs.find(near).map(|(place, _)| place.s)
+}
+
 /// What the number of multipliers outside the unit circle says: crossings at which it does not change are none, and where
 /// it changes without one there is one more.
 fn counted<O: Orbit>(
@@ -305,11 +327,13 @@ fn counted<O: Orbit>(
         BranchEvent::Crossing(test) => O::passed_by(test),
         _ => 0,
     };
+    let fold = fold.map(|s| turning_crossing(step, &signs, s).unwrap_or(s));
     // what is known needs no second look
     let known = match (&signs[..], fold) {
         ([], None) => Some(0),
         ([(_, located)], None) => Some(number(located)),
         ([], Some(_)) => Some(1),
+        ([(place, _)], Some(s)) if place.s == s => Some(0),
         _ => None,
     };
     let change = low.change(&high);

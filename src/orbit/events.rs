@@ -1,24 +1,20 @@
 //! What happens within a step of a branch: where it is, and how well that is known.
 
 use super::crossings::{OutsideCount, crossings, is_crossing};
-use super::located::{AT_ZERO, BranchEvent, LocatedEvent, Step};
+use super::located::{AT_ZERO, BranchEvent, LocatedEvent, Step, TURN};
 use super::monitor::{self, MonitorStop};
 use super::special::OrbitRefusal;
 use super::{AtZero, EndWithin, Examined, Orbit, SignVerdict, find, retrace, uncertainty};
 use crate::continuation::arclength::{self, Node};
 use crate::continuation::locate::{self, Place, Target};
 use crate::continuation::newton::{self, Plane};
-use crate::linalg::Vector;
+use crate::linalg::{Vector, condition};
 
 /// A tangent whose parameter component is below this does not tell a direction.
 pub(super) const VERTICAL: f64 = 1e-7;
 
 /// Parts of a step after which the direction of the parameter is looked for.
 const NEAR: [f64; 3] = [1e-3, 1e-2, 1e-1];
-
-/// A fold and a crossing of branches closer together than this part of a step, at one parameter to rounding, are one: the
-/// fold of a pitchfork is known to the square root of rounding.
-const TURN: f64 = 1e-3;
 
 /// An event known less well than this, relative to the parameter or its range, is not reported;
 /// rounding at the stiff end leaves 1e-9. With a coarse tolerance: than this many tolerances.
@@ -252,24 +248,44 @@ pub(super) fn may_turn<O: Orbit>(orbit: &O, step: &Step<O>) -> bool {
     slopes.iter().any(|slope| *slope > LITTLE) || orbit.may_turn(step)
 }
 
+/// Whether a step at whose beginning the parameter is stationary, but for next to nothing, may begin beside a fold: neither does a zone
+/// open there, nor do branches cross.
+fn may_begin_at_fold<O: Orbit>(orbit: &O, step: &Step<O>) -> bool {
+    /// Condition of the equations with the tangent, above which they are singular.
+    const CROSSING: f64 = 1e8;
+    let node = step.from;
+    let mut margins = step.before.margins().iter();
+    if orbit.opens(&node.point) || margins.any(|margin| O::value(margin) <= AT_ZERO) {
+        return false;
+    }
+    let mut plane = Plane {
+        normal: &node.tangent,
+        through: &node.point,
+    };
+    let bordered = newton::bordered(orbit, &mut plane, &node.point);
+    bordered.is_ok_and(|bordered| condition(&bordered.matrix) < CROSSING)
+}
+
 /// The fold inside a step at whose ends the parameter moves in opposite directions: a zero of the last
 /// component of the tangent. `None` if it is not found.
 #[allow(clippy::option_option)] // found or not, there or not
 fn fold<O: Orbit>(orbit: &O, step: &Step<O>) -> Option<Option<(Place, LocatedEvent<O>)>> {
     let tolerance = step.steps.tolerance;
     let last = step.from.tangent.len() - 1;
-    let (mut low, high) = (
-        (0.0, step.from.tangent[last]),
-        (step.ds, step.to.tangent[last]),
-    );
+    let mut low = (0.0, step.from.tangent[last]);
+    let mut high = (step.ds, step.to.tangent[last]);
     if is_vertical(orbit, step.from) {
         // where a zone opens the parameter is stationary: a short way on it tells its direction. A layer
         // may turn the branch on a shorter one
-        low = NEAR.into_iter().find_map(|part| {
+        let near = NEAR.into_iter().find_map(|part| {
             let near = part * step.ds;
             let step = arclength::advance(orbit, step.from, &[], near, tolerance).ok()?;
             Some((near, step.node.tangent[last]))
         })?;
+        match low.1 * near.1 < 0.0 && may_begin_at_fold(orbit, step) {
+            true => high = near,
+            false => low = near,
+        }
     }
     if low.1 * high.1 >= 0.0 || !may_turn(orbit, step) {
         return Some(None);

@@ -77,6 +77,10 @@ impl<O: Orbit> LocatedEvent<O> {
     }
 }
 
+/// A fold and a crossing of branches closer together than this part of a step, at one parameter to rounding, are one: the
+/// fold of a pitchfork is known to the square root of rounding.
+pub(super) const TURN: f64 = 1e-3;
+
 /// A scaled margin below this is zero but for rounding.
 pub(crate) const AT_ZERO: f64 = 1e-9;
 

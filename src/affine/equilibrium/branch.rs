@@ -7,10 +7,10 @@ use super::normal_form::{Lyapunov, normal_form};
 use super::spectrum::{BRANCHING, HOPF, critical_pair};
 use super::{EquilibriumBifurcation, EquilibriumGuard, EquilibriumStop, VirtualEquilibrium};
 use crate::affine::mode::Exit;
-use crate::continuation::Node;
 use crate::continuation::branch_point::branch_point;
-use crate::continuation::locate::{Place, zero_along};
+use crate::continuation::locate::{Place, node_at, zero_along};
 use crate::continuation::newton;
+use crate::continuation::{DEFAULT_TOLERANCE, Node, unbounded};
 use crate::linalg::{Matrix, Vector};
 use crate::orbit::monitor::MonitorValue;
 use crate::orbit::switch::is_in_family;
@@ -26,6 +26,13 @@ const AT_REST: f64 = 1e-8;
 
 /// Part of a step to which a change of stability is known before its extended system is solved.
 const NEAR: f64 = 1e-3;
+
+/// Part of the size of states by which they are followed farther where they grow without bound, to see that the slope of the parameter
+/// falls, at least like the root of that size.
+const FARTHER: f64 = 0.1;
+
+/// Parts of a step from whose ends that is solved where nothing is found so near.
+const SAMPLES: u32 = 8;
 
 /// Of the exits of a guard the first whose conditions hold at z, and any before it of which that is not told.
 fn taken<'a>(exits: &'a [Exit], z: &Vector) -> Vec<&'a Exit> {
@@ -209,7 +216,26 @@ impl Orbit for EquilibriumCurve {
 
     fn completes(stop: &EquilibriumStop) -> bool {
         match stop {
-            EquilibriumStop::NoneBeyond { .. } => true,
+            EquilibriumStop::NoneBeyond { .. } | EquilibriumStop::Grows => true,
+        }
+    }
+
+    fn exhausted(&self, node: &Node, _: (f64, f64)) -> Option<EquilibriumStop> {
+        let Node { point, tangent, .. } = node;
+        let slope = |node: &Node| node.tangent[self.states()].abs();
+        // beside a fold the slope is as small, but rises
+        let falls = || {
+            let beyond = node_at(self, node, FARTHER * point.norm(), DEFAULT_TOLERANCE);
+            beyond.is_some_and(|beyond| slope(&beyond) < (1.0 - 0.5 * FARTHER) * slope(node))
+        };
+        let grows = unbounded::grows(point, tangent, self.stretch(point)) && falls();
+        grows.then_some(EquilibriumStop::Grows)
+    }
+
+    fn short_of(&self, stop: &EquilibriumStop, node: &Node) -> f64 {
+        match stop {
+            EquilibriumStop::Grows => unbounded::short_of(&node.point, &node.tangent),
+            EquilibriumStop::NoneBeyond { .. } => 0.0,
         }
     }
 
@@ -234,19 +260,27 @@ impl Orbit for EquilibriumCurve {
                 return Some((place, error * self.unit().abs()));
             }
         };
-        let near = self.near_zero(test, from, ends, tolerance)?;
-        let located = locate(self, &near, condition)?;
-        let s = from.tangent.dot(&(&located.point - &from.point));
-        // another one, beyond the step
-        if s < ends[0] || s > ends[1] {
-            return None;
-        }
-        let node = Node {
-            point: located.point,
-            ..near
+        let located = |near: Node| {
+            let located = locate(self, &near, condition)?;
+            let s = from.tangent.dot(&(&located.point - &from.point));
+            let node = Node {
+                point: located.point,
+                ..near
+            };
+            let place = Place { s, node, blur: 0.0 };
+            // another one may lie beyond the step
+            (ends[0]..=ends[1])
+                .contains(&s)
+                .then_some((place, located.uncertainty))
         };
-        let place = Place { s, node, blur: 0.0 };
-        Some((place, located.uncertainty))
+        let near = self.near_zero(test, from, ends, tolerance);
+        near.and_then(located).or_else(|| {
+            // beside a crossing of branches rounding may leave no equilibrium: from farther away its own equations lead to it
+            let mut parts = (1..SAMPLES).map(|part| f64::from(part) / f64::from(SAMPLES));
+            let at =
+                |part: f64| node_at(self, from, ends[0] + part * (ends[1] - ends[0]), tolerance);
+            parts.find_map(|part| at(part).and_then(located))
+        })
     }
 
     fn across_folds(&self, test: usize, value: f64, node: &Node) -> f64 {
@@ -362,7 +396,7 @@ impl EquilibriumCurve {
             _ => Some(self.examined(&node.point).ok()?.tests()[test]),
         };
         let at = |s: f64| {
-            let node = crate::continuation::locate::node_at(self, from, s, tolerance)?;
+            let node = node_at(self, from, s, tolerance)?;
             Some((s, value(&node)?))
         };
         let ends = (at(ends[0])?, at(ends[1])?);

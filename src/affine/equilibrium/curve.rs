@@ -343,6 +343,7 @@ pub(super) fn scales(
     let n = state.len();
     let by_parameter = Vector::from_fn(n, |row, _| -at.rates[row].by[n] * width);
     let change = solve(&slopes, &by_parameter).unwrap_or_else(|| Vector::zeros(n));
+    let change = &change * reached(&field, &slopes, &change);
     let size = |index: usize| {
         let (x, change) = (state[index].abs(), change[index].abs());
         if x > NOTHING * change { x } else { change }
@@ -370,6 +371,27 @@ pub(super) fn scales(
         rate,
         first,
     })
+}
+
+/// The part of a linear change of states that is reached where rates bend: of s + qs² = 1, q the part of it that their second
+/// derivatives make of all of it. Beside a fold next to nothing.
+fn reached(field: &LocalField, slopes: &Matrix, change: &Vector) -> f64 {
+    let n = field.states;
+    let functions: Vec<Of> = (0..n).map(Of::Rate).collect();
+    let along = Vector::from_fn(
+        n + 1,
+        |index, _| if index < n { change[index] } else { 0.0 },
+    );
+    let bends = field.second(&functions, &along, std::slice::from_ref(&along));
+    let bends = Vector::from_fn(n, |row, _| 0.5 * bends[(row, 0)]);
+    let parts = solve(slopes, &bends).map_or(0.0, |bends| {
+        let parts = bends
+            .iter()
+            .zip(change)
+            .map(|(bend, change)| (bend / change).abs());
+        parts.filter(|part| part.is_finite()).fold(0.0, f64::max)
+    });
+    2.0 / (1.0 + (1.0 + 4.0 * parts).sqrt())
 }
 
 /// How far from a place rates are linear, in these units of the states: where their second or third derivatives make as much of a

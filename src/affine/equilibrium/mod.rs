@@ -163,11 +163,16 @@ pub enum EquilibriumStop {
         /// What is zero.
         guard: EquilibriumGuard,
     },
+    /// The states grow without bound.
+    Grows,
 }
 
 impl fmt::Display for EquilibriumStop {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            EquilibriumStop::Grows => f.write_str(
+                "the states of the equilibrium grow without bound, while the parameter comes to a limit",
+            ),
             EquilibriumStop::NoneBeyond { guard } => write!(
                 f,
                 "the branch ends: in no mode to which {} of `{}` leads do equilibria go on from there",
