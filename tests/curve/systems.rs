@@ -290,6 +290,10 @@ fn fold_doubling_and_graze_meet() {
     observed("folds of the impact oscillator in (A, w)", worst);
     observed("their meeting with the graze", meets);
     assert!(worst < 1e-9 && meets < 1e-6, "{worst:e} {meets:e}");
+    // the other multiplier of a fold is their product, e² exp(−cT) = 0.467: neither -1 nor 1
+    for kind in [PointType::Two(LP, PD), PointType::Resonance(1)] {
+        assert!(of(&folds, kind).is_empty(), "{kind}");
+    }
     let edge = |curve: &WholeCurve<OrbitsInPlane>| {
         let ends = [curve.points.first(), curve.points.last()];
         let mut ends = ends.into_iter().flatten();

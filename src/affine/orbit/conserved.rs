@@ -145,19 +145,23 @@ impl Conserved {
                 own.axpy(-by / sum[*pivot], &column, 1.0);
             }
         }
-        let gone = self.pivots();
-        within.remove_columns_at(&gone).remove_rows_at(&gone)
+        // where every state is one of them nothing is left
+        let left = self.others(matrix.nrows());
+        Matrix::from_fn(left.len(), left.len(), |row, column| {
+            within[(left[row], left[column])]
+        })
     }
 
     /// A change of states that does not change the sums, in the states that are left.
     pub fn left(&self, change: &Vector) -> Vector {
-        change.clone().remove_rows_at(&self.pivots())
+        let left = self.others(change.len());
+        Vector::from_fn(left.len(), |row, _| change[left[row]])
     }
 
-    fn pivots(&self) -> Vec<usize> {
-        let mut pivots: Vec<usize> = self.basis.iter().map(|(pivot, _)| *pivot).collect();
-        pivots.sort_unstable();
-        pivots
+    /// The states that are left, of so many.
+    fn others(&self, states: usize) -> Vec<usize> {
+        let is_left = |state: &usize| self.basis.iter().all(|(pivot, _)| pivot != state);
+        (0..states).filter(is_left).collect()
     }
 }
 

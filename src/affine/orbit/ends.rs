@@ -10,6 +10,7 @@ use super::{CLOSING, Critical, Watch};
 use crate::affine::mode::Row;
 use crate::continuation::Node;
 use crate::continuation::locate::node_at;
+use crate::continuation::unbounded;
 use crate::linalg::Vector;
 use crate::orbit::Orbit as _;
 
@@ -31,11 +32,6 @@ const NEARLY_AT_REST: f64 = 1e-4;
 
 /// An orbit that begins as near as this to an equilibrium, in units of its states, has half of all digits of the distance.
 const AT_EQUILIBRIUM: f64 = 1e-8;
-
-/// States this many times as large as their units grow without bound, if the parameter changes by less than the part
-/// of its range while they grow without end: its slope decays at least like their size, squared.
-const LARGE: f64 = 1e4;
-const SETTLED: f64 = 1e-4;
 
 /// Growth in the longest zone, as a power of e, that has taken half of all digits.
 const DIGITS: f64 = 18.0;
@@ -149,11 +145,9 @@ impl AffineOrbit {
 
     /// Whether states grow and the parameter comes to a limit.
     fn grows(&self, node: &Node) -> Option<OrbitStop> {
-        let (point, tangent) = (&node.point, &self.tangent_of_zones(node));
-        let size = self.stretch(point);
-        let settled = || size * tangent[tangent.len() - 1].abs() < SETTLED;
-        let outwards = || point.dot(tangent) > GROWING * point.norm();
-        (size > LARGE && settled() && outwards()).then_some(OrbitStop::Grows)
+        let tangent = self.tangent_of_zones(node);
+        let grows = unbounded::grows(&node.point, &tangent, self.stretch(&node.point));
+        grows.then_some(OrbitStop::Grows)
     }
 
     /// Whether the zones of all modes but one shrink, and every state of the orbit varies by less than this part of its
@@ -304,6 +298,8 @@ impl AffineOrbit {
         const LITTLE: f64 = 1e-3;
         /// A size that a located event may have at the point itself.
         const TINY: f64 = 1e-12;
+        /// There a zone that is shorter than this part of the period closes, and its duration is a root of what is left.
+        const SHORT: f64 = 1e-3;
         let Node { point, tangent, .. } = node;
         if self.sequence.switches() == 0 {
             return None;
@@ -320,6 +316,12 @@ impl AffineOrbit {
             let before = self.extent(&(point - tangent * here))?;
             here * here / (before - here)
         } else {
+            let durations = (0..self.zones()).map(|zone| point[self.duration_index(zone)]);
+            let durations: Vec<f64> = durations.collect();
+            let period: f64 = durations.iter().sum();
+            if durations.iter().any(|one| *one < SHORT * period) {
+                return None;
+            }
             here
         };
         let remain = (0..self.zones()).all(|zone| {
@@ -431,10 +433,7 @@ impl AffineOrbit {
                 });
                 0.5 * (slope * period / growth).abs()
             }
-            OrbitStop::Grows => {
-                let tangent = self.tangent_of_zones(node);
-                2.0 * slope * point.norm_squared() / point.dot(&tangent).abs()
-            }
+            OrbitStop::Grows => unbounded::short_of(point, &self.tangent_of_zones(node)),
             OrbitStop::PartRests { left, .. } => *left,
             OrbitStop::Rests { modes } => {
                 let moves = |zone: &usize| !modes.contains(&self.sequence.zone(*zone).name);
