@@ -7,7 +7,7 @@ use brakewave::affine::steady::Isolation;
 use super::branches::follow;
 use super::rests::{Course, LORENZ, STARTS, meets, number};
 use super::systems::{at, system};
-use EventType::{BP, EP, GR, HB, HC, LP};
+use EventType::{BP, EP, GR, HB, HC, LP, SL};
 
 /// Lorenz's equations with the origin elsewhere.
 fn lorenz([x, y, z]: [f64; 3]) -> String {
@@ -198,5 +198,38 @@ fn a_ball_comes_to_lie_on_its_table() {
         let kinds: Vec<EventType> = seen.iter().map(|one| one.kind).collect();
         assert_eq!(kinds, [GR, EP], "{g}");
         assert!((seen[0].value - g).abs() <= 1e-12, "{g}: {}", seen[0].value);
+    }
+}
+
+/// A harvest that begins at a threshold of the predators, which slides there, left at a tangency: the ends of its second zone are those of
+/// problems/predator_prey.ron wherever the origin is.
+#[test]
+fn a_tangency_is_one_far_from_the_origin() {
+    for [a, b] in [[0.0, 0.0], [8.0, -8.0], [-25.0, 17.0], [71.0, 79.0]] {
+        let text = format!(
+            r#"(states: ["x", "y"], parameters: {{"a": 1.0, "b": 0.3, "d": 0.42, "h": 0.15, "al": 0.6}},
+            define: {{"X": "x + {a:?}", "Y": "y + {b:?}", "eaten": "a*X*Y/(b + X)"}},
+            modes: {{
+                "low": (rates: {{"x": "X*(1 - X) - eaten", "y": "eaten - d*Y"}}, until: [(zero: "al - Y", to: "high")]),
+                "high": (rates: {{"x": "X*(1 - X) - eaten", "y": "eaten - (d + h)*Y"}}, until: [(zero: "Y - al", to: "low")]),
+            }}, sliding: {{"slide": ("low", "high")}})"#
+        );
+        let range = (0.43, 0.77);
+        let beginning = Beginning {
+            mode: 0,
+            state: vec![0.3 - a, 0.5 - b],
+            phase: 0.0,
+        };
+        let wanted = Wanted::new(system(&text), "al", range).unwrap();
+        let (orbit, point) = first(&wanted, &beginning, Search::Settles(200.0)).unwrap();
+        for (up, known) in [(false, 0.514_811_352_892_52), (true, 0.692_771_225_622_60)] {
+            let seen = follow(&orbit, &point, up, range, 2000).0;
+            let kinds: Vec<EventType> = seen.iter().map(|one| one.kind).collect();
+            assert_eq!(kinds, [SL, EP], "{a} {b}");
+            // a rounding of the states, which the tangency magnifies
+            let rounding = 2e-14 * (1.0 + a.abs().max(b.abs()));
+            let off = (seen[0].value - known).abs();
+            assert!(off <= 20.0 * rounding, "{a} {b}: {off:e}");
+        }
     }
 }

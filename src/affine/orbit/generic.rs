@@ -1,7 +1,7 @@
 //! What is zero by the structure where modes are not linear: told by generic points.
 //!
 //! A function vanishes by the structure where some forms do if it vanishes at points that satisfy these and nothing
-//! else: places near the orbit, moved at random by a tenth of its size and then back onto the zeros of the forms.
+//! else: places near the orbit, moved at random by a tenth of what it moves by and then back onto the zeros of the forms.
 
 use std::f64::consts::TAU;
 
@@ -13,7 +13,7 @@ use crate::linalg::{Matrix, Vector, pseudo_inverse};
 
 /// Points that are tried.
 const POINTS: usize = 3;
-/// How far they are moved, in units of the states and in turns.
+/// How far they are moved, in parts of what each state changes by along the orbit, and in turns.
 const MOVED: f64 = 0.1;
 /// Steps back onto the zeros at most.
 const STEPS: usize = 30;
@@ -42,13 +42,13 @@ fn slopes(by_z: &Vector, z: &Vector, harmonics: usize, units: &Units) -> Vec<f64
 }
 
 impl Points {
-    /// Points of a mode next to a state and a phase; none where rates have no value there.
+    /// Points of a mode next to a state and a phase, moved by parts of these distances; none where rates have no value there.
     pub fn new(
         system: &AffineSystem,
         mode: usize,
         (state, phase): (&[f64], f64),
         forms: &Forms,
-        units: &Units,
+        (units, distances): (&Units, &[f64]),
     ) -> Points {
         let shares = |point: usize, index: usize| {
             // the golden sequence of every unknown
@@ -59,7 +59,7 @@ impl Points {
         let moved = (0..POINTS).filter_map(|point| {
             let states = state.iter().enumerate();
             let mut state: Vec<f64> = states
-                .map(|(index, x)| x + units.z[index] * shares(point, index))
+                .map(|(index, x)| x + distances[index] * shares(point, index))
                 .collect();
             let mut phase = phase + TAU * shares(point, state.len());
             let field = &system.modes[mode].field;

@@ -353,6 +353,31 @@ fn with_orders(zeros: &Zeros, zone: usize, (zero, end): (Forms, Forms)) -> ZoneF
     }
 }
 
+/// What each state changes by from zone to zone, or would in this one at the rate of its entry: no more than its unit, of which it may be a small
+/// part where the origin is far away.
+fn moved(
+    system: &AffineSystem,
+    mode: usize,
+    units: &Units,
+    (zones, zone): (&[ZonePoint], usize),
+) -> Vec<f64> {
+    /// No less than this part of the unit.
+    const LEAST: f64 = 1e-3;
+    let at = &zones[zone];
+    let z = system.lift(mode, &at.state, at.phase);
+    let rates = &system.modes[mode].matrix;
+    let along = |state: usize| {
+        let all = zones.iter().map(|zone| zone.state[state]);
+        let (low, high) = all.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
+            (low.min(x), high.max(x))
+        });
+        let within = (rates.value(state, &z) * at.duration).abs();
+        let unit = units.z[state];
+        (high - low).max(within).clamp(LEAST * unit, unit)
+    };
+    (0..system.states).map(along).collect()
+}
+
 /// The facts of a zone by points next to it.
 fn generic(
     system: &AffineSystem,
@@ -377,7 +402,9 @@ fn generic(
             z.rows(0, system.states).iter().copied().collect()
         }
     };
-    let points = |place, forms: &Forms| Points::new(system, number, place, forms, units);
+    let distances = moved(system, number, units, (zones, zone));
+    let by = (units, &distances[..]);
+    let points = |place, forms: &Forms| Points::new(system, number, place, forms, by);
     let (first, last) = (
         points((&at.state, at.phase), &zero),
         points((&last, phase), &end),
