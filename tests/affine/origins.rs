@@ -233,3 +233,32 @@ fn a_tangency_is_one_far_from_the_origin() {
         }
     }
 }
+
+/// The connection of a homoclinic orbit is found wherever its saddle lies: it is no farther from there than the orbit is large.
+#[test]
+fn a_homoclinic_orbit_is_found_far_from_the_origin() {
+    for [a, b] in [[0.0, 0.0], [-2.92, 2.02], [14.0, -9.0]] {
+        let text = format!(
+            r#"(states: ["x", "y"], parameters: {{"mu": -0.0893601, "nu": -0.477427, "s": -0.269664}},
+            define: {{"X": "x + {a:?}", "Y": "y + {b:?}"}},
+            modes: {{"flow": (rates: {{"x": "2*Y + 2*s*X*(1 + X)", "y": "(3*X + 2)*(X + s*Y) + (mu - 0.4*nu - nu^2)*Y"}})}})"#
+        );
+        let range = (-0.5, 0.3);
+        let beginning = Beginning {
+            mode: 0,
+            state: vec![-0.5 - a, -b],
+            phase: 0.0,
+        };
+        let wanted = Wanted::new(system(&text), "mu", range).unwrap();
+        let (orbit, point) = first(&wanted, &beginning, Search::Settles(200.0)).unwrap();
+        let seen = follow(&orbit, &point, true, range, 2000).0;
+        let kinds: Vec<EventType> = seen.iter().map(|one| one.kind).collect();
+        assert_eq!(kinds, [HC], "{a} {b}");
+        // roundings of the states, of which the parameter is a part of order one
+        let off = (seen[0].value - 0.036_965_740_329_000).abs();
+        assert!(
+            off <= 1e-13 * (1.0 + a.abs().max(b.abs())),
+            "{a} {b}: {off:e}"
+        );
+    }
+}

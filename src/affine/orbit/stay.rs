@@ -76,7 +76,8 @@ fn slowest<'a>(way: &'a [Vector], units: &[f64]) -> Option<&'a Vector> {
 }
 
 impl AffineOrbit {
-    /// Units of an orbit's own: those of the first orbit, but where a state varies by much more than that, what it varies by.
+    /// Units of an orbit's own: those of the first orbit, less by the part of them that it varies by at most, but where a state varies by
+    /// much more than that, what it varies by.
     pub(super) fn extents(&self, point: &Vector) -> Vec<f64> {
         /// Up to so many units the unit serves. Of a state that varies by less it does: it may only follow the others.
         const ALIKE: f64 = 5.0;
@@ -84,9 +85,14 @@ impl AffineOrbit {
         let Ok(extremes) = self.extremes(point) else {
             return units.clone();
         };
-        let extents = extremes.iter().zip(units).map(|((low, high), unit)| {
-            let extent = high - low;
-            if extent > ALIKE * unit { extent } else { *unit }
+        let extents = extremes.iter().map(|(low, high)| high - low).zip(units);
+        // far from the origin the orbit is a small part of all of them
+        let parts = extents.clone().map(|(extent, unit)| extent / unit);
+        let part = parts.fold(0.0, f64::max).min(1.0);
+        let part = if part > 0.0 { part } else { 1.0 };
+        let extents = extents.map(|(extent, unit)| {
+            let unit = part * unit;
+            if extent > ALIKE * unit { extent } else { unit }
         });
         extents.collect()
     }
