@@ -106,24 +106,33 @@ fn a_fold_at_the_beginning_is_a_fold() {
     }
 }
 
-/// x' = μ − x² from as near to its fold as may be: the whole range both ways, in units of what the state becomes.
+/// x' = μ − x² from as near to its fold as may be, alone and with a state that follows: the whole range both ways, in units of what the states
+/// become.
 #[test]
 fn a_branch_that_begins_small_gets_on() {
     for mu in [1e-6_f64, 1e-10, 1e-12, 1e-14] {
-        let text = format!(
+        let alone = format!(
             r#"(states: ["x"], parameters: {{"mu": {mu:?}}}, modes: {{"flow": (rates: {{"x": "mu - x^2"}})}})"#
         );
-        let course = Course {
-            system: &text,
-            mode: "flow",
-            state: &[mu.sqrt()],
-            parameter: "mu",
-            range: (-1.0, 1.0),
-        };
-        // `all` sees that both ways end well
-        let events = course.events();
-        let kinds: Vec<EventType> = events.iter().map(|event| event.kind).collect();
-        assert_eq!(kinds, [LP], "{mu:e}");
+        let followed = format!(
+            r#"(states: ["y", "x"], parameters: {{"mu": {mu:?}}}, modes: {{"flow": (rates: {{"x": "mu - x^2", "y": "3*x^2 - y"}})}})"#
+        );
+        for (text, state) in [
+            (alone, vec![mu.sqrt()]),
+            (followed, vec![3.0 * mu, mu.sqrt()]),
+        ] {
+            let course = Course {
+                system: &text,
+                mode: "flow",
+                state: &state,
+                parameter: "mu",
+                range: (-1.0, 1.0),
+            };
+            // `all` sees that both ways end well
+            let events = course.events();
+            let kinds: Vec<EventType> = events.iter().map(|event| event.kind).collect();
+            assert_eq!(kinds, [LP], "{mu:e} {state:?}");
+        }
     }
 }
 

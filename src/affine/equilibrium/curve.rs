@@ -317,7 +317,7 @@ impl Equations for EquilibriumCurve {
     }
 }
 
-/// Units in which an equilibrium is followed: the size of every state; of one that is zero but for rounding what it
+/// Units in which an equilibrium is followed: the size of every state; of one that is zero, or next to nothing, what it
 /// changes by over the range of the parameter; and of one that stays zero what makes the derivatives of the rates alike. Where all
 /// states are rounding, none has a size: there the unit is how far rates are linear.
 pub(super) fn scales(
@@ -327,8 +327,11 @@ pub(super) fn scales(
     (mode, state): (usize, &[f64]),
     width: f64,
 ) -> Option<EquilibriumScales> {
-    /// A state that is smaller than this part of its change, or of the others in balanced units, is zero.
+    /// A state that is smaller than this part of the others in balanced units is zero.
     const NOTHING: f64 = 1e-9;
+    /// One that is smaller than this part of its change has that for its unit: beside a fold steps would be next to nothing, and so
+    /// would be what the parameter changes by in them.
+    const LITTLE: f64 = 1e-3;
     let lifted = lifted(system, values, &[parameter]).ok()?;
     let first: Vec<f64> = state.iter().copied().chain([values[parameter]]).collect();
     let field = LocalField {
@@ -343,10 +346,10 @@ pub(super) fn scales(
     let n = state.len();
     let by_parameter = Vector::from_fn(n, |row, _| -at.rates[row].by[n] * width);
     let change = solve(&slopes, &by_parameter).unwrap_or_else(|| Vector::zeros(n));
-    let change = &change * reached(&field, &slopes, &change);
+    let change = reached(&field, &slopes, &change);
     let size = |index: usize| {
         let (x, change) = (state[index].abs(), change[index].abs());
-        if x > NOTHING * change { x } else { change }
+        if x > LITTLE * change { x } else { change }
     };
     let rate = rate_unit(&slopes);
     let (balanced, _) = balance(&slopes, rate);
@@ -373,25 +376,24 @@ pub(super) fn scales(
     })
 }
 
-/// The part of a linear change of states that is reached where rates bend: of s + qs² = 1, q the part of it that their second
-/// derivatives make of all of it. Beside a fold next to nothing.
-fn reached(field: &LocalField, slopes: &Matrix, change: &Vector) -> f64 {
+/// What is reached of a linear change of states where rates bend: of each state the part s with s + qs² = 1, q the part of the change
+/// that second derivatives make of all of it. Beside a fold that is next to nothing.
+fn reached(field: &LocalField, slopes: &Matrix, change: &Vector) -> Vector {
     let n = field.states;
     let functions: Vec<Of> = (0..n).map(Of::Rate).collect();
-    let along = Vector::from_fn(
-        n + 1,
-        |index, _| if index < n { change[index] } else { 0.0 },
-    );
+    let along = change.clone().resize_vertically(n + 1, 0.0);
     let bends = field.second(&functions, &along, std::slice::from_ref(&along));
     let bends = Vector::from_fn(n, |row, _| 0.5 * bends[(row, 0)]);
-    let parts = solve(slopes, &bends).map_or(0.0, |bends| {
-        let parts = bends
-            .iter()
-            .zip(change)
-            .map(|(bend, change)| (bend / change).abs());
-        parts.filter(|part| part.is_finite()).fold(0.0, f64::max)
-    });
-    2.0 / (1.0 + (1.0 + 4.0 * parts).sqrt())
+    let Some(bends) = solve(slopes, &bends) else {
+        return change.clone();
+    };
+    change.zip_map(&bends, |change, bend| {
+        let part = (bend / change).abs();
+        match part.is_finite() {
+            true => change * 2.0 / (1.0 + (1.0 + 4.0 * part).sqrt()),
+            false => change,
+        }
+    })
 }
 
 /// How far from a place rates are linear, in these units of the states: where their second or third derivatives make as much of a
