@@ -367,7 +367,7 @@ class Contacts:
                 conditions, beyond = list(trial[1]), []
                 for contact in self.others(at):
                     limits = self.open_limits(at, trial, contact, forces)
-                    beyond = [self.changed(trial, contact, *limit) for limit in limits] + beyond
+                    beyond += [self.changed(trial, contact, *limit) for limit in limits]
                     # it holds in this state, or another state would not
                     holds = (self.laws[contact][0], trial[0][contact]) in (("Friction", STICK), ("Stop", CLOSED), ("Spring", CLOSED))
                     conditions += (not holds and self.broken(at, trial, contact)) or [limit for limit, _ in limits]

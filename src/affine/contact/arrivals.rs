@@ -314,8 +314,7 @@ impl<C: Measured> Instant<'_, C> {
                     true => &mut before,
                     false => &mut beyond,
                 };
-                // those of the last contact come first
-                ways.splice(..0, next);
+                ways.extend(next);
                 conditions.extend(self.conditions(contact, trial, limits).map_err(failed)?);
             }
         }
