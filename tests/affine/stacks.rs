@@ -126,3 +126,27 @@ fn more_blocks_than_six_are_refused() {
         "{said}"
     );
 }
+
+/// Friction at rest above that of slip: as the slip of the first mass ends, it may slip back with the second one stuck to it, or stick while that
+/// slips. It goes on by itself first, in any order of the file: then v = −(1.2 − F)/2 t.
+#[test]
+fn of_two_combinations_that_fit_the_contact_that_ends_has_the_first() {
+    let first = r#""q": Friction(slip: "v", bound: "0.7", static: "0.935")"#;
+    let second = r#""r": Friction(slip: "v - u", bound: "0.85", static: "1.15")"#;
+    for ([one, other], mode) in [
+        ([first, second], "forward.stick"),
+        ([second, first], "stick.forward"),
+    ] {
+        let text = format!(
+            r#"(states: ["v", "u"], contacts: {{{one}, {other}}}, rates: {{"v": "0.1 + q + r", "u": "-1.3 - r"}})"#
+        );
+        let system = system(&text);
+        let affine = at(&system, &[]);
+        let mut motion = Motion::new(&affine, place(&system, mode, &[0.5, 0.5], 0.0), 10.0);
+        while motion.step(1.0).unwrap() != Step::Reached {}
+        let expected = -0.25 * (1.0 - 0.5 / 0.95);
+        for v in &motion.place().state {
+            assert!((v - expected).abs() <= 1e-15, "{mode}: {v} {expected}");
+        }
+    }
+}
