@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use brakewave::EventType;
 use brakewave::affine::orbit::AffineOrbit;
-use brakewave::affine::orbit::start::{Beginning, Search, Wanted, first};
+use brakewave::affine::orbit::start::{Beginning, NoStart, Search, Wanted, first};
 use brakewave::continuation::Steps;
 use brakewave::linalg::Vector;
 use brakewave::orbit::follow::{Follower, Limits, LocatedPoint};
@@ -20,6 +20,23 @@ pub struct Seen {
     pub kind: EventType,
     pub value: f64,
     pub what: String,
+}
+
+/// The orbit on which a motion of a system settles from a state in a mode at a phase, in this time, to be followed in a parameter.
+pub fn started(
+    text: &str,
+    (mode, state, phase): (&str, &[f64], f64),
+    (parameter, range): (&str, (f64, f64)),
+    settle: f64,
+) -> Result<(AffineOrbit, Vector), NoStart> {
+    let system = system(text);
+    let beginning = Beginning {
+        mode: system.mode(mode).unwrap(),
+        state: state.to_vec(),
+        phase,
+    };
+    let wanted = Wanted::new(system, parameter, range).unwrap();
+    first(&wanted, &beginning, Search::Settles(settle))
 }
 
 /// What a branch meets until its range or this many points.

@@ -1,10 +1,9 @@
 //! What is said does not depend on where the origin of the states lies, nor on how far from it one begins.
 
 use brakewave::EventType;
-use brakewave::affine::orbit::start::{Beginning, Search, Wanted, first};
 use brakewave::affine::steady::Isolation;
 
-use super::branches::follow;
+use super::branches::{follow, started};
 use super::rests::{Course, LORENZ, STARTS, meets, number};
 use super::systems::{at, system};
 use EventType::{BP, EP, GR, HB, HC, LP, SL};
@@ -170,13 +169,8 @@ fn no_multiplier_passes_beside_a_homoclinic_orbit() {
     let mut ends = Vec::new();
     for (text, state) in [(plain, [-0.5, 0.0]), (turned, [0.0, -0.5])] {
         let range = (-0.74, 0.54);
-        let beginning = Beginning {
-            mode: 0,
-            state: state.to_vec(),
-            phase: 0.0,
-        };
-        let wanted = Wanted::new(system(text), "mu", range).unwrap();
-        let (orbit, point) = first(&wanted, &beginning, Search::Settles(200.0)).unwrap();
+        let from = ("flow", &state[..], 0.0);
+        let (orbit, point) = started(text, from, ("mu", range), 200.0).unwrap();
         let seen = follow(&orbit, &point, true, range, 2000).0;
         let kinds: Vec<EventType> = seen.iter().map(|one| one.kind).collect();
         assert_eq!(kinds, [HC]);
@@ -194,15 +188,9 @@ fn a_ball_comes_to_lie_on_its_table() {
             rates: {{"y": "u", "u": "G*sin(phase) - g + p"}})"#,
             1.5 * g
         );
-        let system = system(&text);
         let range = (0.4 * g, 3.0 * g);
-        let beginning = Beginning {
-            mode: system.mode("open").unwrap(),
-            state: vec![1.0, 0.0],
-            phase: 0.0,
-        };
-        let wanted = Wanted::new(system, "G", range).unwrap();
-        let (orbit, point) = first(&wanted, &beginning, Search::Settles(60.0)).unwrap();
+        let from = ("open", &[1.0, 0.0][..], 0.0);
+        let (orbit, point) = started(&text, from, ("G", range), 60.0).unwrap();
         let seen = follow(&orbit, &point, false, range, 2000).0;
         let kinds: Vec<EventType> = seen.iter().map(|one| one.kind).collect();
         assert_eq!(kinds, [GR, EP], "{g}");
@@ -224,13 +212,8 @@ fn a_tangency_is_one_far_from_the_origin() {
             }}, sliding: {{"slide": ("low", "high")}})"#
         );
         let range = (0.43, 0.77);
-        let beginning = Beginning {
-            mode: 0,
-            state: vec![0.3 - a, 0.5 - b],
-            phase: 0.0,
-        };
-        let wanted = Wanted::new(system(&text), "al", range).unwrap();
-        let (orbit, point) = first(&wanted, &beginning, Search::Settles(200.0)).unwrap();
+        let from = ("low", &[0.3 - a, 0.5 - b][..], 0.0);
+        let (orbit, point) = started(&text, from, ("al", range), 200.0).unwrap();
         for (up, known) in [(false, 0.514_811_352_892_52), (true, 0.692_771_225_622_60)] {
             let seen = follow(&orbit, &point, up, range, 2000).0;
             let kinds: Vec<EventType> = seen.iter().map(|one| one.kind).collect();
@@ -253,13 +236,8 @@ fn a_homoclinic_orbit_is_found_far_from_the_origin() {
             modes: {{"flow": (rates: {{"x": "2*Y + 2*s*X*(1 + X)", "y": "(3*X + 2)*(X + s*Y) + (mu - 0.4*nu - nu^2)*Y"}})}})"#
         );
         let range = (-0.5, 0.3);
-        let beginning = Beginning {
-            mode: 0,
-            state: vec![-0.5 - a, -b],
-            phase: 0.0,
-        };
-        let wanted = Wanted::new(system(&text), "mu", range).unwrap();
-        let (orbit, point) = first(&wanted, &beginning, Search::Settles(200.0)).unwrap();
+        let from = ("flow", &[-0.5 - a, -b][..], 0.0);
+        let (orbit, point) = started(&text, from, ("mu", range), 200.0).unwrap();
         let seen = follow(&orbit, &point, true, range, 2000).0;
         let kinds: Vec<EventType> = seen.iter().map(|one| one.kind).collect();
         assert_eq!(kinds, [HC], "{a} {b}");

@@ -4,29 +4,12 @@
 use brakewave::EventType;
 use brakewave::affine::motion::{Motion, Step};
 use brakewave::affine::orbit::AffineOrbit;
-use brakewave::affine::orbit::start::{Beginning, NoStart, Search, Wanted, first};
 use brakewave::linalg::Vector;
 use brakewave::orbit::Orbit as _;
 
-use super::branches::{Seen, follow};
+use super::branches::{Seen, follow, started};
 use super::systems::{at, place, system};
 use EventType::{EP, GR};
-
-fn started(
-    text: &str,
-    (mode, state, phase): (&str, &[f64], f64),
-    (parameter, range): (&str, (f64, f64)),
-    settle: f64,
-) -> Result<(AffineOrbit, Vector), NoStart> {
-    let system = system(text);
-    let beginning = Beginning {
-        mode: system.mode(mode).unwrap(),
-        state: state.to_vec(),
-        phase,
-    };
-    let wanted = Wanted::new(system, parameter, range).unwrap();
-    first(&wanted, &beginning, Search::Settles(settle))
-}
 
 /// The events of a branch both ways, its ends left out.
 fn met((orbit, point): &(AffineOrbit, Vector), range: (f64, f64)) -> Vec<Seen> {
