@@ -584,7 +584,7 @@ class Orbit:
             must(leads == two.mode, "a zone does not lead to the next")
         self.half = self.kind == "Branching"
         if self.half:
-            must(self.symmetric(), "a branch point of an orbit without symmetry")
+            must(self.put_centre(), "a branch point of an orbit without symmetry")
             self.stretches = self.stretches[: len(zones) // 2]
             self.guess = self.guess[: len(self.stretches) * (self.n + 1)]
         if self.forced:
@@ -733,9 +733,10 @@ class Orbit:
             kind, *where = stretch.end
             guards = modes.guards[stretch.mode]
             reset = guards[where[0]][1][where[1]][1] if kind == "exit" else [modes.unit(i) for i in range(self.n)]
-            # half an orbit ends at −x
-            sign = -1 if self.half and index + 1 == count else 1
-            out += [new - sign * y for new, y in zip(apply(reset, end), parts[(index + 1) % count][2])]
+            # half an orbit ends at 2c − x
+            after = parts[(index + 1) % count][2]
+            after = self.turned_back(after[: self.n]) if self.half and index + 1 == count else after
+            out += [new - y for new, y in zip(apply(reset, end), after)]
             if kind == "exit":
                 # a guard with a zero of order m at the entry, divided by Tᵐ
                 _, time, z, *_ = parts[index]
@@ -975,7 +976,7 @@ class Orbit:
         for stretch, (_, _, z, *_) in zip(self.stretches, parts):
             entries.setdefault(stretch.zone, z[: self.n])
         if self.half:
-            entries |= {zone + count // 2: [-y for y in state] for zone, state in entries.items()}
+            entries |= {zone + count // 2: self.turned_back(state) for zone, state in entries.items()}
         for times in range(2, count + 1):
             if count % times or self.forced and self.periods % times:
                 continue
@@ -1272,47 +1273,89 @@ class Orbit:
         return norm
 
     # ------------------------------------------------------------------------------------------------ symmetry
-    def images(self, one, two):
-        """Whether a form is another half a period later: −x, with the phase half a turn on."""
-        return not any(u * flip - v for u, v, flip in zip(one, two, self.flips()))
+    def image(self, row, twice):
+        """A form half a period later: 2c − x around a centre, with the phase half a turn on."""
+        image = [u * flip for u, flip in zip(row, self.flips())]
+        image[self.n] += sum(u * c for u, c in zip(row, twice) if u and c)
+        return image
 
     def flips(self):
         return [-1] * self.n + [1] + [(-1) ** h for h in range(1, self.exact.harmonics + 1) for _ in range(2)]
 
-    def symmetric(self):
-        """Whether the equations of the second half are those of the first, half a period later."""
-        count, exact, flips = len(self.stretches), self.exact, self.flips()
-        block = lambda a, b: all(self.images([u * flips[i] for u in one], two) for i, (one, two) in enumerate(zip(a, b)))
-        if count % 2 or self.forced and self.periods % 2 == 0:
-            return False
-        for one, two in zip(self.stretches, self.stretches[count // 2 :] + self.stretches[: count // 2]):
-            if one.end[0] != "exit" or two.end[0] != "exit":
-                return False
-            (row, exits), (image, ways) = exact.guards[one.mode][one.end[1]], exact.guards[two.mode][two.end[1]]
-            matrices = exact.matrices[one.mode], exact.matrices[two.mode]
-            if not (self.images(row, image) and block(exits[one.end[2]][1], ways[two.end[2]][1]) and block(*matrices)):
-                return False
-        return True
+    def pairs(self):
+        """Guards, resets and rates of every stretch, each beside that of half a period later; None where there are none."""
+        count, exact = len(self.stretches), self.exact
+        if count % 2 or self.forced and self.periods % 2 == 0 or any(it.end[0] != "exit" for it in self.stretches):
+            return None
+        parts = []
+        for mode, (_, guard, way) in ((it.mode, it.end) for it in self.stretches):
+            row, exits = exact.guards[mode][guard]
+            parts.append((row, exits[way][1], exact.matrices[mode]))
+        return [tuple(zip(one, two)) for one, two in zip(parts, parts[count // 2 :] + parts[: count // 2])]
+
+    def centre(self):
+        """Twice the centre around which the equations of the second half are the image of those of the first, or None."""
+        pairs, n, flips = self.pairs(), self.n, self.flips()
+        if pairs is None:
+            return None
+        # what the constants of guards, rates and resets say of it; a state that they leave open is zero there
+        equations, unit = Zeros(self.domain), lambda i: [int(i == j) for j in range(n)]
+        for (one, two), resets, rates in pairs:
+            equations.insert([*one[:n], one[n] - two[n]])
+            for one, two in list(zip(*rates))[:n]:
+                equations.insert([*one[:n], one[n] + two[n]])
+            for i, (one, two) in enumerate(zip(*resets)):
+                equations.insert([*(a - b for a, b in zip(one, unit(i))), one[n] + two[n]])
+        for i in range(n):
+            if i not in dict(equations.solved):
+                equations.insert([*unit(i), 0])
+        known = dict(equations.solved)
+        twice = [-ratio(known[i][n]) if i in known and not any(known[i][:i] + known[i][i + 1 : n]) else None for i in range(n)]
+        if any(c is None or c.over.degree() > 0 or c.under.degree() > 0 for c in twice):
+            return None
+        same = lambda one, two: not any(u - v for u, v in zip(one, two))
+        shifted = lambda row, by: [row[i] + by if i == n else row[i] for i in range(len(row))]
+        turned = lambda row, flip, by=0: shifted([u * flip for u in self.image(row, twice)], by)
+        for (one, two), resets, rates in pairs:
+            if not (
+                same(self.image(one, twice), two)
+                and all(same(turned(u, -1, c), v) for u, v, c in zip(*resets, twice))
+                and all(same(turned(u, flip), v) for u, v, flip in zip(*rates, flips))
+            ):
+                return None
+        return twice
+
+    def turned_back(self, state):
+        """The image of the numbers of a state."""
+        return [c - x for c, x in zip(self.doubled, state)]
+
+    def put_centre(self):
+        """Finds the centre, and says whether there is one."""
+        self.twice = self.centre()
+        self.doubled = self.twice and [acb(c.over[0] / c.under[0]) for c in self.twice]
+        return self.twice is not None
 
     def whole(self, near, x):
         """The whole of an orbit of which half is known, and its unknowns."""
         if not self.half:
             return self, x
         n, first = self.n, x[: len(self.stretches) * (self.n + 1)]
-        image = [y if i % (n + 1) == n else -y for i, y in enumerate(first)]
+        rows = [first[i : i + n + 1] for i in range(0, len(first), n + 1)]
+        image = [y for *state, time in rows for y in [*self.turned_back(state), time]]
         return Orbit(self.posed, near, "Value"), [*first, *image, *x[len(first) :]]
 
     def mirror(self, x):
-        """Puts what vanishes in the other half of a symmetric orbit to the events: −x half a period later, with the
+        """Puts what vanishes in the other half of a symmetric orbit to the events: 2c − x half a period later, with the
         phase half a turn on. For every value of the parameter near the event there is one orbit only in a ball with this
         one and its image; so it is its image."""
         count, n, exact = len(self.stretches), self.n, self.exact
-        if not (self.events or self.closed) or not self.symmetric():
+        if not (self.events or self.closed) or not self.put_centre():
             return False
         index, at_end, wanted = self.events[0] if self.events else (self.closed[0], None, None)
         other = (index + count // 2) % count
         held = [it for guard in exact.guards[self.stretches[other].mode] for way in guard[1] for it in way[2]]
-        found = [it for it in held if self.events and self.images(wanted, it)]
+        image = wanted and self.image(wanted, self.twice)
+        found = [it for it in held if self.events and not any(u - v for u, v in zip(image, it))]
         if self.events and not found:
             return False
         fixed = acb(arb(x[self.place].real.mid(), arb(2) ** -200))
@@ -1321,7 +1364,7 @@ class Orbit:
         image, half = list(x[: self.place]), n + 1
         for place in range(count):
             start = (place + count // 2) % count * half
-            image[place * half : (place + 1) * half] = [-y for y in x[start : start + n]] + [x[start + n]]
+            image[place * half : (place + 1) * half] = [*self.turned_back(x[start : start + n]), x[start + n]]
         if self.forced:
             image[self.place - 1] = self.parts(x)[1][count // 2][0] - self.periods * acb.pi()
         near = lambda orbit: all(abs(a - b) < 4 * radius for a, b in zip(orbit, zero_there))

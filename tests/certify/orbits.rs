@@ -127,6 +127,33 @@ fn fold_and_graze_of_an_impact_oscillator() {
     assert!(parts.len() > 8, "{:?}", parts.keys());
 }
 
+/// What is proven of a graze does not depend on the unit of a state: formulas tell that the speed is zero where the guard is
+/// stationary, whatever number stands before it.
+#[test]
+fn a_graze_in_any_unit_of_the_velocity() {
+    let folder = TempDir::new().unwrap();
+    for (unit, speed) in [("1.0", -0.08), ("0.1", -0.8), ("2/3", -0.12)] {
+        let text = oscillator(
+            r#""c": 0.1, "A": 0.12, "w": 1.0, "d": 1.0, "e": 0.8"#,
+            &format!(
+                r#"orbit: (start: Given(mode: "free", state: {{"x": 1.0, "v": {speed}}}, phase: 1.03)),
+    continuation: (parameter: "A", range: (0.09, 0.12), toward: Down, stop_after: [(event: GR, count: 1)]),"#
+            ),
+        );
+        let scaled = text
+            .replace(r#""x": "v""#, &format!(r#""x": "{unit}*v""#))
+            .replace(
+                "A*cos(phase) - c*v - x",
+                &format!("(A*cos(phase) - c*{unit}*v - x)/({unit})"),
+            );
+        let (code, rows) = certified(&scaled, folder.path(), &["--force"]);
+        let types: Vec<&str> = rows.iter().map(|row| &*row["type"]).collect();
+        assert_eq!(types, ["EP", "LP", "GR"], "{unit}");
+        assert_eq!(code, Some(0), "{unit}: {rows:?}");
+        encloses(&rows[2], VALUE, 0.1, 1e-12);
+    }
+}
+
 /// Between the events of the impact oscillator there is no other, from the fold on both sides, and none beyond the graze, where
 /// nothing switches any more. A certificate from which the fold is left out, a fold between two points, and
 /// another orbit beyond the graze are refused.
@@ -276,6 +303,35 @@ fn symmetry_is_lost() {
     }
 }
 
+/// The same where a state is counted from elsewhere: the centre of the symmetry is not the origin then. What is proven is the same, and
+/// an orbit whose system is symmetric around another point is refused.
+#[test]
+fn symmetry_is_lost_around_another_centre() {
+    let folder = TempDir::new().unwrap();
+    let system = system_of("chua", "\"alpha\": 7.5", "\"alpha\": 13.74")
+        .replace("(y - ", "((y - 0.25) - ")
+        .replace("x - y", "x - (y - 0.25)")
+        .replace("-beta*y", "-beta*(y - 0.25)");
+    let text = format!(
+        r#"{system}    orbit: (start: Given(mode: "upper", state: {{"x": 1.0, "y": 0.3437, "z": -0.8123}}, period: 4.6152)),
+    continuation: (parameter: "alpha", range: (13.7, 13.74), toward: Down, stop_after: [(event: BP, count: 1)]),
+    stability: (),
+)"#
+    );
+    let (code, rows) = certified(&text, folder.path(), &[]);
+    assert_eq!(code, Some(0), "{rows:?}");
+    assert_eq!(rows[1]["type"], "BP", "{rows:?}");
+    encloses(&rows[1], VALUE, 13.728_817_274_033_318, 1e-10);
+    let file = folder.path().join("out/certificate.ron");
+    let honest = fs::read_to_string(&file).unwrap();
+    assert!(honest.contains("-beta*(y - 0.25)"), "{honest}");
+    for (new, code) in [("-beta*(y - 0.25)", 0), ("-beta*(y - 0.2501)", 1)] {
+        fs::write(&file, honest.replace("-beta*(y - 0.25)", new)).unwrap();
+        let verified = brakewave(&["certify", "--verify", file.to_str().unwrap()]);
+        assert_eq!(verified.status.code(), Some(code), "{new}: {verified:?}");
+    }
+}
+
 /// Without damping the free oscillator has multipliers e^{±iT}: the pair crosses at c = 0, T = 2π/w.
 #[test]
 fn a_pair_on_the_circle() {
@@ -361,6 +417,29 @@ fn stick_sets_in_in_both_halves() {
             .all(|count| count.is_empty() || *count == "0"),
         "{outside:?}"
     );
+    let out = folder.path().join("out");
+    let verified = brakewave(&["certify", "--verify", out.to_str().unwrap()]);
+    assert_eq!(verified.status.code(), Some(0), "{verified:?}");
+}
+
+/// The same on a frame that moves with speed 1 and stands beside by a third: the centre of the symmetry is another point.
+#[test]
+fn stick_sets_in_around_another_centre() {
+    let folder = TempDir::new().unwrap();
+    let text = ONSET
+        .replace("2*z*v - x", "2*z*(v + 1) - (x - 1/3)")
+        .replace(r#""x": "v""#, r#""x": "v + 1""#)
+        .replace(r#"zero: "v""#, r#"zero: "v + 1""#)
+        .replace(r#"zero: "-v""#, r#"zero: "-v - 1""#)
+        .replace(
+            r#""x": 1.3413989268352018, "v": 0.0"#,
+            r#""x": 1.6747322601685351, "v": -1.0"#,
+        );
+    let (code, rows) = certified(&text, folder.path(), &[]);
+    assert_eq!(code, Some(0), "{rows:?}");
+    let onset = rows.iter().find(|row| row["type"] == "SL");
+    let onset = onset.unwrap_or_else(|| panic!("{rows:?}"));
+    encloses(onset, VALUE, 0.722_679_194_438_143_1, 1e-11);
     let out = folder.path().join("out");
     let verified = brakewave(&["certify", "--verify", out.to_str().unwrap()]);
     assert_eq!(verified.status.code(), Some(0), "{verified:?}");

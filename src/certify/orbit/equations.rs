@@ -235,12 +235,14 @@ impl OrbitSystem<'_> {
         x: &[N],
         terms: &mut OrbitResiduals<N>,
     ) {
-        // half an orbit ends at −x
-        let sign = match wraps && self.half && column < self.exact.states {
-            true => 1.0,
-            false => -1.0,
-        };
+        // half an orbit ends at 2c − x
+        let centre = self.half.as_ref();
+        let centre = centre.filter(|_| wraps && column < self.exact.states);
+        let sign = if centre.is_some() { 1.0 } else { -1.0 };
         terms.residual[row] = terms.residual[row] + x[column].scaled(Interval::point(sign));
+        if let Some(centre) = centre {
+            terms.residual[row] = terms.residual[row] - N::constant(centre.twice(column));
+        }
         terms.put(row, column, N::double(sign));
         if wraps {
             terms.wrap.push((row, column, sign));

@@ -31,13 +31,14 @@ impl NamePolynomial {
         self.0.is_empty()
     }
 
-    fn of_fraction(value: Fraction) -> NamePolynomial {
+    /// A fraction.
+    pub fn of_fraction(value: Fraction) -> NamePolynomial {
         let terms = (!value.is_zero()).then(|| (Vec::new(), value));
         NamePolynomial(terms.into_iter().collect())
     }
 
     /// The fraction that it is.
-    fn fraction(&self) -> Option<Fraction> {
+    pub fn fraction(&self) -> Option<Fraction> {
         match self.0.iter().next() {
             None => Some(Fraction::ZERO),
             Some((names, factor)) if names.is_empty() && self.0.len() == 1 => Some(*factor),
@@ -48,6 +49,19 @@ impl NamePolynomial {
     /// The whole number that it is.
     pub fn number(&self) -> Option<i64> {
         self.fraction().and_then(Fraction::whole)
+    }
+
+    /// The fraction with which its first term begins, if it has any.
+    pub fn first_factor(&self) -> Option<Fraction> {
+        self.0.values().next().copied()
+    }
+
+    /// It over a fraction; `None` over zero, or beyond the range of fractions.
+    pub fn over(&self, number: Fraction) -> Option<NamePolynomial> {
+        let by = number.inverse()?;
+        let terms = self.0.iter();
+        let terms = terms.map(|(names, factor)| Some((names.clone(), factor.times(by)?)));
+        terms.collect::<Option<_>>().map(NamePolynomial)
     }
 
     /// As an expression in brackets.
@@ -76,6 +90,11 @@ impl NamePolynomial {
             };
         }
         Some(NamePolynomial(sum))
+    }
+
+    /// 1 over it, where it is a single term.
+    pub fn inverse_of_term(&self) -> Option<NamePolynomial> {
+        (self.0.len() == 1).then(|| self.inverse())?
     }
 
     /// 1 over it: of a single term term by term, of a sum as a name, with 1 as its first factor.

@@ -1,6 +1,7 @@
 //! Fractions of whole numbers.
 
 use std::fmt;
+use std::ops::Neg;
 
 use crate::affine::expression::{Algebra, Obstacle, Operation};
 
@@ -110,6 +111,17 @@ impl Fraction {
         match self.under {
             1 => Ok(whole(self.over)),
             under => whole(self.over).operate(Operation::Over, whole(under)),
+        }
+    }
+}
+
+impl Neg for Fraction {
+    type Output = Fraction;
+
+    fn neg(self) -> Fraction {
+        Fraction {
+            over: -self.over,
+            ..self
         }
     }
 }

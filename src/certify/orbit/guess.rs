@@ -31,6 +31,7 @@ impl OrbitSystem<'_> {
         condition: &OrbitCondition,
         least: &[usize],
     ) -> Result<Vec<f64>, OpenOrbit> {
+        self.steps.clear();
         let mut guess = Vec::new();
         let mut carried: Option<(Vec<f64>, f64)> = None;
         let mut reached: Option<f64> = None;
@@ -145,8 +146,12 @@ impl OrbitSystem<'_> {
         let mut condition = self.condition.clone();
         let half = near.zones.len() / 2;
         let zone = |index: usize, at: &ZonePoint| {
-            let later = self.half && index >= half;
-            let zone = if later { index - half } else { index };
+            let centre = self.half.as_ref().filter(|_| index >= half);
+            let zone = if centre.is_some() {
+                index - half
+            } else {
+                index
+            };
             let parts = self.stretches.iter().enumerate();
             let parts: Vec<usize> = parts
                 .filter(|(_, stretch)| stretch.zone == zone)
@@ -155,12 +160,15 @@ impl OrbitSystem<'_> {
             let Some(first) = parts.first().map(|first| self.node(*first, 0)) else {
                 return at.clone();
             };
-            let sign = if later { -1.0 } else { 1.0 };
-            let turn = if later { self.turns().middle() } else { 0.0 };
-            let state = guess[first..first + states].iter();
+            let turn = centre.map_or(0.0, |_| self.turns().middle());
+            let image = |(state, x): (usize, &f64)| match centre {
+                Some(centre) => centre.image(state, Interval::point(*x)).middle(),
+                None => *x,
+            };
+            let state = guess[first..first + states].iter().enumerate();
             ZonePoint {
                 inner: Vec::new(),
-                state: state.map(|x| sign * x).collect(),
+                state: state.map(image).collect(),
                 duration: parts.iter().map(|part| guess[self.duration(*part)]).sum(),
                 phase: if self.is_forced() {
                     guess[first + states] + turn

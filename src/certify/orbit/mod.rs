@@ -367,7 +367,7 @@ fn statement(
     let modes = system.enclosed(zero.at[parameter])?;
     let passings = system.passings(&modes, &zero.at);
     let still: Vec<Moving> = zero.at.iter().copied().map(Moving::constant).collect();
-    let checked = match system.half {
+    let checked = match system.half.is_some() {
         true => halved(&system, &zero.at),
         false => system
             .inequalities(&modes, &passings, &still, &system.closed)
@@ -383,7 +383,7 @@ fn statement(
     let equations = |x: &[Interval]| system.evaluate(x);
     let unique = zero.distance(&equations, &middle, &units, parameter, stored);
     let durations = (0..system.stretches.len()).map(|index| zero.at[system.duration(index)]);
-    let cycles = Interval::point(if system.half { 2.0 } else { 1.0 });
+    let cycles = Interval::point(if system.half.is_some() { 2.0 } else { 1.0 });
     let period = cycles * durations.fold(Interval::ZERO, |sum, duration| sum + duration);
     let monodromy = match condition {
         OrbitCondition::Value(_) => system.monodromy(&modes, &passings, &zero.at),

@@ -94,7 +94,7 @@ pub enum OpenOrbit {
     Homoclinic,
     /// A multiplier 1 that is no fold, of an orbit without symmetry.
     #[error(
-        "not covered: a branch point of an orbit that is not −x half a period later by its formulas"
+        "not covered: a branch point of an orbit that is not its image around a point half a period later by its formulas"
     )]
     Branching,
     /// Zones that do not follow from one another.

@@ -15,6 +15,7 @@ use super::exact::NamePolynomial;
 use super::flow::{IntervalExponential, IntervalFlow};
 use super::modes::{IntervalModes, Structure};
 use super::products::Needed;
+use super::symmetry::Centre;
 use super::zeros::{Facts, InequalityEvent, VanishingForm};
 use crate::affine::orbit::setting::Scales;
 use crate::affine::orbit::{Margin, Sequence, Watch, ZonePoint};
@@ -71,7 +72,7 @@ pub enum OrbitCondition {
     Fold,
     /// A multiplier is −1.
     Doubling,
-    /// The orbit is −x half a period later, and the multiplier of its half is −1: a branch without this symmetry passes.
+    /// The orbit is its image around a centre half a period later, and the multiplier of its half is −1: a branch without this symmetry passes.
     Branching,
     /// A pair of multipliers is on the unit circle.
     Torus {
@@ -194,8 +195,8 @@ pub struct OrbitSystem<'a> {
     /// What is zero on the branch, apart from the event.
     pub lasting: Vec<Facts>,
     pub critical: Option<NullVector>,
-    /// Whether the stretches are those of half a symmetric orbit, which closes at its image.
-    pub half: bool,
+    /// The centre, where the stretches are those of half a symmetric orbit, which closes at its image.
+    pub half: Option<Centre>,
 }
 
 /// A zone that closes has no duration in doubles but for this share of the unit of time.
@@ -253,7 +254,7 @@ impl<'a> OrbitSystem<'a> {
             facts: Vec::new(),
             lasting: Vec::new(),
             critical: None,
-            half: false,
+            half: None,
         };
         if !system.is_in_order() {
             return Err(OpenOrbit::Sequence);
@@ -271,15 +272,18 @@ impl<'a> OrbitSystem<'a> {
             Some(InequalityEvent::Closed(stretch)) => system.close(stretch),
             None => {}
         }
-        if *condition == OrbitCondition::Branching {
-            if !system.is_symmetric() {
-                return Err(OpenOrbit::Branching);
-            }
-            system.half = true;
-            system.lasting.truncate(system.stretches.len() / 2);
-            system.stretches.truncate(system.stretches.len() / 2);
-        }
         let mut guess = system.guess(near, &modes, condition, &layout.steps)?;
+        if let Some(steps) = system.steps_of_both_halves() {
+            guess = system.guess(near, &modes, condition, &steps)?;
+        }
+        if *condition == OrbitCondition::Branching {
+            system.half = Some(system.centre().ok_or(OpenOrbit::Branching)?);
+            let half = system.stretches.len() / 2;
+            system.lasting.truncate(half);
+            system.stretches.truncate(half);
+            let steps = std::mem::take(&mut system.steps);
+            guess = system.guess(near, &modes, condition, &steps)?;
+        }
         if condition.has_null_vector() {
             let critical = system.direction(&guess).ok_or(OpenOrbit::NotEnclosed)?;
             guess.extend(critical.guess());
@@ -429,7 +433,7 @@ impl<'a> OrbitSystem<'a> {
 
     /// Turns of the phase in a cycle, or in half of it.
     pub fn turns(&self) -> Interval {
-        let halves = if self.half { 1.0 } else { 2.0 };
+        let halves = if self.half.is_some() { 1.0 } else { 2.0 };
         PI * Interval::point(halves * f64::from(self.posed.periods))
     }
 }

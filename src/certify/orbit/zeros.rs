@@ -5,6 +5,7 @@
 //! formulas. More may be zero than is found: then less is proven.
 
 use super::exact::NamePolynomial;
+use super::fraction::Fraction;
 use super::modes::{IntervalMode, Row, added, negative, through};
 use crate::affine::dual::Coefficient;
 use crate::affine::expression::Algebra;
@@ -14,12 +15,25 @@ use crate::affine::expression::Algebra;
 pub struct FormZeros {
     /// Forms with a factor 1 at a state of their own, which no other has.
     solved: Vec<(usize, Row<NamePolynomial>)>,
-    /// Forms that are solved for no state.
+    /// Forms that are solved for no state, each with 1 as the number of its first term.
     others: Vec<Row<NamePolynomial>>,
 }
 
 fn is_zero(row: &Row<NamePolynomial>) -> bool {
     row.iter().all(NamePolynomial::is_zero)
+}
+
+/// A form over a number; `None` over zero, or beyond the range of fractions.
+fn over(row: &[NamePolynomial], number: Fraction) -> Option<Row<NamePolynomial>> {
+    row.iter().map(|entry| entry.over(number)).collect()
+}
+
+/// A form that is zero where another is, with 1 as the number of its first term.
+fn normalised(row: &[NamePolynomial]) -> Row<NamePolynomial> {
+    let first = row.iter().find_map(NamePolynomial::first_factor);
+    first
+        .and_then(|number| over(row, number))
+        .unwrap_or_else(|| row.to_vec())
 }
 
 impl FormZeros {
@@ -47,7 +61,7 @@ impl FormZeros {
     /// Whether a form is known to be zero.
     pub fn have(&self, row: &[NamePolynomial]) -> bool {
         let rest = self.rest(row);
-        is_zero(&rest) || self.others.contains(&rest) || self.others.contains(&negative(&rest))
+        is_zero(&rest) || self.others.contains(&normalised(&rest))
     }
 
     /// Adds a form that is zero.
@@ -56,16 +70,10 @@ impl FormZeros {
             return;
         }
         let rest = self.rest(row);
-        let unit = |state: &usize| matches!(rest[*state].number(), Some(1 | -1));
-        match (0..states).find(unit) {
-            None => self.others.push(rest),
-            Some(state) => {
-                let sign = rest[state].number();
-                let own = if sign == Some(-1) {
-                    negative(&rest)
-                } else {
-                    rest
-                };
+        let solved = |state: usize| Some((state, over(&rest, rest[state].fraction()?)?));
+        match (0..states).find_map(solved) {
+            None => self.others.push(normalised(&rest)),
+            Some((state, own)) => {
                 for (_, zero) in &mut self.solved {
                     let factor = negative(&zero[state..=state]);
                     *zero = added(zero, &own, &factor[0]);
@@ -78,14 +86,27 @@ impl FormZeros {
         }
     }
 
+    /// The states at which all of them are zero, where they are solved for fractions.
+    pub fn values(&self, states: usize) -> Option<Vec<Fraction>> {
+        let value = |state: usize| {
+            let mut solved = self.solved.iter();
+            let (_, row) = solved.find(|(own, _)| *own == state)?;
+            let alone = row.iter().enumerate();
+            let mut others = alone.filter(|(column, _)| *column != state && *column != states);
+            let constant = row[states].fraction()?;
+            (others.all(|(_, entry)| entry.is_zero())).then_some(-constant)
+        };
+        (0..states).map(value).collect()
+    }
+
     /// Those that stay zero along a mode.
     pub fn along(&self, mode: &IntervalMode<NamePolynomial>, states: usize) -> FormZeros {
         let mut kept = self.clone();
         loop {
             let mut next = FormZeros::default();
             let surface = |row: &Row<NamePolynomial>| {
-                let mut kept = mode.kept.iter();
-                kept.any(|known| known == row || *known == negative(row))
+                let row = normalised(row);
+                mode.kept.iter().any(|known| normalised(known) == row)
             };
             for row in kept.rows() {
                 if surface(row) || kept.have(&through(row, &mode.matrix)) {
