@@ -48,6 +48,11 @@ const MOVED: f64 = 1e-8;
 const FARTHER: f64 = 4.0;
 const FARTHEST: i32 = 16;
 
+/// Where the parameter moves by more of its unit, which is the width of the range, the branch begins nearer: so many quarters of it are
+/// tried at most.
+const PASSED: f64 = 0.05;
+const NEAREST: i32 = 30;
+
 /// Settings of Newton's method for an orbit beside an event.
 const BESIDE: Settings = Settings {
     tolerance: 1e-10,
@@ -182,12 +187,19 @@ fn side<O: Orbit>(orbit: &O, at: &Vector, along: &Vector) -> Result<BranchSide, 
         admitted(orbit, &node.point)?;
         Ok(node)
     };
-    let is_apart = |node: &Node| (node.point[last] - at[last]).abs() >= MOVED;
+    let moved = |node: &Node| (node.point[last] - at[last]).abs();
+    let is_apart = |node: &Node| moved(node) >= MOVED;
+    let nearer = |exponent: i32| begun(AWAY * 0.25_f64.powi(exponent));
     let mut found = begun(AWAY);
     for exponent in 1..TRIES {
-        found = found.or_else(|_| begun(AWAY * 0.25_f64.powi(exponent)));
+        found = found.or_else(|_| nearer(exponent));
     }
     let mut node = found?;
+    if moved(&node) > PASSED {
+        let mut nodes = (1..=NEAREST).filter_map(|exponent| nearer(exponent).ok());
+        let near = nodes.find(|node| moved(node) <= PASSED);
+        node = near.unwrap_or(node);
+    }
     if !is_apart(&node) {
         let farther = (1..=FARTHEST).map_while(|step| begun(AWAY * FARTHER.powi(step)).ok());
         node = farther.into_iter().find(is_apart).unwrap_or(node);

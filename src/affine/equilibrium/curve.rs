@@ -356,8 +356,7 @@ pub(super) fn scales(
     let largest = (0..n).fold(0.0, |most: f64, index| {
         most.max(size(index) / balanced[index])
     });
-    let linear = || linear_within(&field, &balanced, rate);
-    let linear = largest.is_normal().then(linear).flatten();
+    let linear = linear_within(&field, &balanced, rate);
     let all_rounding = linear.filter(|linear| largest < NOTHING * linear);
     let known = if largest.is_normal() { largest } else { 1.0 };
     let largest = all_rounding.unwrap_or(known);

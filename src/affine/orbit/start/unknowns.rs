@@ -134,13 +134,14 @@ fn units(orbit: &AffineOrbit, point: &Vector, sizes: Vec<f64>) -> Result<Vec<f64
     let small = |(size, alike): (&f64, &f64)| *size <= nothing * largest * alike;
     let mut is_zero: Vec<bool> = pairs().map(small).collect();
     // along a chain of states units alike fall as one likes: what acts on a state tells that it is small and not zero
+    let acting = |state: usize, other: usize| {
+        let entries = flows.iter().map(|flow| flow[(state, other)].abs());
+        entries.fold(0.0, f64::max)
+    };
     let made = |state: usize, is_zero: &[bool]| {
         let others = (0..states).filter(|other| !is_zero[*other]);
         let by = |other: usize| {
-            let acting = flows
-                .iter()
-                .map(|flow| flow[(state, other)].abs())
-                .fold(0.0, f64::max);
+            let acting = acting(state, other);
             let is_told = acting * alike[other] > GROWN * growth * alike[state];
             if is_told { acting * sizes[other] } else { 0.0 }
         };
@@ -152,13 +153,23 @@ fn units(orbit: &AffineOrbit, point: &Vector, sizes: Vec<f64>) -> Result<Vec<f64
     }) {
         is_zero[state] = false;
     }
-    let units = pairs()
-        .zip(&is_zero)
-        .map(|((size, alike), is_zero)| match *is_zero && tells {
-            true => unit(largest * alike),
-            false if *size > SMALL => unit(*size),
-            false => 1.0,
-        });
+    // units alike say nothing of a state that acts on no other: what others make of it does, where it is rounding beside that
+    let cancels = |state: usize| {
+        let others = (0..states).filter(|other| *other != state && !is_zero[*other]);
+        let made = others.map(|other| acting(state, other) * sizes[other]);
+        let made = made.fold(0.0, f64::max);
+        (sizes[state] <= nothing * made).then_some(made)
+    };
+    let units = pairs().enumerate().map(|(state, (size, alike))| {
+        if is_zero[state] && tells {
+            return unit(largest * alike);
+        }
+        match cancels(state) {
+            Some(made) => unit(made),
+            None if *size > SMALL => unit(*size),
+            None => 1.0,
+        }
+    });
     Ok(units.collect())
 }
 
