@@ -260,7 +260,7 @@ pub fn solve<S: Equations>(
 ) -> Result<Solution, Failure<S::Failure>> {
     let mut point = guess.clone();
     let mut contraction = 0.0_f64;
-    let mut before = f64::INFINITY;
+    let (mut before, mut residual_before) = (f64::INFINITY, f64::INFINITY);
     let mut polish = settings.polish;
     let mut stuck = 0;
     let tolerance = settings.tolerance.max(LEAST_TOLERANCE);
@@ -296,6 +296,14 @@ pub fn solve<S: Equations>(
             {
                 return Ok(solution(point, residual, contraction));
             }
+            // where an equation has little to do with an unknown, as that of a fold of small orbits with the parameters, what the
+            // others leave there is a large correction, but it converges as the residuals do
+            let fallen = || (at.right_side.amax() / residual_before).sqrt();
+            let ratio = if ratio > SLOWEST {
+                ratio.min(fallen())
+            } else {
+                ratio
+            };
             // of what rounding makes of equations that hold a ratio says nothing
             if ratio > contraction && relative() >= ROUNDED {
                 contraction = ratio;
@@ -304,7 +312,7 @@ pub fn solve<S: Equations>(
                 return Err(slow);
             }
         }
-        before = correction;
+        (before, residual_before) = (correction, at.right_side.amax());
         if correction <= tolerance {
             // where a point stays as it is, what was found there holds for whoever looks at it next
             let residual = relative();
