@@ -84,7 +84,7 @@ pub fn node_at<S: Equations>(system: &S, from: &Node, s: f64, tolerance: f64) ->
 }
 
 /// The same by the tangent of a node of the step that is known, at an arclength of its own.
-fn node_beside<S: Equations>(
+pub fn node_beside<S: Equations>(
     system: &S,
     from: &Node,
     (known, near): (f64, &Node),

@@ -332,6 +332,8 @@ impl PairVectors {
     pub fn renewed(&self) -> Option<CriticalUnknowns> {
         /// How many times longer than a b may be: more than 1, or a pair that turns in a circle would turn at every step.
         const LONGER: f64 = 2.0;
+        /// Cosine of the angle between a and r from which these are made orthogonal.
+        const SKEW: f64 = 0.7;
         /// The longest that a and r may be, where the other unknowns are of order one.
         const LONGEST: f64 = 4.0;
         let omega = self.kappa.sqrt();
@@ -343,6 +345,13 @@ impl PairVectors {
                 near,
                 further: turned.further(),
             });
+        }
+        // a multiple of a in r is a phase: without it r is as long as need be, or it would grow as ω falls
+        let skew = self.a.dot(&self.r) / (self.a.norm() * self.r.norm());
+        if skew.abs() > SKEW {
+            let near = (&self.a / self.a.norm_squared()).as_slice().to_vec();
+            let further = self.normalised(&near)?;
+            return Some(CriticalUnknowns { near, further });
         }
         let length = self.a.norm().max(self.r.norm());
         if length <= LONGEST {
