@@ -26,8 +26,18 @@ pub struct Seen {
 pub fn started(
     text: &str,
     (mode, state, phase): (&str, &[f64], f64),
-    (parameter, range): (&str, (f64, f64)),
+    along: (&str, (f64, f64)),
     settle: f64,
+) -> Result<(AffineOrbit, Vector), NoStart> {
+    begun(text, (mode, state, phase), along, Search::Settles(settle))
+}
+
+/// The orbit that is found from a state in a mode at a phase, to be followed in a parameter.
+pub fn begun(
+    text: &str,
+    (mode, state, phase): (&str, &[f64], f64),
+    (parameter, range): (&str, (f64, f64)),
+    search: Search,
 ) -> Result<(AffineOrbit, Vector), NoStart> {
     let system = system(text);
     let beginning = Beginning {
@@ -36,7 +46,7 @@ pub fn started(
         phase,
     };
     let wanted = Wanted::new(system, parameter, range).unwrap();
-    first(&wanted, &beginning, Search::Settles(settle))
+    first(&wanted, &beginning, search)
 }
 
 /// What a branch meets until its range or this many points.

@@ -795,6 +795,50 @@ fn the_other_branch_is_found_in_all_units() {
     }
 }
 
+/// x' = px − cx² has for its other branch x = p/c, which is as small as one likes: it begins within the range, and has its event and both
+/// of its ends there.
+#[test]
+fn the_other_branch_begins_within_the_range() {
+    for c in [1.0, 512.0, 65536.0, 1e9] {
+        let system = format!(
+            r#"(states: ["x"], parameters: {{"p": -0.5}}, modes: {{"flow": (rates: {{"x": "p*x - {c:?}*x^2"}})}})"#
+        );
+        let course = Course {
+            system: &system,
+            mode: "flow",
+            state: &[0.0],
+            parameter: "p",
+            range: (-1.0, 1.0),
+        };
+        let all = course.all(&[1.0], false);
+        let at = all.iter().find(|item| item.point.kind == Some(BP)).unwrap();
+        let named = NamedEquilibrium {
+            saved: at.saved.clone().unwrap(),
+            kind: Some(BP),
+        };
+        let mut problem = course.problem(&[1.0], false, "");
+        problem.equilibrium = ron::from_str(r#"(start: Switch(dir: "earlier", label: 2))"#).ok();
+        let found = followed(runner(&problem, Some(&named)));
+        let of_type = |kind| {
+            found
+                .iter()
+                .filter(move |item| item.point.kind == Some(kind))
+        };
+        let ends = of_type(EP).map(|item| item.point.parameters[0]);
+        let ends: Vec<f64> = ends.filter(|p| p.abs() == 1.0).collect();
+        assert_eq!(ends.len(), 2, "{c}: {ends:?}");
+        assert_eq!(of_type(BP).count(), 1, "{c}");
+        for item in &found {
+            let (x, p) = (item.point.state[0], item.point.parameters[0]);
+            assert!(p.abs() <= 1.0, "{c}: {p}");
+            assert!(
+                (c * x - p).abs() <= 1e-12 * p.abs().max(1e-3),
+                "{c}: {p} {x}"
+            );
+        }
+    }
+}
+
 /// Where a predator can live, at K = d, the branch without it is crossed by y = 1 − d/K: a state that is zero there is no unit, and the
 /// branch is found.
 #[test]

@@ -4,10 +4,11 @@
 use brakewave::EventType;
 use brakewave::affine::motion::{Motion, Step};
 use brakewave::affine::orbit::AffineOrbit;
+use brakewave::affine::orbit::start::Search;
 use brakewave::linalg::Vector;
 use brakewave::orbit::Orbit as _;
 
-use super::branches::{Seen, follow, started};
+use super::branches::{Seen, begun, follow, started};
 use super::systems::{at, place, system};
 use EventType::{EP, GR};
 
@@ -150,4 +151,24 @@ fn a_slip_of_rounding_sticks() {
     }
     assert_eq!(contradicted(1e-3).as_deref(), Some("forward"));
     assert_eq!(contradicted(-1e-3).as_deref(), Some("backward"));
+}
+
+/// A state that others cancel in, to zero but for rounding all along a cycle, has for its unit what they would make of it: at a = 0 its
+/// multiplier e^{aT} passes 1, whatever the radius of the cycle.
+#[test]
+fn a_state_that_is_zero_on_a_cycle_has_a_unit() {
+    for radius in [1.0, 32.0, 1024.0, 1e6] {
+        let text = format!(
+            r#"(states: ["x", "y", "z"], parameters: {{"a": -0.25, "R": {radius:?}}},
+            define: {{"u": "x/R", "v": "y/R", "q": "1 - u^2 - v^2"}}, modes: {{"flow": (rates: {{
+                "x": "R*(u*q - 1.75*v)", "y": "R*(v*q + 1.75*u)", "z": "a*z + R*u*q"}})}})"#
+        );
+        let along = ("a", (-0.3, 0.3));
+        let search = Search::Guess(3.59);
+        let cycle = begun(&text, ("flow", &[radius, 0.0, 0.0], 0.0), along, search).unwrap();
+        let events = met(&cycle, along.1);
+        let kinds: Vec<EventType> = events.iter().map(|event| event.kind).collect();
+        assert_eq!(kinds, [EventType::BP], "{radius}");
+        assert!(events[0].value.abs() <= 1e-14, "{}", events[0].value);
+    }
 }

@@ -29,6 +29,20 @@ const FITZHUGH: Family = Family {
     start: r#"mode: "flow", state: {"v": -1.2, "w": -0.6}"#,
     branch: r#"parameter: "I", range: (-1.0, 4.0)"#,
 };
+const SKEW: Family = Family {
+    system: r#"states: ["z", "y", "x"], parameters: {"a": -0.24897573502154585, "b": 0.119140625}, define: {
+            "u": "236.6875*z + 158.5*y + 4*x", "p": "-48.5*z + 292*y - 96*x", "q": "44*z - 96*y + 256*x",
+            "v": "p - 0.1162109375*u^2", "w": "q + 0.1484375*u*v - 0.1533203125*u^2",
+            "al": "a + 0.0185546875*b - 0.228515625*b^2", "be": "b + 0.4775390625*a",
+            "f": "v/64", "g": "(al + be*v + u^2 + u*v)/64 + 0.232421875*f*u",
+            "h": "(-1.5*w + 0.5*u^2 + 0.25*u)/64 - 0.1484375*(f*v + u*(g - 0.232421875*f*u)) + 0.306640625*f*u"},
+        modes: {"flow": (rates: {
+            "z": "0.00390625*f - 0.00244140625*g - 0.0009765625*h",
+            "y": "0.00048828125*f + 0.00360107421875*g + 0.0013427734375*h",
+            "x": "-0.00048828125*f + 0.00177001953125*g + 0.00457763671875*h"})}"#,
+    start: r#"mode: "flow", state: {"z": -0.0020615257771510616, "y": -8.804780162056068e-5, "x": 0.00047104466008582194}"#,
+    branch: r#"parameter: "b", range: (-1.0, 1.0)"#,
+};
 const LORENZ84: Family = Family {
     system: r#"states: ["x", "y", "z"], parameters: {"F": 1.75, "G": 0.1, "a": 0.25, "b": 4.0},
         modes: {"flow": (rates: {"x": "-y^2 - z^2 - a*x + a*F", "y": "x*y - b*x*z - y + G", "z": "b*x*y + x*z - z"})}"#,
@@ -205,6 +219,22 @@ fn hopf_curves_of_fitzhugh_and_nagumo_have_gh_and_end_in_bt() {
             has(&curve, "GH", &at((1.0 - (1.0 - eps).sqrt()) / eps));
             has(&curve, "BT", &at(1.0 / eps.sqrt()));
         }
+    }
+}
+
+/// u̇ = v, v̇ = α + βv + u² + uv (Bogdanov and Takens) with a state that follows, in small units and skew coordinates: HB at α = −β², to the
+/// BT at 0, on the way to which the vectors of the pair come to lie along one another.
+#[test]
+fn a_hopf_curve_comes_to_its_bt_in_skew_coordinates() {
+    let asked = r#"event: HB, parameters: ("a", "b"), range: ((-1.0, 1.0), (-1.0, 1.0))"#;
+    let curve = SKEW.curve(&[], asked);
+    assert_eq!(types(&curve), ["BT"]);
+    has(&curve, "BT", &[("a", 0.0), ("b", 0.0)]);
+    for point in &curve.points {
+        let [a, b] = point.parameters;
+        let alpha = a + 0.0185546875 * b - 0.228515625 * b * b;
+        let beta = b + 0.4775390625 * a;
+        assert!((alpha + beta * beta).abs() <= 1e-12, "{a} {b}");
     }
 }
 

@@ -26,6 +26,28 @@ const FOLDING: &str = r#"(
     curve: (event: LP, parameters: ("mu", "b"), range: ((-0.3, 0.5), (-1.0, 2.0))),
 )"#;
 
+/// The same cycles in y = v + x²/4, which turn the faster the larger they are.
+const SHEARED: &str = r#"(
+    system: (states: ["x", "y"], parameters: {"mu": -0.1, "b": 1.0}, define: {
+        "v": "y - 0.25*x^2", "r": "x^2 + v^2", "q": "mu + b*r - r^2", "o": "1 + 0.25*r", "f": "x*q - o*v"}, modes: {
+        "free": (rates: {"x": "f", "y": "v*q + o*x + 0.5*x*f"}),
+    }),
+    orbit: (start: Simulate(mode: "free", state: {"x": 0.9, "y": 0.2}, settle: 100)),
+    continuation: (parameter: "mu", range: (-0.5, 0.1), toward: Down),
+    curve: (event: LP, parameters: ("mu", "b"), range: ((-0.3, 0.5), (-1.0, 2.0))),
+)"#;
+
+/// The same cycles, whose growth a third state carries, which follows their size.
+const SLAVED: &str = r#"(
+    system: (states: ["x", "y", "z"], parameters: {"mu": -0.1, "b": 1.0}, define: {
+        "r": "x^2 + y^2", "w": "z - 0.2*x*y", "q": "mu + 0.5*r - r^2 + w", "f": "x*q - y", "g": "y*q + x"}, modes: {
+        "free": (rates: {"x": "f", "y": "g", "z": "-w + (b - 0.5)*r + 0.2*(f*y + x*g)"}),
+    }),
+    orbit: (start: Simulate(mode: "free", state: {"x": 0.9, "y": 0.0, "z": 0.4}, settle: 100)),
+    continuation: (parameter: "mu", range: (-0.5, 0.1), toward: Down),
+    curve: (event: LP, parameters: ("mu", "b"), range: ((-0.3, 0.5), (-1.0, 1.2))),
+)"#;
+
 /// Two oscillators, of which the first moves at r = √m and the second begins to where n = 1.5m.
 const BESIDE: &str = r#"(
     system: (states: ["x", "y", "u", "v"], parameters: {"n": 0.72, "m": 0.5}, define: {
@@ -55,7 +77,10 @@ fn ends_at_the_origin(
         let off = equation(point).abs();
         assert!(off <= most, "{:?}: {off:e}", point.parameters);
         match point.kind {
-            Some(PointType::One(EventType::EP | EventType::GR | EventType::LP | EventType::NS))
+            Some(
+                PointType::One(EventType::EP | EventType::GR | EventType::LP | EventType::NS)
+                | PointType::Resonance(1),
+            )
             | None => (),
             other => {
                 assert_eq!(other, Some(kind));
@@ -80,7 +105,9 @@ fn a_graze_ends_where_a_hopf_point_is_on_the_guard() {
 #[test]
 fn a_fold_ends_at_a_degenerate_hopf_point() {
     let equation = |point: &CurvePoint| point.parameters[0] + 0.25 * point.parameters[1].powi(2);
-    ends_at_the_origin(FOLDING, equation, PointType::GH, 5e-9);
+    for text in [FOLDING, SHEARED, SLAVED] {
+        ends_at_the_origin(text, equation, PointType::GH, 5e-9);
+    }
 }
 
 /// On the way the second oscillator is at rest but for numbers as small as there are, which have no digits for its multipliers.

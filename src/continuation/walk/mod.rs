@@ -51,6 +51,10 @@ enum StepOutcome<C: Curve> {
 /// looked for.
 const HALVINGS_FOR_PAIRS: u32 = 8;
 
+/// How often a step is taken only as far as to the least value of a function within it before it is halved: most are so once, but where
+/// a function is rounding there is always another.
+const MOST_PAIRS: u32 = 16;
+
 /// Steps shorter than this, in units of the first, are looked at for why.
 const SHORT: f64 = 1e-2;
 
@@ -105,7 +109,7 @@ impl<C: Curve> Walker<C> {
         let mut ds = self.ds.clamp(ds_min, longest);
         let mut halvings = 0;
         loop {
-            let refusal = match self.attempt(ds, halvings < HALVINGS_FOR_PAIRS) {
+            let refusal = match self.attempt(ds, halvings < HALVINGS_FOR_PAIRS, MOST_PAIRS) {
                 Ok(taken) => return taken,
                 Err(refusal) => refusal,
             };
@@ -158,13 +162,14 @@ impl<C: Curve> Walker<C> {
         steps.flatten()
     }
 
-    /// One step of length `ds`, or as far as to the least value between two zeros. Refused where a function
-    /// seems to vanish twice and the step may be `shorter`.
+    /// One step of length `ds`, or as far as to the least value between two zeros, of which so many may be found. Refused where a
+    /// function seems to vanish twice and the step may be `shorter`.
     #[allow(clippy::type_complexity)] // points and end, as of `step`
     fn attempt(
         &mut self,
         ds: f64,
         shorter: bool,
+        pairs: u32,
     ) -> Result<(Vec<C::Found>, Option<EndOf<C>>), RefusalOf<C>> {
         let (system, tolerance) = (self.curve.system(), self.steps.tolerance);
         let taken = arclength::advance(system, &self.node, &self.before, ds, tolerance)?;
@@ -193,8 +198,8 @@ impl<C: Curve> Walker<C> {
         }
         let mut close = match self.curve.within(&step, &located) {
             Within::Nothing => None,
-            Within::Pair(least) if least >= self.steps.ds_min && least < ds => {
-                return self.attempt(least, shorter);
+            Within::Pair(least) if least >= self.steps.ds_min && least < ds && pairs > 0 => {
+                return self.attempt(least, shorter, pairs - 1);
             }
             Within::Pair(_) => return Err(Refused::Pair),
             Within::Close(s, close) => Some((s, close)),
