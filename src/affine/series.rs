@@ -252,6 +252,24 @@ impl Field {
         Series::new(recurrences, z, order, derivatives)
     }
 
+    /// Sizes of the components of z, of a product those of the terms that it multiplies: where they cancel, it has their rounding.
+    pub fn sizes(&self, z: &Vector) -> Vec<f64> {
+        let base = z.len() - self.program.made();
+        let mut sizes: Vec<f64> = z.iter().take(base).map(|z| z.abs()).collect();
+        for (index, step) in self.program.steps.iter().enumerate() {
+            let of = |operand: &Sparse| -> f64 {
+                let terms = operand.terms.iter();
+                terms.map(|(c, by)| by.value.abs() * sizes[*c]).sum()
+            };
+            let size = match step.rule {
+                Rule::Product => step.operands.iter().map(of).product(),
+                _ => z[base + index].abs(),
+            };
+            sizes.push(size);
+        }
+        sizes
+    }
+
     /// Sum of the terms of which the rate of a form is made at the beginning of a series: where they cancel, it has
     /// their rounding.
     pub fn size_of_rate(&self, series: &Series, form: &Vector) -> f64 {

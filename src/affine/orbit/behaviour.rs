@@ -149,9 +149,24 @@ pub fn cycle(system: &AffineSystem, place: &Moment, longest: f64) -> Option<(Mom
             .copied()
             .collect::<Vec<f64>>()
     };
+    let terms = |place: &Moment| {
+        let mode = &system.modes[place.mode];
+        let sizes = mode
+            .field
+            .sizes(&system.lift(place.mode, &place.state, place.phase));
+        let matrix = &mode.matrix.at;
+        let of = |state: usize| -> f64 {
+            let products = sizes
+                .iter()
+                .enumerate()
+                .map(|(of, size)| matrix[(state, of)].abs() * size);
+            products.sum()
+        };
+        (0..system.states).map(of).collect::<Vec<f64>>()
+    };
     let mut sizes = vec![0.0; place.state.len()];
     let mut motion = Motion::new(system, place.clone(), longest);
-    let time = time_of_change(&mut motion, longest, rates, &mut sizes)?;
+    let time = time_of_change(&mut motion, longest, (rates, terms), &mut sizes)?;
     let step = time / STEPS;
     if !step.is_normal() {
         return None;
@@ -185,22 +200,32 @@ pub fn cycle(system: &AffineSystem, place: &Moment, longest: f64) -> Option<(Mom
     None
 }
 
-/// Follows a motion for a time and returns the least one in which a state would move by its size, as fast as it gets.
+/// Follows a motion for a time and returns the least one in which a state would move by its size, as fast as it gets. A state that is
+/// no larger than roundings of the terms of its rate over that time has no end of a size: nothing is said by it.
 fn time_of_change(
     motion: &mut Motion,
     longest: f64,
-    rates: impl Fn(&Moment) -> Vec<f64>,
+    (rates, terms): (impl Fn(&Moment) -> Vec<f64>, impl Fn(&Moment) -> Vec<f64>),
     sizes: &mut [f64],
 ) -> Option<f64> {
     const PARTS: u32 = 512;
     let begin = motion.place().time;
     let mut speeds = vec![0.0_f64; sizes.len()];
+    let mut most = speeds.clone();
     for part in 1..=PARTS {
         let until = begin + longest * f64::from(part) / f64::from(PARTS);
         run(motion, until, sizes).then_some(())?;
         let now = rates(motion.place());
         let pairs = now.iter().zip(&mut speeds);
         pairs.for_each(|(rate, speed)| *speed = speed.max(rate.abs()));
+        let now = terms(motion.place());
+        let pairs = now.iter().zip(&mut most);
+        pairs.for_each(|(terms, most)| *most = most.max(*terms));
+    }
+    for (size, terms) in sizes.iter_mut().zip(&most) {
+        if *size <= f64::EPSILON * terms * longest {
+            *size = f64::INFINITY;
+        }
     }
     let pairs = sizes.iter().zip(&speeds);
     let moving = pairs.filter(|(size, speed)| **size > 0.0 && **speed > 0.0);

@@ -241,7 +241,7 @@ impl OrbitSystem<'_> {
         let sign = if centre.is_some() { 1.0 } else { -1.0 };
         terms.residual[row] = terms.residual[row] + x[column].scaled(Interval::point(sign));
         if let Some(centre) = centre {
-            terms.residual[row] = terms.residual[row] - N::constant(centre.twice(column));
+            terms.residual[row] = terms.residual[row] - N::constant(centre.enclosed(column));
         }
         terms.put(row, column, N::double(sign));
         if wraps {

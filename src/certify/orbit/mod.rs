@@ -11,6 +11,7 @@
 mod arc;
 mod beyond;
 mod carry;
+mod centre;
 mod changed;
 mod check;
 mod critical;

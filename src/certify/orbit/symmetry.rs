@@ -4,7 +4,7 @@
 //! its formulas do, and an orbit where it is the only one next to its image. The centre is what makes the constants of these
 //! formulas agree: the origin in most files, and another point where states are counted from elsewhere.
 
-use super::enclosure::Enclosure;
+use super::centre::Centre;
 use super::exact::NamePolynomial;
 use super::fraction::Fraction;
 use super::modes::{Row, added, negative};
@@ -15,38 +15,8 @@ use crate::affine::expression::Algebra;
 use crate::certify::krawczyk;
 use crate::interval::{Interval, PI};
 
-/// The centre of a symmetry.
-#[derive(Clone, Debug)]
-pub struct Centre {
-    /// Twice it.
-    twice: Vec<Fraction>,
-    /// The same in intervals.
-    enclosed: Vec<Interval>,
-}
-
-impl Centre {
-    fn new(twice: Vec<Fraction>) -> Option<Centre> {
-        let value = |twice: &Fraction| Some(twice.value::<Enclosure>().ok()?.value);
-        let enclosed = twice.iter().map(value);
-        Some(Centre {
-            enclosed: enclosed.collect::<Option<_>>()?,
-            twice,
-        })
-    }
-
-    /// Twice the coordinate of a state.
-    pub fn twice(&self, state: usize) -> Interval {
-        self.enclosed[state]
-    }
-
-    /// The image of a value of a state.
-    pub fn image(&self, state: usize, x: Interval) -> Interval {
-        self.twice(state) - x
-    }
-}
-
 /// What a stretch is made of, beside that of half a period later: rates, guard and reset.
-struct Pair<'s> {
+struct StretchAndImage<'s> {
     rates: [&'s [Row<NamePolynomial>]; 2],
     guards: [&'s Row<NamePolynomial>; 2],
     resets: [&'s [Row<NamePolynomial>]; 2],
@@ -86,7 +56,7 @@ impl OrbitSystem<'_> {
     }
 
     /// Every stretch beside that of half a period later; `None` where one of them ends without a switch, or their number is odd.
-    fn pairs(&self) -> Option<Vec<Pair<'_>>> {
+    fn pairs(&self) -> Option<Vec<StretchAndImage<'_>>> {
         let count = self.stretches.len();
         let even = count.is_multiple_of(2) && (!self.is_forced() || self.posed.periods % 2 == 1);
         let parts = |index: usize| {
@@ -100,7 +70,7 @@ impl OrbitSystem<'_> {
         };
         let pair = |index: usize| {
             let (one, two) = (parts(index)?, parts(index + count / 2)?);
-            Some(Pair {
+            Some(StretchAndImage {
                 rates: [one.0, two.0],
                 guards: [one.1, two.1],
                 resets: [one.2, two.2],
@@ -137,7 +107,7 @@ impl OrbitSystem<'_> {
     }
 
     /// The one point around which the constants of guards, rates and resets agree; where they leave a state open, it is zero there.
-    fn centre_of_constants(&self, pairs: &[Pair]) -> Option<Centre> {
+    fn centre_of_constants(&self, pairs: &[StretchAndImage]) -> Option<Centre> {
         let (states, size) = (self.exact.states, self.exact.size());
         let mut zeros = FormZeros::default();
         // Σ aᵢ·2cᵢ + a = 0, of a form of the states alone

@@ -9,13 +9,13 @@
 use serde::{Deserialize, Serialize};
 
 use super::OpenOrbit;
+use super::centre::Centre;
 use super::critical::NullVector;
 use super::enclosure::Enclosure;
 use super::exact::NamePolynomial;
 use super::flow::{IntervalExponential, IntervalFlow};
 use super::modes::{IntervalModes, Structure};
 use super::products::Needed;
-use super::symmetry::Centre;
 use super::zeros::{Facts, InequalityEvent, VanishingForm};
 use crate::affine::orbit::setting::Scales;
 use crate::affine::orbit::{Margin, Sequence, Watch, ZonePoint};

@@ -49,12 +49,13 @@ fn distance(
     for (mode, states, phase) in ends.chain(edges) {
         let matrix = &system.modes[mode].matrix.at * (time / TAU);
         let lifted = system.lift(mode, states, phase);
+        let of_terms = system.modes[mode].field.sizes(&lifted);
         let first = &matrix * &lifted;
         let second = &matrix * &first;
         for (state, x) in states.iter().enumerate() {
             let size = x.abs().max(first[state].abs()).max(second[state].abs());
             sizes[state] = sizes[state].max(size);
-            let products = (0..lifted.len()).map(|of| (matrix[(state, of)] * lifted[of]).abs());
+            let products = (0..of_terms.len()).map(|of| matrix[(state, of)].abs() * of_terms[of]);
             let all = products.sum();
             terms[state] = terms[state].max(all);
         }
