@@ -119,13 +119,7 @@ fn units(orbit: &AffineOrbit, point: &Vector, sizes: Vec<f64>) -> Result<Vec<f64
         false => Vec::new(),
     };
     let alike = balance(&flows.iter().chain(&rates).collect::<Vec<_>>());
-    let grown = |flow: &Matrix| {
-        Matrix::from_fn(states, states, |to, from| {
-            flow[(to, from)] * alike[from] / alike[to]
-        })
-        .amax()
-    };
-    let growth = flows.iter().map(grown).fold(1.0, f64::max);
+    let growth = growth(&flows, &alike);
     let nothing = (NOTHING * growth).min(GROWN);
     let pairs = || sizes.iter().zip(&alike);
     let largest = pairs().fold(0.0, |most: f64, (size, alike)| most.max(size / alike));
@@ -134,14 +128,10 @@ fn units(orbit: &AffineOrbit, point: &Vector, sizes: Vec<f64>) -> Result<Vec<f64
     let small = |(size, alike): (&f64, &f64)| *size <= nothing * largest * alike;
     let mut is_zero: Vec<bool> = pairs().map(small).collect();
     // along a chain of states units alike fall as one likes: what acts on a state tells that it is small and not zero
-    let acting = |state: usize, other: usize| {
-        let entries = flows.iter().map(|flow| flow[(state, other)].abs());
-        entries.fold(0.0, f64::max)
-    };
     let made = |state: usize, is_zero: &[bool]| {
         let others = (0..states).filter(|other| !is_zero[*other]);
         let by = |other: usize| {
-            let acting = acting(state, other);
+            let acting = acting(&flows, state, other);
             let is_told = acting * alike[other] > GROWN * growth * alike[state];
             if is_told { acting * sizes[other] } else { 0.0 }
         };
@@ -156,7 +146,7 @@ fn units(orbit: &AffineOrbit, point: &Vector, sizes: Vec<f64>) -> Result<Vec<f64
     // units alike say nothing of a state that acts on no other: what others make of it does, where it is rounding beside that
     let cancels = |state: usize| {
         let others = (0..states).filter(|other| *other != state && !is_zero[*other]);
-        let made = others.map(|other| acting(state, other) * sizes[other]);
+        let made = others.map(|other| acting(&flows, state, other) * sizes[other]);
         let made = made.fold(0.0, f64::max);
         (sizes[state] <= nothing * made).then_some(made)
     };
@@ -171,6 +161,24 @@ fn units(orbit: &AffineOrbit, point: &Vector, sizes: Vec<f64>) -> Result<Vec<f64
         }
     });
     Ok(units.collect())
+}
+
+/// The most that a perturbation grows by along one of these flows, in these units.
+fn growth(flows: &[Matrix], units: &[f64]) -> f64 {
+    let states = units.len();
+    let grown = |flow: &Matrix| {
+        Matrix::from_fn(states, states, |to, from| {
+            flow[(to, from)] * units[from] / units[to]
+        })
+        .amax()
+    };
+    flows.iter().map(grown).fold(1.0, f64::max)
+}
+
+/// The most that a state changes by along one of these flows, for each unit of another one.
+fn acting(flows: &[Matrix], state: usize, other: usize) -> f64 {
+    let entries = flows.iter().map(|flow| flow[(state, other)].abs());
+    entries.fold(0.0, f64::max)
 }
 
 /// The derivatives of the rates of every mode of a system at the beginning of an orbit.
