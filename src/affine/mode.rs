@@ -188,6 +188,20 @@ impl AffineSystem {
         z
     }
 
+    /// The sizes of the terms of which the rates of the states are made at a place, summed up: where they cancel, a rate has their
+    /// rounding.
+    pub(super) fn terms_of_rates(&self, mode: usize, state: &[f64], phase: f64) -> Vec<f64> {
+        let AffineMode { field, matrix, .. } = &self.modes[mode];
+        let sizes = field.sizes(&self.lift(mode, state, phase));
+        let of_rate = |rate: usize| {
+            let terms = sizes.iter().enumerate();
+            terms
+                .map(|(of, size)| matrix.at[(rate, of)].abs() * size)
+                .sum()
+        };
+        (0..self.states).map(of_rate).collect()
+    }
+
     /// The surfaces of a mode through a state at a phase, in these units of the states.
     pub(super) fn surfaces(
         &self,

@@ -15,6 +15,8 @@
 //! | `KNOWN` | least Rⱼⱼ of a piece, by the largest entry of its flow | ten digits of Rⱼⱼ are left |
 //! | `GONE` | a direction is lost where it is this part of its length before | far above rounding, far below what jumps leave |
 
+use std::f64::consts::TAU;
+
 use super::exponential::plain_propagator;
 use super::mode::{AffineMode, AffineSystem, Row};
 use super::motion::{Moment, Switching};
@@ -136,17 +138,28 @@ impl<'a> TangentFrame<'a> {
     }
 
     /// Takes as units of the states their largest sizes so far, to powers of two, forgets how directions have grown, and
-    /// puts new ones in the place of those that are lost: where the motion is.
+    /// puts new ones in the place of those that are lost: where the motion is. A state that is next to nothing there, as on its section,
+    /// has the unit of what its rate makes of a unit of time.
     ///
     /// # Errors
     /// A direction is no number.
     pub fn measure_anew(&mut self, place: &Moment) -> Result<(), NotResolved> {
+        /// Part of that below which it is next to nothing.
+        const LITTLE: f64 = 1e-9;
         self.see(&place.state);
-        let unit = |size: f64| match size > 0.0 && size.is_finite() {
-            true => size.log2().round().exp2(),
-            false => 1.0,
+        let z = self.system.lift(place.mode, &place.state, place.phase);
+        let rates = &self.system.modes[place.mode].matrix.at * z;
+        let unit = |state: usize, size: f64| {
+            let made = rates[state].abs() / (TAU * self.slow);
+            let size = if size > LITTLE * made { size } else { made };
+            match size > 0.0 && size.is_finite() {
+                true => size.log2().round().exp2(),
+                false => 1.0,
+            }
         };
-        let units = self.sizes.map(unit);
+        let units = self
+            .sizes
+            .map_with_location(|state, _, size| unit(state, size));
         for direction in &mut self.directions {
             let pairs = self.units.iter().zip(&units);
             let entries = direction.at.iter_mut().zip(pairs);

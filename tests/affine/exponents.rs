@@ -72,6 +72,20 @@ const STARTED: &str = r#"mode: "run", state: {"x": 0.3123, "s": 0.0}"#;
 const CLOCKED: &str = r#"parameter: "b", values: Linear(1.8, 1.9, 2), sweep: Fresh, settle: 80, keep: 100,
     section: Zero("s - 0.5"), lyapunov: 2"#;
 
+/// On its section a state is zero but for rounding, which is no unit: whatever a motion begins with there, the cycle r = 1 has the
+/// exponents 0 and −2, and a state that decays beside it −a.
+#[test]
+fn a_state_that_is_zero_on_the_section_has_a_unit() {
+    let system = r#"states: ["x", "y", "z"], parameters: {"a": 0.5}, define: {"q": "1 - x^2 - y^2"}, modes: {"flow": (
+        rates: {"x": "x*q - 1.5*y", "y": "y*q + 1.5*x", "z": "-a*z + x*z"})}"#;
+    let scan = r#"parameter: "a", values: Linear(0.5, 1.0, 2), sweep: Fresh, settle: 60, keep: 100,
+        section: Zero("x"), lyapunov: 3"#;
+    for x in ["0.0", "5.551115123125783e-17", "-1e-300"] {
+        let start = format!(r#"mode: "flow", state: {{"x": {x}, "y": -1.0, "z": 0.1}}"#);
+        are(&of(system, &start, scan), &[0.0, -0.5, -2.0], 1e-10);
+    }
+}
+
 /// ln b of x → bx mod 1 and of the tent map, and the 0 of the shift in time: every period expands alike, so that errors are
 /// rounding. What is left of the start is b^−80.
 #[test]

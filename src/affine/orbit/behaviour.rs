@@ -149,21 +149,7 @@ pub fn cycle(system: &AffineSystem, place: &Moment, longest: f64) -> Option<(Mom
             .copied()
             .collect::<Vec<f64>>()
     };
-    let terms = |place: &Moment| {
-        let mode = &system.modes[place.mode];
-        let sizes = mode
-            .field
-            .sizes(&system.lift(place.mode, &place.state, place.phase));
-        let matrix = &mode.matrix.at;
-        let of = |state: usize| -> f64 {
-            let products = sizes
-                .iter()
-                .enumerate()
-                .map(|(of, size)| matrix[(state, of)].abs() * size);
-            products.sum()
-        };
-        (0..system.states).map(of).collect::<Vec<f64>>()
-    };
+    let terms = |place: &Moment| system.terms_of_rates(place.mode, &place.state, place.phase);
     let mut sizes = vec![0.0; place.state.len()];
     let mut motion = Motion::new(system, place.clone(), longest);
     let time = time_of_change(&mut motion, longest, (rates, terms), &mut sizes)?;
@@ -201,7 +187,7 @@ pub fn cycle(system: &AffineSystem, place: &Moment, longest: f64) -> Option<(Mom
 }
 
 /// Follows a motion for a time and returns the least one in which a state would move by its size, as fast as it gets. A state that is
-/// no larger than roundings of the terms of its rate over that time has no end of a size: nothing is said by it.
+/// no larger than roundings of the terms of its rate over that time says nothing: its size is infinite.
 fn time_of_change(
     motion: &mut Motion,
     longest: f64,

@@ -49,21 +49,19 @@ fn distance(
     for (mode, states, phase) in ends.chain(edges) {
         let matrix = &system.modes[mode].matrix.at * (time / TAU);
         let lifted = system.lift(mode, states, phase);
-        let of_terms = system.modes[mode].field.sizes(&lifted);
+        let of_rates = system.terms_of_rates(mode, states, phase);
         let first = &matrix * &lifted;
         let second = &matrix * &first;
         for (state, x) in states.iter().enumerate() {
             let size = x.abs().max(first[state].abs()).max(second[state].abs());
             sizes[state] = sizes[state].max(size);
-            let products = (0..of_terms.len()).map(|of| matrix[(state, of)].abs() * of_terms[of]);
-            let all = products.sum();
-            terms[state] = terms[state].max(all);
+            terms[state] = terms[state].max(of_rates[state] * time);
         }
     }
     let off = |state: usize| {
         let off = (begin.state[state] - here.state[state]).abs();
         let decayed = sizes[state] <= DECAYED * whole[state];
-        let is_rounding = off <= ROUNDINGS * f64::EPSILON * terms[state] * TAU;
+        let is_rounding = off <= ROUNDINGS * f64::EPSILON * terms[state];
         if decayed || is_rounding {
             0.0
         } else {
