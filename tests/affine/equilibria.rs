@@ -11,6 +11,7 @@ use brakewave::hybrid::equilibrium::{
 use brakewave::hybrid::{EarlierPoint, OrbitRunner};
 use brakewave::orbit::legs::Run as _;
 use brakewave::orbit::{Stability, special};
+use brakewave::problem::SystemProblem;
 
 use crate::affine::rests::{
     BRUSSELATOR, CHUA, Course, FITZHUGH, HARVEST, LORENZ, PITCHFORK, STARTS, events, followed,
@@ -512,6 +513,20 @@ fn stability_changes_at_events_only() {
     }
 }
 
+/// The problem of the branch that leaves that of a course at its first branch point, and this point.
+fn switched(course: &Course, units: &[f64]) -> (SystemProblem, NamedEquilibrium) {
+    let all = course.all(units, false);
+    let at = all.iter().find(|item| item.point.kind == Some(BP)).unwrap();
+    let named = NamedEquilibrium {
+        saved: at.saved.clone().unwrap(),
+        kind: Some(BP),
+    };
+    let mut problem = course.problem(units, false, "");
+    let start = r#"(start: Switch(dir: "earlier", label: 2))"#;
+    problem.equilibrium = Some(ron::from_str(start).unwrap());
+    (problem, named)
+}
+
 /// On the branch that leaves a pitchfork y = x², mu = −x² + qx⁴: it turns at x = 1/√(2q), mu = −1/(4q).
 #[test]
 fn the_other_branch_leaves_a_branch_point() {
@@ -521,15 +536,7 @@ fn the_other_branch_leaves_a_branch_point() {
             system: &text,
             ..STARTS[5]
         };
-        let all = course.all(&[1.0; 2], false);
-        let at = all.iter().find(|item| item.point.kind == Some(BP)).unwrap();
-        let named = NamedEquilibrium {
-            saved: at.saved.clone().unwrap(),
-            kind: Some(BP),
-        };
-        let mut problem = course.problem(&[1.0; 2], false, "");
-        let start = r#"(start: Switch(dir: "earlier", label: 4))"#;
-        problem.equilibrium = Some(ron::from_str(start).unwrap());
+        let (problem, named) = switched(&course, &[1.0; 2]);
         let found = events(&followed(runner(&problem, Some(&named))));
         let x = FRAC_1_SQRT_2 / f64::sqrt(q);
         let sign = number(&found[0], "x").signum();
@@ -772,14 +779,7 @@ fn the_other_branch_is_found_in_all_units() {
         [1e3; 3],
         [1.0, 1.0, 1e3],
     ] {
-        let all = course.all(&units, false);
-        let at = all.iter().find(|item| item.point.kind == Some(BP)).unwrap();
-        let named = NamedEquilibrium {
-            saved: at.saved.clone().unwrap(),
-            kind: Some(BP),
-        };
-        let mut problem = course.problem(&units, false, "");
-        problem.equilibrium = ron::from_str(r#"(start: Switch(dir: "earlier", label: 2))"#).ok();
+        let (problem, named) = switched(&course, &units);
         let found = followed(runner(&problem, Some(&named)));
         assert!(found.len() > 3, "{units:?}");
         for item in &found {
@@ -810,14 +810,7 @@ fn the_other_branch_begins_within_the_range() {
             parameter: "p",
             range: (-1.0, 1.0),
         };
-        let all = course.all(&[1.0], false);
-        let at = all.iter().find(|item| item.point.kind == Some(BP)).unwrap();
-        let named = NamedEquilibrium {
-            saved: at.saved.clone().unwrap(),
-            kind: Some(BP),
-        };
-        let mut problem = course.problem(&[1.0], false, "");
-        problem.equilibrium = ron::from_str(r#"(start: Switch(dir: "earlier", label: 2))"#).ok();
+        let (problem, named) = switched(&course, &[1.0]);
         let found = followed(runner(&problem, Some(&named)));
         let of_type = |kind| {
             found
@@ -853,16 +846,10 @@ fn a_branch_leaves_one_on_which_a_state_is_zero() {
         range: (0.1, 3.0),
     };
     for units in [[1.0; 2], [1.0, 1e3], [1e-3, 1.0]] {
-        let all = course.all(&units, false);
-        let at = all.iter().find(|item| item.point.kind == Some(BP)).unwrap();
-        assert!((at.point.parameters[0] - 0.4).abs() <= 1e-14);
-        assert_eq!(at.point.state[1], 0.0);
-        let named = NamedEquilibrium {
-            saved: at.saved.clone().unwrap(),
-            kind: Some(BP),
-        };
-        let mut problem = course.problem(&units, false, "");
-        problem.equilibrium = ron::from_str(r#"(start: Switch(dir: "earlier", label: 2))"#).ok();
+        let (problem, named) = switched(&course, &units);
+        let saved = &named.saved;
+        assert!((saved.values[0] - 0.4).abs() <= 1e-14);
+        assert_eq!(saved.state[1], 0.0);
         let found = followed(runner(&problem, Some(&named)));
         assert!(found.len() > 3, "{units:?}");
         for item in &found {

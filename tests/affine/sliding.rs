@@ -4,13 +4,13 @@ use std::f64::consts::TAU;
 
 use brakewave::affine::motion::{Halt, Motion, Step, Switching};
 use brakewave::affine::orbit::AffineOrbit;
-use brakewave::affine::orbit::start::{Beginning, NoStart, Search, Wanted, first};
+use brakewave::affine::orbit::start::NoStart;
 use brakewave::affine::system::System;
 use brakewave::linalg::Vector;
 use brakewave::orbit::{Examined, Orbit};
 
-use crate::affine::branches::follow;
-use crate::affine::systems::{BRAKE_BY_HAND, TWO_MASSES, at, place, system, values};
+use crate::affine::branches::{follow, started};
+use crate::affine::systems::{BRAKE_BY_HAND, TWO_MASSES, at, place, system};
 
 /// Every switch of a motion up to a time, and why it does not go on.
 fn switches(
@@ -37,17 +37,7 @@ fn settled(
     (mode, state): (&str, &[f64]),
     settle: f64,
 ) -> Result<(AffineOrbit, Vector), NoStart> {
-    let system = system(text);
-    let beginning = Beginning {
-        mode: system.mode(mode).unwrap(),
-        state: state.to_vec(),
-        phase: 0.0,
-    };
-    let wanted = Wanted {
-        values: values(&system, &[]),
-        ..Wanted::new(system, parameter, (0.0, 1.0)).unwrap()
-    };
-    first(&wanted, &beginning, Search::Settles(settle))
+    started(text, (mode, state, 0.0), (parameter, (0.0, 1.0)), settle)
 }
 
 /// A block between brakes that let go while sin φ > h: stick by `sliding`.

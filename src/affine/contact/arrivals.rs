@@ -305,12 +305,14 @@ impl<C: Measured> Instant<'_, C> {
                 Err(mistake) => return Err(mistake),
             };
             for contact in self.others() {
-                let limits = self.open_limits(contact, trial, forces).map_err(failed)?;
+                let stood_open = self.stood_open(contact, &trial.digits);
+                let limits = self.open_limits(contact, trial, forces, stood_open);
+                let limits = limits.map_err(failed)?;
                 let next = limits
                     .iter()
                     .map(|limit| self.changed(trial, contact, limit));
                 // at no gap it closes first
-                let ways = match self.stood_open(contact, &trial.digits) {
+                let ways = match stood_open {
                     true => &mut before,
                     false => &mut beyond,
                 };
@@ -357,7 +359,8 @@ impl<C: Measured> Instant<'_, C> {
         changed
     }
 
-    /// What is not negative where a contact stays in its state on trial, if that hangs on the state of the instant.
+    /// What is not negative where a contact stays in its state on trial, if that hangs on the state of the instant: of a stop that
+    /// stood open it does.
     ///
     /// # Errors
     /// An operation that has no result there.
@@ -366,9 +369,9 @@ impl<C: Measured> Instant<'_, C> {
         contact: usize,
         trial: &Trial<C>,
         forces: &[Form<C>],
+        stood_open: bool,
     ) -> Result<Vec<Limit<C>>, Obstacle> {
         let digit = trial.digits[contact];
-        let stood_open = self.stood_open(contact, &trial.digits);
         let settled = trial.released == Some(contact)
             || self.is_unchanged(contact, digit, forces)? && !stood_open;
         if settled {

@@ -149,10 +149,9 @@ pub fn cycle(system: &AffineSystem, place: &Moment, longest: f64) -> Option<(Mom
             .copied()
             .collect::<Vec<f64>>()
     };
-    let terms = |place: &Moment| system.terms_of_rates(place.mode, &place.state, place.phase);
     let mut sizes = vec![0.0; place.state.len()];
     let mut motion = Motion::new(system, place.clone(), longest);
-    let time = time_of_change(&mut motion, longest, (rates, terms), &mut sizes)?;
+    let time = time_of_change(system, &mut motion, longest, rates, &mut sizes)?;
     let step = time / STEPS;
     if !step.is_normal() {
         return None;
@@ -189,9 +188,10 @@ pub fn cycle(system: &AffineSystem, place: &Moment, longest: f64) -> Option<(Mom
 /// Follows a motion for a time and returns the least one in which a state would move by its size, as fast as it gets. A state that is
 /// no larger than roundings of the terms of its rate over that time says nothing: its size is infinite.
 fn time_of_change(
+    system: &AffineSystem,
     motion: &mut Motion,
     longest: f64,
-    (rates, terms): (impl Fn(&Moment) -> Vec<f64>, impl Fn(&Moment) -> Vec<f64>),
+    rates: impl Fn(&Moment) -> Vec<f64>,
     sizes: &mut [f64],
 ) -> Option<f64> {
     const PARTS: u32 = 512;
@@ -204,7 +204,10 @@ fn time_of_change(
         let now = rates(motion.place());
         let pairs = now.iter().zip(&mut speeds);
         pairs.for_each(|(rate, speed)| *speed = speed.max(rate.abs()));
-        let now = terms(motion.place());
+        let Moment {
+            mode, state, phase, ..
+        } = motion.place();
+        let now = system.terms_of_rates(*mode, state, *phase);
         let pairs = now.iter().zip(&mut most);
         pairs.for_each(|(terms, most)| *most = most.max(*terms));
     }

@@ -106,7 +106,7 @@ impl NamePolynomial {
             names.sort_unstable();
             return Some(NamePolynomial(BTreeMap::from([(names, by)])));
         }
-        let sum = self.product(&NamePolynomial::of_fraction(by))?;
+        let sum = self.over(*factor)?;
         let name = format!("1/{}", sum.text());
         Some(NamePolynomial(BTreeMap::from([(vec![name], by)])))
     }

@@ -128,26 +128,18 @@ fn units(orbit: &AffineOrbit, point: &Vector, sizes: Vec<f64>) -> Result<Vec<f64
     let small = |(size, alike): (&f64, &f64)| *size <= nothing * largest * alike;
     let mut is_zero: Vec<bool> = pairs().map(small).collect();
     // along a chain of states units alike fall as one likes: what acts on a state tells that it is small and not zero
-    let made = |state: usize, is_zero: &[bool]| {
-        let others = (0..states).filter(|other| !is_zero[*other]);
-        let by = |other: usize| {
-            let acting = acting(&flows, state, other);
-            let is_told = acting * alike[other] > GROWN * growth * alike[state];
-            if is_told { acting * sizes[other] } else { 0.0 }
-        };
-        others.map(by).fold(0.0, f64::max)
+    let is_told = |acting: f64, [state, other]: [usize; 2]| {
+        acting * alike[other] > GROWN * growth * alike[state]
     };
     while let Some(state) = (0..states).find(|state| {
-        let made = made(*state, &is_zero);
+        let made = made(&flows, &sizes, (*state, &is_zero), is_told);
         is_zero[*state] && made > 0.0 && sizes[*state] > nothing * made
     }) {
         is_zero[state] = false;
     }
     // units alike say nothing of a state that acts on no other: what others make of it does, where it is rounding beside that
     let cancels = |state: usize| {
-        let others = (0..states).filter(|other| *other != state && !is_zero[*other]);
-        let made = others.map(|other| acting(&flows, state, other) * sizes[other]);
-        let made = made.fold(0.0, f64::max);
+        let made = made(&flows, &sizes, (state, &is_zero), |_, _| true);
         (sizes[state] <= nothing * made).then_some(made)
     };
     let units = pairs().enumerate().map(|(state, (size, alike))| {
@@ -175,10 +167,24 @@ fn growth(flows: &[Matrix], units: &[f64]) -> f64 {
     flows.iter().map(grown).fold(1.0, f64::max)
 }
 
-/// The most that a state changes by along one of these flows, for each unit of another one.
-fn acting(flows: &[Matrix], state: usize, other: usize) -> f64 {
-    let entries = flows.iter().map(|flow| flow[(state, other)].abs());
-    entries.fold(0.0, f64::max)
+/// The most that another state, which is not zero, makes of a state along one of these flows, of those whose action counts.
+fn made(
+    flows: &[Matrix],
+    sizes: &[f64],
+    (state, is_zero): (usize, &[bool]),
+    counts: impl Fn(f64, [usize; 2]) -> bool,
+) -> f64 {
+    let others = (0..sizes.len()).filter(|other| *other != state && !is_zero[*other]);
+    let by = |other: usize| {
+        let entries = flows.iter().map(|flow| flow[(state, other)].abs());
+        let acting = entries.fold(0.0, f64::max);
+        if counts(acting, [state, other]) {
+            acting * sizes[other]
+        } else {
+            0.0
+        }
+    };
+    others.map(by).fold(0.0, f64::max)
 }
 
 /// The derivatives of the rates of every mode of a system at the beginning of an orbit.
