@@ -1,14 +1,17 @@
 //! Waves of the tube as orbits that the engine follows.
 
 use super::EventType;
-use super::special::{InadmissibleWave, OfWaves, WaveMargin, WaveStop};
+use super::special::{InadmissibleWave, OfWaves, WaveMargin, WaveTermination};
 use crate::continuation::Node;
 use crate::continuation::newton::Equations;
 use crate::linalg::{Matrix, Vector};
 use crate::orbit::located::AT_ZERO;
 use crate::orbit::sign::SignVerdict;
-use crate::orbit::{Candidate, Examined, Orbit, WITHOUT_LENGTH};
-use crate::orbit::{entry, follow};
+use crate::orbit::{
+    Bifurcations, Candidate, Changes, CoordinateChanges, Covers, Examined, Inequalities,
+    MarginFunction, Monitored, Situation, SpecialType, TerminationType, Terminations,
+    WITHOUT_LENGTH, Zones, entry, follow,
+};
 use crate::tube::flow::FlowError;
 use crate::tube::model::Parameter;
 use crate::tube::model::signature::{Regime, Signature, WaveZone, ZoneEntry};
@@ -45,16 +48,11 @@ impl Examined for WaveExamination {
     }
 }
 
-impl Orbit for Wave {
+impl Zones for Wave {
     type Signature = Signature;
     type Parameter = Parameter;
     type Margin = RegimeMargin;
     type Examination = WaveExamination;
-    type Held = WaveMargin;
-    type Inadmissible = InadmissibleWave;
-    type Special = OfWaves;
-    type Remark = Remark;
-    type Stop = WaveStop;
 
     fn signature(&self) -> &Signature {
         &self.signature
@@ -88,32 +86,51 @@ impl Orbit for Wave {
         examine(self, point)
     }
 
-    fn margin_at(&self, seen: &RegimeMargin, point: &Vector) -> Result<RegimeMargin, FlowError> {
-        MarginConstraint { margin: *seen }.margin_at(self, point)
+    fn rounding(&self, matrix: &Matrix, point: &Vector, last: f64) -> Option<f64> {
+        self.parameter_rounding(matrix, point, last)
+    }
+}
+
+impl MarginFunction for RegimeMargin {
+    fn value(&self) -> f64 {
+        self.jet.value
     }
 
-    fn value(margin: &RegimeMargin) -> f64 {
-        margin.jet.value
+    fn is_same(&self, other: &RegimeMargin) -> bool {
+        (self.watch, self.zone) == (other.watch, other.zone)
+    }
+
+    /// A zone without length says most.
+    fn precedence(&self) -> usize {
+        WITHOUT_LENGTH + usize::from(self.watch != WaveWatch::Duration)
+    }
+}
+
+impl Inequalities for Wave {
+    type Inequality = WaveMargin;
+    type Inadmissible = InadmissibleWave;
+
+    fn margin_at(&self, seen: &RegimeMargin, point: &Vector) -> Result<RegimeMargin, FlowError> {
+        MarginConstraint { margin: *seen }.margin_at(self, point)
     }
 
     fn add_gradient(&self, margin: &RegimeMargin, gradient: &mut [f64]) {
         margin.add_gradient(self, gradient);
     }
 
-    fn is_same(one: &RegimeMargin, other: &RegimeMargin) -> bool {
-        (one.watch, one.zone) == (other.watch, other.zone)
+    fn slope(&self, margin: &RegimeMargin, direction: &Vector) -> f64 {
+        margin.slope(self, direction)
     }
 
-    /// A zone without length says most.
-    fn precedence(margin: &RegimeMargin) -> usize {
-        WITHOUT_LENGTH + usize::from(margin.watch != WaveWatch::Duration)
+    fn reach(&self, margin: &RegimeMargin, changes: &Vector) -> f64 {
+        margin.reach(self, changes)
     }
 
     fn is_alike(&self, margin: &RegimeMargin, other: &Wave, of_other: &RegimeMargin) -> bool {
-        self.held(margin) == other.held(of_other)
+        self.inequality(margin) == other.inequality(of_other)
     }
 
-    fn held(&self, margin: &RegimeMargin) -> WaveMargin {
+    fn inequality(&self, margin: &RegimeMargin) -> WaveMargin {
         WaveMargin {
             regime: self.signature.zone(margin.zone).regime,
             watch: margin.watch,
@@ -123,6 +140,12 @@ impl Orbit for Wave {
     fn inadmissible(&self, examination: &WaveExamination) -> InadmissibleWave {
         InadmissibleWave::of(self, examination)
     }
+}
+
+impl CoordinateChanges for Wave {}
+
+impl Changes for Wave {
+    type Remark = Remark;
 
     fn candidates(
         &self,
@@ -194,30 +217,90 @@ impl Orbit for Wave {
     fn is_layered(&self) -> bool {
         self.material
     }
+}
 
-    fn rounding(&self, matrix: &Matrix, point: &Vector, last: f64) -> Option<f64> {
-        self.parameter_rounding(matrix, point, last)
+impl SpecialType<Signature> for OfWaves {
+    fn kind(&self) -> EventType {
+        match self {
+            OfWaves::HopfPoint | OfWaves::CoulombLimit => EventType::EP,
+            OfWaves::StickOpens => EventType::ST,
+            OfWaves::Crossing { omega: None, .. } | OfWaves::Repeats => EventType::BP,
+            OfWaves::Crossing { .. } => EventType::HB,
+        }
     }
 
-    /// Waves run in the direction of D.
-    fn barred(&self, margin: &RegimeMargin) -> Option<WaveStop> {
-        (margin.watch == WaveWatch::Coupling).then_some(WaveStop::Against)
+    fn beyond(&self) -> Option<Signature> {
+        (*self == OfWaves::StickOpens).then(Signature::slip_stick)
+    }
+}
+
+impl Bifurcations for Wave {
+    type Special = OfWaves;
+
+    fn edge(&self, value: f64) -> Option<OfWaves> {
+        let limit = self.parameter == Parameter::StiffnessDamping
+            && self.signature.has(Regime::Separation)
+            && value == 0.0;
+        limit.then_some(OfWaves::CoulombLimit)
+    }
+}
+
+impl TerminationType<Signature> for WaveTermination {
+    /// The waves that are left at a Hopf point all have its value of the parameter.
+    fn completes(&self) -> bool {
+        matches!(
+            self,
+            WaveTermination::SlipAlone | WaveTermination::Repeats { .. }
+        )
     }
 
-    fn ends_at(&self, point: &Vector, margin: &RegimeMargin) -> Option<WaveStop> {
+    fn left(&self) -> Option<Signature> {
+        (*self == WaveTermination::SlipAlone).then(Signature::slip_alone)
+    }
+}
+
+impl Terminations for Wave {
+    type Termination = WaveTermination;
+
+    fn termination(&self, situation: Situation<'_, RegimeMargin>) -> Option<WaveTermination> {
+        match situation {
+            Situation::At(node, range) => self.ends_in_range(node, range),
+            Situation::NoStep(_) => None,
+            // waves run in the direction of D
+            Situation::Change(margin) => {
+                (margin.watch == WaveWatch::Coupling).then_some(WaveTermination::Against)
+            }
+            Situation::NoCandidate(point, margin) => self.ends_at_change(point, margin),
+        }
+    }
+}
+
+impl Covers for Wave {
+    fn repeats(&self, node: &Node) -> Option<(OfWaves, WaveTermination)> {
+        let mode = 2 * self.mode;
+        self.is_double(&node.point)
+            .then_some((OfWaves::Repeats, WaveTermination::Repeats { mode }))
+    }
+}
+
+impl Monitored for Wave {}
+
+impl Wave {
+    /// Why the branch ends where a margin vanishes and no candidate goes on.
+    fn ends_at_change(&self, point: &Vector, margin: &RegimeMargin) -> Option<WaveTermination> {
         if is_undriven(self, point) {
-            return Some(WaveStop::Undriven);
+            return Some(WaveTermination::Undriven);
         }
         let alone = margin.watch == WaveWatch::Duration && self.zones() == 2;
-        alone.then_some(WaveStop::SlipAlone)
+        alone.then_some(WaveTermination::SlipAlone)
     }
 
     /// D = 0; or the branch has no end in the range as its speed tends to √a: ln(|c|/√a − 1) falls
     /// without bound and everything else tends to a limit, as a power of the excess speed.
-    fn exhausted(&self, node: &Node, (low, high): (f64, f64)) -> Option<WaveStop> {
+    fn ends_in_range(&self, node: &Node, (low, high): (f64, f64)) -> Option<WaveTermination> {
         let Node { point, tangent, .. } = node;
         if is_undriven(self, point) {
-            return Some(WaveStop::Undriven);
+            return Some(WaveTermination::Undriven);
         }
         let last = self.unknowns() - 1;
         let excess = self.excess_at(point);
@@ -228,54 +311,11 @@ impl Orbit for Wave {
         let value = self.parameter_at(point);
         let room = (value - low).min(high - value).min(value.abs());
         let sonic = fall > 0.0 && excess < SONIC && rest < SETTLED && drift < SETTLED * room;
-        sonic.then_some(WaveStop::Sonic {
+        sonic.then_some(WaveTermination::Sonic {
             excess,
             parameter: self.parameter,
             value,
         })
-    }
-
-    /// The waves that are left at a Hopf point all have its value of the parameter.
-    fn completes(stop: &WaveStop) -> bool {
-        matches!(stop, WaveStop::SlipAlone | WaveStop::Repeats { .. })
-    }
-
-    fn repeats(&self, node: &Node) -> Option<(OfWaves, WaveStop)> {
-        let mode = 2 * self.mode;
-        self.is_double(&node.point)
-            .then_some((OfWaves::Repeats, WaveStop::Repeats { mode }))
-    }
-
-    fn edge(&self, value: f64) -> Option<OfWaves> {
-        let limit = self.parameter == Parameter::StiffnessDamping
-            && self.signature.has(Regime::Separation)
-            && value == 0.0;
-        limit.then_some(OfWaves::CoulombLimit)
-    }
-
-    fn kind(special: &OfWaves) -> EventType {
-        match special {
-            OfWaves::HopfPoint | OfWaves::CoulombLimit => EventType::EP,
-            OfWaves::StickOpens => EventType::ST,
-            OfWaves::Crossing { omega: None, .. } | OfWaves::Repeats => EventType::BP,
-            OfWaves::Crossing { .. } => EventType::HB,
-        }
-    }
-
-    fn beyond(special: &OfWaves) -> Option<Signature> {
-        (*special == OfWaves::StickOpens).then(Signature::slip_stick)
-    }
-
-    fn left(stop: &WaveStop) -> Option<Signature> {
-        (*stop == WaveStop::SlipAlone).then(Signature::slip_alone)
-    }
-
-    fn slope(&self, margin: &RegimeMargin, direction: &Vector) -> f64 {
-        margin.slope(self, direction)
-    }
-
-    fn reach(&self, margin: &RegimeMargin, changes: &Vector) -> f64 {
-        margin.reach(self, changes)
     }
 }
 

@@ -46,7 +46,7 @@ pub struct WaveMargin {
 
 /// Why a branch of waves ends for reasons of the tube.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub enum WaveStop {
+pub enum WaveTermination {
     /// D = 0 ends the wave.
     Undriven,
     /// D = 0: the wave would run against D.
@@ -77,7 +77,7 @@ pub type Change = engine::Change<Wave>;
 /// Why a wave refuses a step.
 pub type Refusal = engine::OrbitRefusal<Wave>;
 /// Why a branch of waves ends for reasons of its own.
-pub type Stop = engine::BranchStop<Wave>;
+pub type Stop = engine::BranchTermination<Wave>;
 /// A signature tried beyond an event and refused.
 pub type Tried = engine::Tried<Wave>;
 /// Why a branch cannot be followed from a wave.

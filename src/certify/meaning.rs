@@ -15,7 +15,7 @@ use super::krawczyk;
 use super::system::{NearWave, PosedWave, WaveCondition, WaveSystem};
 use super::{OpenPoint, RefusedProof, WaveProof};
 use crate::interval::{Decimal, Interval};
-use crate::orbit::{EventType, Orbit};
+use crate::orbit::{Changes, EventType};
 use crate::tube::model::signature::{Regime, Signature, ZoneEntry};
 use crate::tube::model::{Impact, Parameter};
 use crate::tube::wave::Wave;

@@ -10,7 +10,7 @@ use super::plane::{MarginOf, ParameterPlane};
 use crate::continuation::limit::limit;
 use crate::continuation::locate::{self, Place};
 use crate::linalg::Vector;
-use crate::orbit::{AtZero, Examined, Orbit, find};
+use crate::orbit::{AtZero, Examined, MarginFunction, find};
 
 /// Longest durations of the points that tell, in units of the period, and their number: the one with the least error serves.
 const LONGEST: [f64; 5] = [5e-2, 2e-2, 1e-2, 5e-3, 2e-3];
@@ -42,16 +42,16 @@ type Shrinking = Vec<(Place, f64)>;
 impl<P: ParameterPlane> EventCurve<P> {
     /// Where a zone shrinks to nothing within a step at a place that its own zero does not meet.
     pub(super) fn closing(&self, step: &Stage<P>) -> Option<(Place, Closing<P>)> {
-        let value = P::Orbit::value;
         let margins = step.after.examination.margins().iter();
         let mut closing = margins.filter(|margin| {
             P::CLOSES
-                && P::Orbit::precedence(margin) == 0
-                && value(margin) <= 0.0
+                && margin.precedence() == 0
+                && margin.value() <= 0.0
                 && !self.own.contains(&P::key(margin))
         });
         closing.find_map(|margin| {
-            let before = find::<P::Orbit>(&step.before.examination, margin).map(value)?;
+            let before =
+                find::<P::Orbit>(&step.before.examination, margin).map(MarginFunction::value)?;
             (before > 0.0)
                 .then(|| self.closing_of(step, margin, before))
                 .flatten()
@@ -107,7 +107,7 @@ impl<P: ParameterPlane> EventCurve<P> {
         before: f64,
         longest: f64,
     ) -> Option<Shrinking> {
-        let after = P::Orbit::value(margin);
+        let after = margin.value();
         let samples = (1..=SAMPLES).rev().map(|sample| {
             let wanted = longest * f64::from(sample) / f64::from(SAMPLES);
             let s = step.ds * (before - wanted) / (before - after);
@@ -126,7 +126,7 @@ impl<P: ParameterPlane> EventCurve<P> {
         let mut at = AtZero {
             margin: margin.clone(),
         };
-        Some(P::Orbit::value(at.margin_at(&orbit, &unknowns).ok()?))
+        Some(at.margin_at(&orbit, &unknowns).ok()?.value())
     }
 
     /// Whether a margin vanishes as the zone shrinks.

@@ -11,7 +11,7 @@ use crate::continuation::walk::{self, Curve as _, CurveBeginning};
 use crate::linalg::Vector;
 use crate::orbit::change::nearest_beyond;
 use crate::orbit::special::Change;
-use crate::orbit::{Candidate, Examined, Orbit};
+use crate::orbit::{Candidate, Changes, Examined, Inequalities, MarginFunction, Orbit, Zones};
 
 /// Margins and residuals of a candidate below this vanish at the point where two events meet: it is
 /// known to 1e-12 or better, and reduced switching functions of nascent zones amplify that.
@@ -41,7 +41,7 @@ impl<P: ParameterPlane> EventCurve<P> {
         });
         let mut margins: Vec<MarginOf<P>> = margins.collect();
         // a zone without length says most about what comes next
-        margins.sort_by_key(P::Orbit::precedence);
+        margins.sort_by_key(MarginFunction::precedence);
         let second = self.second(&place.node.point, &margins[0], step.steps.tolerance);
         let second = second.map_err(CurveRefusal::Flow)?;
         let mut entries = margins.iter();
@@ -92,7 +92,7 @@ impl<P: ParameterPlane> EventCurve<P> {
             };
             let margins = examination.margins().iter();
             let vanish: Vec<MarginOf<P>> = margins
-                .filter(|margin| P::Orbit::value(margin).abs() < AT_SECOND)
+                .filter(|margin| margin.value().abs() < AT_SECOND)
                 .cloned()
                 .collect();
             let is_nascent = |margin: &MarginOf<P>| {
@@ -229,7 +229,7 @@ impl<P: ParameterPlane> Identity<P> {
 
 /// Whether a margin is the duration of a zone, which says most about what comes next.
 fn is_duration<P: ParameterPlane>(margin: &MarginOf<P>) -> bool {
-    P::Orbit::precedence(margin) == 0
+    margin.precedence() == 0
 }
 
 /// Which of the margins that vanish at the beginning of a step vanish at its end too; `None` where that
@@ -243,7 +243,7 @@ fn vanishing<P: ParameterPlane>(
     let examination = orbit.examination(&unknowns).ok()?;
     let mut along = Vec::new();
     for margin in examination.margins() {
-        let (key, value) = (P::key(margin), P::Orbit::value(margin));
+        let (key, value) = (P::key(margin), margin.value());
         let began = vanish.iter().any(|known| P::key(known) == key);
         if began && value.abs() < OWN {
             along.push(key);

@@ -1,5 +1,6 @@
 //! Equilibria of a user's system over a plane of two parameters.
 
+use crate::orbit::{EventType, Zones};
 use std::sync::{Arc, OnceLock};
 
 use serde::{Deserialize, Serialize};
@@ -20,7 +21,6 @@ use crate::affine::system::{Ordered, System};
 use crate::continuation::branch_point::PERFECT;
 use crate::hybrid::equilibrium::NoEquilibriumStart;
 use crate::linalg::{Matrix, Vector};
-use crate::orbit::{EventType, Orbit};
 
 /// All that an equilibrium needs beside its mode.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -12,7 +12,7 @@ use crate::hybrid::equilibrium::{
     EquilibriumItem, EquilibriumRunner, LabelledEquilibrium, NamedEquilibrium, NoEquilibriumStart,
 };
 use crate::linalg::Vector;
-use crate::orbit::{EventType, Orbit};
+use crate::orbit::{EventType, Zones};
 use crate::problem::{SystemCurve, SystemProblem};
 
 /// Follows the branch of a problem with equilibria, which `begin` begins, to the event that its curve begins with. `watch`

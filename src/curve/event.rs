@@ -1,5 +1,6 @@
 //! An event as a curve in two parameters: what it is at a point, and what is watched there.
 
+use crate::orbit::{EventType, Examined, Inequalities, MarginFunction, Zones};
 use serde::{Deserialize, Serialize};
 
 use super::plane::{
@@ -11,7 +12,6 @@ use super::tube::WavesInPlane;
 use crate::continuation::Node;
 use crate::continuation::walk::Segment;
 use crate::linalg::{self, Vector};
-use crate::orbit::{EventType, Examined, Orbit};
 
 /// A margin below this on the event's own account is the event itself, but for rounding.
 pub(super) const OWN: f64 = 1e-8;
@@ -104,7 +104,7 @@ impl<P: ParameterPlane> EventCurve<P> {
         let examination = orbit.examination(&unknowns)?;
         let vanish = examination.margins().iter();
         let own = vanish
-            .filter(|margin| P::Orbit::value(margin).abs() < OWN)
+            .filter(|margin| margin.value().abs() < OWN)
             .map(P::key)
             .collect();
         let (_, by) = system.orbit_equations(point)?;
@@ -141,12 +141,14 @@ impl<P: ParameterPlane> EventCurve<P> {
             };
             let mut margins = examination.margins().iter();
             let margin = margins.find(|margin| P::key(margin) == *own);
-            return Err(CurveRefusal::Gone(match margin.map(P::Orbit::value) {
-                Some(value) if value >= -OWN => continue,
-                Some(_) if itself => Gone::Lower(zone),
-                None if itself => Gone::Left(zone),
-                _ => Gone::Along(zone),
-            }));
+            return Err(CurveRefusal::Gone(
+                match margin.map(MarginFunction::value) {
+                    Some(value) if value >= -OWN => continue,
+                    Some(_) if itself => Gone::Lower(zone),
+                    None if itself => Gone::Left(zone),
+                    _ => Gone::Along(zone),
+                },
+            ));
         }
         if let EventCondition::Spectral(spectral) = &self.system.condition {
             let further = self.system.further(&node.point);

@@ -11,7 +11,7 @@ use crate::continuation::locate::{self, LeastWithin, Place};
 use crate::continuation::newton;
 use crate::continuation::walk::{Curve, End, Outcome, Within};
 use crate::orbit::special::{Change, Close};
-use crate::orbit::{EventType, Examined, Orbit};
+use crate::orbit::{Coordinates, EventType, Examined, Inequalities, MarginFunction, Zones};
 
 /// A least margin within this of zero is zero but for rounding: points of a curve are known to 1e-12.
 const ROUNDED: f64 = 1e-12;
@@ -24,7 +24,7 @@ impl<P: ParameterPlane> Curve for EventCurve<P> {
     type Found = Solved<P>;
     type Refusal = CurveRefusal<P>;
     type End = CurveStop;
-    type Close = Close<<P::Orbit as Orbit>::Held>;
+    type Close = Close<<P::Orbit as Inequalities>::Inequality>;
 
     /// Beside the opening of a separation zone the landing jump of a perturbation is singular, and
     /// Newton's method converges slowly at any length of step.
@@ -48,7 +48,7 @@ impl<P: ParameterPlane> Curve for EventCurve<P> {
         &self,
         step: &Stage<P>,
         located: &[(Place, StepEvent<P>)],
-    ) -> Within<Close<<P::Orbit as Orbit>::Held>> {
+    ) -> Within<Close<<P::Orbit as Inequalities>::Inequality>> {
         let ends = |event: &StepEvent<P>| match event {
             StepEvent::Fold | StepEvent::Cusp | StepEvent::Passing(_) => false,
             StepEvent::Other(test) => test.ends,
@@ -67,7 +67,6 @@ impl<P: ParameterPlane> Curve for EventCurve<P> {
         let mut close = None;
         let mut pair = f64::INFINITY;
         let after = step.after.examination.margins();
-        let value = P::Orbit::value;
         for (index, margin) in step.before.examination.margins().iter().enumerate() {
             let same = |other: &MarginOf<P>| P::key(other) == P::key(margin);
             let key = P::key(margin);
@@ -76,8 +75,8 @@ impl<P: ParameterPlane> Curve for EventCurve<P> {
                 continue;
             };
             let ends = [
-                (value(margin), step.before.slopes[index]),
-                (value(&after[other]), step.after.slopes[other]),
+                (margin.value(), step.before.slopes[index]),
+                (after[other].value(), step.after.slopes[other]),
             ];
             // margins at zero belong to the point the step starts from
             if ends[0].0 <= OWN || ends[1].0 <= 0.0 {
@@ -89,11 +88,11 @@ impl<P: ParameterPlane> Curve for EventCurve<P> {
                 let examination = orbit.examination(&unknowns).ok()?;
                 let margin = examination.margins().iter().find(|other| same(other))?;
                 let slopes = self.slopes(node, std::slice::from_ref(margin)).ok()?;
-                Some((value(margin), slopes[0]))
+                Some((margin.value(), slopes[0]))
             });
             let held = || {
                 let (orbit, _) = self.system.orbit(&step.from.point, 0).ok()?;
-                Some(Close::Margin(orbit.held(margin)))
+                Some(Close::Margin(orbit.inequality(margin)))
             };
             let found = match least {
                 LeastWithin::Found(place, _) if place.s >= end => None,
@@ -116,7 +115,11 @@ impl<P: ParameterPlane> Curve for EventCurve<P> {
         }
     }
 
-    fn doubted(&self, mut found: Solved<P>, close: Close<<P::Orbit as Orbit>::Held>) -> Solved<P> {
+    fn doubted(
+        &self,
+        mut found: Solved<P>,
+        close: Close<<P::Orbit as Inequalities>::Inequality>,
+    ) -> Solved<P> {
         if found.point.what.is_empty() {
             found.point.what = P::say(&What::Close(close));
         }

@@ -8,7 +8,7 @@ use crate::continuation::limit;
 use crate::continuation::locate::{self, Place, Target};
 use crate::continuation::walk::Curve as _;
 use crate::linalg::Vector;
-use crate::orbit::{AtZero, Examined, Orbit, find};
+use crate::orbit::{AtZero, Examined, Inequalities, MarginFunction, find};
 
 /// What is located within a step.
 #[derive(Clone, Debug)]
@@ -84,13 +84,15 @@ impl<P: ParameterPlane> EventCurve<P> {
     ) -> Result<Vec<(Place, StepEvent<P>)>, CurveRefusal<P>> {
         let mut located = Vec::new();
         for margin in step.after.examination.margins() {
-            let value = P::Orbit::value(margin);
+            let value = margin.value();
             let key = P::key(margin);
             if self.own.contains(&key) || value > 0.0 || with_zone.contains(&key) {
                 continue;
             }
             let before = find::<P::Orbit>(&step.before.examination, margin);
-            let before = before.map(P::Orbit::value).filter(|before| *before > 0.0);
+            let before = before
+                .map(MarginFunction::value)
+                .filter(|before| *before > 0.0);
             let Some(before) = before else {
                 if is_ended {
                     continue;
@@ -123,9 +125,9 @@ impl<P: ParameterPlane> EventCurve<P> {
             margin: margin.clone(),
         };
         let event = StepEvent::Margin(margin.clone());
-        self.zero(step, before, P::Orbit::value(margin), event, |node| {
+        self.zero(step, before, margin.value(), event, |node| {
             let (orbit, unknowns) = self.system.orbit(&node.point, 0).ok()?;
-            Some(P::Orbit::value(at.margin_at(&orbit, &unknowns).ok()?))
+            Some(at.margin_at(&orbit, &unknowns).ok()?.value())
         })
     }
 

@@ -7,20 +7,20 @@ use super::point::{Gone, PointType, RegionName, What};
 use crate::continuation::newton::Equations;
 use crate::linalg::{Matrix, Vector};
 use crate::orbit::monitor::MonitorStop;
-use crate::orbit::{Data, EventType, Orbit};
+use crate::orbit::{Data, EventType, Inequalities, Orbit, Zones};
 
 /// Margins of the orbits of a plane.
-pub type MarginOf<P> = <<P as ParameterPlane>::Orbit as Orbit>::Margin;
+pub type MarginOf<P> = <<P as ParameterPlane>::Orbit as Zones>::Margin;
 /// Their signatures.
-pub type SignatureOf<P> = <<P as ParameterPlane>::Orbit as Orbit>::Signature;
+pub type SignatureOf<P> = <<P as ParameterPlane>::Orbit as Zones>::Signature;
 /// Their parameters.
-pub type ParameterOf<P> = <<P as ParameterPlane>::Orbit as Orbit>::Parameter;
+pub type ParameterOf<P> = <<P as ParameterPlane>::Orbit as Zones>::Parameter;
 /// Why one of them is not admissible.
-pub type InadmissibleOf<P> = <<P as ParameterPlane>::Orbit as Orbit>::Inadmissible;
+pub type InadmissibleOf<P> = <<P as ParameterPlane>::Orbit as Inequalities>::Inadmissible;
 /// Why their equations cannot be evaluated.
 pub type FailureOf<P> = <<P as ParameterPlane>::Orbit as Equations>::Failure;
 /// What an examination of them finds.
-pub type ExaminationOf<P> = <<P as ParameterPlane>::Orbit as Orbit>::Examination;
+pub type ExaminationOf<P> = <<P as ParameterPlane>::Orbit as Zones>::Examination;
 
 /// A test function of a curve, and what its zero is.
 #[derive(Clone, Copy, Debug, PartialEq)]

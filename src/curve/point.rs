@@ -210,5 +210,5 @@ pub enum What<O: Orbit> {
         error: f64,
     },
     /// Something comes so close to zero that rounding decides.
-    Close(Close<O::Held>),
+    Close(Close<O::Inequality>),
 }

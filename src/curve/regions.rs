@@ -16,6 +16,7 @@
 //! point of steady sliding, or back to the event. For that the range is widened: orbits may return from beyond it.
 //! Where nothing is known, or nothing found, there is no name.
 
+use crate::orbit::{Examined, Inequalities, TerminationType, Zones};
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::event::{INTO, Solved};
@@ -33,8 +34,7 @@ use crate::orbit::EventType::{EP, LP, UZ};
 use crate::orbit::change::nearest_beyond;
 use crate::orbit::follow::{self, Follower, LocatedPoint};
 use crate::orbit::sign::SignVerdict;
-use crate::orbit::special::BranchStop;
-use crate::orbit::{Examined, Orbit};
+use crate::orbit::special::BranchTermination;
 
 /// Part of the whole length that a stretch needs for its regions to be named.
 const NAMED: f64 = 0.12;
@@ -413,7 +413,7 @@ impl<B> Walked<'_, B> {
             match ended {
                 None if zones <= self.zones => {}
                 Some(walk::End::Edge | walk::End::Closed) => return end,
-                Some(walk::End::Own(BranchStop::Own(stop))) if P::Orbit::completes(&stop) => {
+                Some(walk::End::Own(BranchTermination::Own(stop))) if stop.completes() => {
                     return SectionEnd::Edge;
                 }
                 _ => return SectionEnd::Lost,

@@ -13,7 +13,7 @@ use crate::continuation::arclength::NODES_BEFORE;
 use crate::continuation::newton;
 use crate::continuation::walk::{self, Walker};
 use crate::linalg::{self, Vector};
-use crate::orbit::{EventType, Orbit};
+use crate::orbit::{EventType, Zones};
 
 /// Why the curve of an event cannot be followed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -174,7 +174,7 @@ impl<P: ParameterPlane> CurveRun<P> {
     /// Where the curve is, in words.
     pub fn position(&self) -> String {
         let parameters = self.head.system.parameters();
-        let [first, second] = parameters.each_ref().map(<P::Orbit as Orbit>::column);
+        let [first, second] = parameters.each_ref().map(<P::Orbit as Zones>::column);
         let half = &self.halves[self.ends.len().min(1)];
         let point = half.last().map_or(&self.head.point, |solved| &solved.point);
         format!(

@@ -17,7 +17,7 @@ use crate::continuation::newton;
 use crate::hybrid::{self, LabelledOrbit};
 use crate::linalg::{self, Vector};
 use crate::orbit::monitor::MonitorStop;
-use crate::orbit::{EventType, Examined, Orbit};
+use crate::orbit::{Covers, EventType, Examined, MarginFunction, Zones};
 use crate::problem::{self, Problem, SystemCurve, SystemProblem};
 use crate::tube::model::Parameter;
 use crate::tube::wave::Wave;
@@ -475,11 +475,11 @@ pub(super) fn pose<P: ParameterPlane>(
             let mut margins: Vec<MarginOf<P>> = examination
                 .margins()
                 .iter()
-                .filter(|margin| P::Orbit::value(margin).abs() < VANISHED)
+                .filter(|margin| margin.value().abs() < VANISHED)
                 .cloned()
                 .collect();
             // a zone without length says most, as on the branch
-            margins.sort_by_key(P::Orbit::precedence);
+            margins.sort_by_key(MarginFunction::precedence);
             let margin = margins.first().cloned().ok_or(Singular::NoMargin)?;
             (EventCondition::Margin(margin), Vec::new())
         }

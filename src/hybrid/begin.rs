@@ -5,7 +5,7 @@ use crate::affine::equilibrium::cycle::NoCycle;
 use crate::affine::motion::Halt;
 use crate::affine::orbit::start::{self, Search, Wanted, first, restart};
 use crate::affine::orbit::switch::switch;
-use crate::affine::orbit::{AffineOrbit, OrbitStop};
+use crate::affine::orbit::{AffineOrbit, OrbitTermination};
 use crate::linalg::Vector;
 use crate::orbit::special::ResumeMismatch;
 use crate::orbit::{EventType, legs};
@@ -72,7 +72,7 @@ pub enum NoFirstPoint {
     },
     /// The bound of friction is negative on the orbit.
     #[error("no start: {0}")]
-    NegativeBound(OrbitStop),
+    NegativeBound(OrbitTermination),
     /// No cycle is found there.
     #[error("no start: {0}")]
     NoCycle(NoCycle),

@@ -1,11 +1,11 @@
 //! What a branch of orbits is made of, as plain data.
 
+use crate::orbit::{EventType, Inequalities, Stability};
 use nalgebra::Complex;
 
 use crate::affine::orbit::multiplier::own;
 use crate::affine::orbit::{AffineOrbit, Multiplier, SlidingBifurcation};
 use crate::orbit::special::Close;
-use crate::orbit::{EventType, Orbit, Stability};
 use crate::problem::compare::Occurrence;
 
 /// One accepted point of a branch: a row of `branch.csv`.
@@ -121,6 +121,6 @@ pub enum Note {
         /// Its value.
         value: f64,
         /// What.
-        what: Close<<AffineOrbit as Orbit>::Held>,
+        what: Close<<AffineOrbit as Inequalities>::Inequality>,
     },
 }

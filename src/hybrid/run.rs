@@ -1,5 +1,6 @@
 //! The pipeline from a problem to a branch of orbits: first orbit, legs, points, labels and events.
 
+use crate::orbit::{EventType, Stability, Zones};
 use serde::{Deserialize, Serialize};
 
 use super::begin::{FirstOrbit, NamedOrbit, NoFirstPoint, begin, plan};
@@ -14,7 +15,6 @@ use crate::linalg::Vector;
 use crate::orbit::follow::LocatedPoint;
 use crate::orbit::legs::{self, Itemised, Legs, Run};
 use crate::orbit::special::{ResumeMismatch, Special};
-use crate::orbit::{EventType, Orbit, Stability};
 use crate::problem::Continuation;
 use crate::problem::SystemProblem;
 

@@ -93,14 +93,14 @@ impl<O: Orbit> Display for orbit::special::OrbitRefusal<O> {
     }
 }
 
-impl<O: Orbit> Display for orbit::special::BranchStop<O> {
+impl<O: Orbit> Display for orbit::special::BranchTermination<O> {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        use orbit::special::BranchStop;
+        use orbit::special::BranchTermination;
         match self {
-            BranchStop::NoSignature => {
+            BranchTermination::NoSignature => {
                 f.write_str("no sequence of regimes solves the equations beyond this event")
             }
-            BranchStop::NoneAdmissible(tried) => {
+            BranchTermination::NoneAdmissible(tried) => {
                 f.write_str("no admissible signature continues beyond this event; tried ")?;
                 let (no_solutions, refused): (Vec<_>, Vec<_>) =
                     tried.iter().partition(|tried| tried.is_no_solution());
@@ -119,7 +119,7 @@ impl<O: Orbit> Display for orbit::special::BranchStop<O> {
                     first_of(&signatures, ", ")
                 )
             }
-            BranchStop::Converges {
+            BranchTermination::Converges {
                 kind,
                 changes,
                 ratio,
@@ -133,8 +133,8 @@ impl<O: Orbit> Display for orbit::special::BranchStop<O> {
                 O::column(parameter),
                 with_error(*limit, *error)
             ),
-            BranchStop::Flow(error) => error.fmt(f),
-            BranchStop::Own(stop) => stop.fmt(f),
+            BranchTermination::Flow(error) => error.fmt(f),
+            BranchTermination::Own(stop) => stop.fmt(f),
         }
     }
 }

@@ -48,7 +48,7 @@ impl Told for AffineOrbit {
     const NAME: &'static str = "orbit";
 
     fn event(change: &orbit::special::Change<AffineOrbit>) -> String {
-        let affine::Held { mode, guard, .. } = &change.held;
+        let affine::OrbitInequality { mode, guard, .. } = &change.held;
         match (change.margin.watch, change.kind) {
             (affine::Watch::Duration, EventType::GR) => {
                 format!("a zone of `{mode}` between two of one mode shrinks to nothing: grazing")

@@ -6,7 +6,9 @@ use super::branch::Told;
 use super::figures::{PLACE, significant};
 use super::{list, near_zero};
 use crate::branch::VerdictReason;
-use crate::branch::special::{Change, InadmissibleWave, OfWaves, WaveMargin, WaveNote, WaveStop};
+use crate::branch::special::{
+    Change, InadmissibleWave, OfWaves, WaveMargin, WaveNote, WaveTermination,
+};
 use crate::orbit::EventType;
 use crate::tube::model::signature::Regime;
 use crate::tube::model::{Impact, Landing};
@@ -170,15 +172,15 @@ impl Display for InadmissibleWave {
     }
 }
 
-impl Display for WaveStop {
+impl Display for WaveTermination {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         match self {
-            WaveStop::Undriven => f.write_str(D_ZERO),
-            WaveStop::Against => f.write_str(
+            WaveTermination::Undriven => f.write_str(D_ZERO),
+            WaveTermination::Against => f.write_str(
                 "D = 0: waves run in the direction of D, and beyond it this one would run against it; \
                  such waves are not followed",
             ),
-            WaveStop::Sonic {
+            WaveTermination::Sonic {
                 excess,
                 parameter,
                 value,
@@ -188,12 +190,12 @@ impl Display for WaveStop {
                  else tends to a limit, {} to {value:.6}; waves must be faster than √a",
                 parameter.column()
             ),
-            WaveStop::SlipAlone => f.write_str(
+            WaveTermination::SlipAlone => f.write_str(
                 "what is left is one zone of slip around the whole circumference: linear waves on \
                  steady sliding at its Hopf point, of every amplitude down to none at this one value; \
                  `start: Hopf` lists them",
             ),
-            WaveStop::Repeats { mode } => write!(
+            WaveTermination::Repeats { mode } => write!(
                 f,
                 "the wave is one of mode {mode}, traversed twice: beyond it the branch retraces itself with its halves \
                  exchanged"

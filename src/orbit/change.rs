@@ -1,15 +1,70 @@
 //! The branch beyond a change of regime.
 
+use std::fmt::{Debug, Display};
+
 use super::entry::{
     Beyond, Entry, NotEntered, RESIDUAL_AT_EVENT, TRIES, enter, enter_along, solved,
 };
 use super::located::LocatedEvent;
-use super::special::{BranchStop, OrbitRefusal, Tried};
-use super::{AtZero, Candidate, Examined, Orbit, events};
+use super::special::{BranchTermination, OrbitRefusal, Tried};
+use super::{AtZero, EventType, Examined, MarginFunction as _, Orbit, Situation, Zones, events};
 use crate::continuation::locate::Place;
 use crate::continuation::walk::{self, Refused, Segment};
 use crate::continuation::{Node, Steps, arclength};
 use crate::linalg::Vector;
+
+/// A signature to try from an event.
+#[derive(Clone, Debug)]
+pub struct Candidate<O> {
+    /// Its boundary-value problem.
+    pub orbit: O,
+    /// The orbit of the event in its unknowns.
+    pub point: Vector,
+    /// Zones that have no length yet.
+    pub nascent: Vec<usize>,
+}
+
+/// The signatures that meet at a change.
+pub trait Changes: Zones {
+    /// What remains to be said of the stability at a change of signature.
+    type Remark: Clone + Debug + PartialEq + Display;
+
+    /// Every candidate for the signature beyond the zero of a margin.
+    ///
+    /// # Errors
+    /// The flow cannot be evaluated there.
+    fn candidates(
+        &self,
+        point: &Vector,
+        margin: &Self::Margin,
+    ) -> Result<Vec<Candidate<Self>>, Self::Failure>;
+
+    /// Type of a change of signature where a margin vanishes.
+    fn classify(
+        before: &Self::Signature,
+        after: Option<&Self::Signature>,
+        margin: &Self::Margin,
+    ) -> EventType;
+
+    /// The orbit beside an event, where the parameter is less (`side` −1) or more (1), to which motions lead there.
+    fn beside(&self, _point: &Vector, _side: f64) -> Option<Candidate<Self>> {
+        None
+    }
+
+    /// Whether the parameter is stationary at a point because a zone opens there.
+    fn opens(&self, point: &Vector) -> bool;
+
+    /// Whether the parameter is stationary near a point because a zone closes there.
+    fn closes(&self, _point: &Vector) -> bool {
+        false
+    }
+
+    /// Whether thin layers may turn the branch within a step: the first step into a signature is then tried
+    /// from within the nascent zone, too.
+    fn is_layered(&self) -> bool {
+        false
+    }
+}
 
 /// The result of looking for the branch beyond an event.
 #[derive(Clone, Debug)]
@@ -111,7 +166,7 @@ pub fn instants<O: Orbit>(orbit: &O, point: &Vector, margins: &[O::Margin]) -> V
         };
         match found.iter_mut().find(same) {
             Some((_, group)) => {
-                if !group.iter().any(|known| O::is_same(known, margin)) {
+                if !group.iter().any(|known| known.is_same(margin)) {
                     group.push(margin.clone());
                 }
             }
@@ -167,7 +222,7 @@ pub fn beyond_together<O: Orbit>(
             };
             let zeros = examination.margins().iter().filter(|zero| {
                 let alike = |other| orbit.is_alike(other, &candidate.orbit, zero);
-                O::value(zero).abs() <= RESIDUAL_AT_EVENT && margins.iter().any(alike)
+                zero.value().abs() <= RESIDUAL_AT_EVENT && margins.iter().any(alike)
             });
             for zero in zeros {
                 let next = candidate.orbit.candidates(&candidate.point, zero).ok()?;
@@ -294,14 +349,14 @@ pub fn beyond_both<O: Orbit>(
             let Ok(examination) = between.examination(&node.point) else {
                 continue;
             };
-            for other in margins.iter().filter(|other| !O::is_same(other, first)) {
+            for other in margins.iter().filter(|other| !other.is_same(first)) {
                 let mut zeros = examination.margins().iter().filter(|margin| {
                     orbit.is_alike(other, &between, margin)
-                        && O::value(margin).abs() <= RESIDUAL_AT_EVENT
+                        && margin.value().abs() <= RESIDUAL_AT_EVENT
                 });
                 let entered = zeros.find_map(|second| {
                     let same = |(orbit, margin): &(O, O::Margin)| {
-                        O::is_same(margin, second) && *orbit == between
+                        margin.is_same(second) && *orbit == between
                     };
                     if tried.len() >= MOST_PAIRS || tried.iter().any(same) {
                         return None;
@@ -318,7 +373,7 @@ pub fn beyond_both<O: Orbit>(
                     };
                     let seen = seen.margin_at(orbit, point).ok()?;
                     return Some(Both {
-                        distance: (O::value(seen) / orbit.slope(seen, &at.tangent)).abs(),
+                        distance: (seen.value() / orbit.slope(seen, &at.tangent)).abs(),
                         first: first.clone(),
                         between,
                         node,
@@ -361,10 +416,10 @@ pub(super) fn ending<O: Orbit>(
     point: &Vector,
     margin: &O::Margin,
     refused: Vec<Tried<O>>,
-) -> BranchStop<O> {
-    match orbit.ends_at(point, margin) {
-        Some(stop) => BranchStop::Own(stop),
-        None if refused.is_empty() => BranchStop::NoSignature,
-        None => BranchStop::NoneAdmissible(refused),
+) -> BranchTermination<O> {
+    match orbit.termination(Situation::NoCandidate(point, margin)) {
+        Some(stop) => BranchTermination::Own(stop),
+        None if refused.is_empty() => BranchTermination::NoSignature,
+        None => BranchTermination::NoneAdmissible(refused),
     }
 }

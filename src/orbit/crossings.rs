@@ -1,12 +1,12 @@
 //! Changes of stability within a step: zeros of functions of the multipliers, and what the number of those outside the
 //! unit circle says besides.
 
+use super::{Examined, Growth, MarginFunction, Orbit, SpecialType, uncertainty};
 use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 
 use super::located::{AT_ZERO, BranchEvent, Crossed, LocatedEvent, Step, TURN};
-use super::{Examined, Growth, Orbit, uncertainty};
 use crate::continuation::Node;
 use crate::continuation::locate::{self, Place};
 use crate::continuation::newton::Plane;
@@ -19,7 +19,7 @@ pub(super) fn is_crossing<O: Orbit>(
     special: &O::Special,
 ) -> bool {
     let crossing = orbit.crossing(test, node);
-    crossing.is_some_and(|crossing| O::kind(&crossing) == O::kind(special))
+    crossing.is_some_and(|crossing| crossing.kind() == special.kind())
 }
 
 /// How many multipliers are outside the unit circle; `None` where that is not told.
@@ -148,7 +148,7 @@ pub(super) fn crossings<O: Orbit>(
     let change = change.fold(f64::INFINITY, f64::min);
     let trimmed = AT_EVENT * change.min(step.ds);
     let mut margins = step.before.margins().iter();
-    if margins.any(|margin| O::value(margin) <= AT_ZERO) {
+    if margins.any(|margin| margin.value() <= AT_ZERO) {
         low = SeenStability::at(orbit, step, trimmed)?;
     }
     if change.is_finite() {

@@ -3,7 +3,7 @@
 
 use super::located::{AT_ZERO, BranchEvent, LocatedEvent, Step};
 use super::special::Close;
-use super::{AtZero, Examined, Orbit, crossings, events, paired};
+use super::{AtZero, Examined, MarginFunction, Orbit, crossings, events, paired};
 use crate::continuation::arclength::Node;
 use crate::continuation::locate::{self, LeastWithin, Place};
 use crate::continuation::newton::{self, Plane};
@@ -28,7 +28,7 @@ const BELOW_ROUNDING: f64 = 100.0;
 /// the cubic that shares values and slopes at the ends dips below zero.
 pub(super) fn may_hide_a_pair<O: Orbit>(orbit: &O, step: &Step<O>) -> bool {
     paired::<O>(step.before, step.after).any(|(before, after)| {
-        let (m0, m1) = (O::value(before), O::value(after));
+        let (m0, m1) = (before.value(), after.value());
         // margins at zero belong to the event the step starts from
         if m0 <= AT_ZERO || m1 <= 0.0 {
             return false;
@@ -53,7 +53,7 @@ pub(super) fn within<O: Orbit>(
     orbit: &O,
     step: &Step<O>,
     located: &[(Place, LocatedEvent<O>)],
-) -> Within<Close<O::Held>> {
+) -> Within<Close<O::Inequality>> {
     let tolerance = step.steps.tolerance;
     let ends = |event: &BranchEvent<O>| {
         matches!(
@@ -68,10 +68,10 @@ pub(super) fn within<O: Orbit>(
     // what is even in the duration of a zone that closes vanishes with it, and is no pair
     let end = ends.next().map(|(place, _)| place.s - step.at_once());
     let end = end.unwrap_or(f64::INFINITY);
-    let mut close: Option<(f64, Close<O::Held>)> = None;
+    let mut close: Option<(f64, Close<O::Inequality>)> = None;
     let mut pair = f64::INFINITY;
     let mut take = |least: LeastWithin,
-                    what: &dyn Fn() -> Close<O::Held>,
+                    what: &dyn Fn() -> Close<O::Inequality>,
                     rounding: &dyn Fn(&Place) -> f64| match least {
         LeastWithin::Found(place, value) if place.s < end => {
             let rounding = rounding(&place);
@@ -88,20 +88,20 @@ pub(super) fn within<O: Orbit>(
     };
     for (before, after) in paired::<O>(step.before, step.after) {
         // margins at zero belong to the event the step starts from
-        if O::value(before) <= VANISHED || O::value(after) <= 0.0 {
+        if before.value() <= VANISHED || after.value() <= 0.0 {
             continue;
         }
         let ends = [(before, step.from), (after, step.to)]
-            .map(|(margin, node)| (O::value(margin), orbit.slope(margin, &node.tangent)));
+            .map(|(margin, node)| (margin.value(), orbit.slope(margin, &node.tangent)));
         let mut at = AtZero {
             margin: before.clone(),
         };
         let least = locate::least(orbit, step.from, step.ds, ends, tolerance, |node| {
             let margin = at.margin_at(orbit, &node.point).ok()?;
-            Some((O::value(margin), orbit.slope(margin, &node.tangent)))
+            Some((margin.value(), orbit.slope(margin, &node.tangent)))
         });
         let rounding = |place: &Place| blur(orbit, step, &at.margin, place);
-        let what = || Close::Margin(orbit.held(before));
+        let what = || Close::Margin(orbit.inequality(before));
         take(least, &what, &rounding);
     }
     take(folds(orbit, step), &|| Close::Fold, &|_| locate::FOLD_SLOPE);

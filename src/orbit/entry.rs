@@ -1,7 +1,7 @@
 //! The first step of a branch into a candidate for what lies beyond a change of regime.
 
 use super::special::{OrbitRefusal, StepRefused};
-use super::{Candidate, Examined, Orbit, SignVerdict, dip};
+use super::{Candidate, Examined, MarginFunction, Orbit, SignVerdict, dip};
 use crate::continuation::branching::Branching;
 use crate::continuation::walk::{self, Refused};
 use crate::continuation::{Node, arclength, newton};
@@ -208,7 +208,7 @@ const TOLD: f64 = 1e-3;
 fn leads_nowhere<O: Orbit>(orbit: &O, margins: &[O::Margin], tangent: &Vector) -> bool {
     let (mut falls, mut rises) = (false, false);
     for margin in margins {
-        let value = O::value(margin);
+        let value = margin.value();
         if value.abs() <= RESIDUAL_AT_EVENT {
             let slope = orbit.slope(margin, tangent);
             falls |= slope <= -TOLD;
@@ -272,7 +272,7 @@ fn is_admissible<O: Orbit>(
     const ORDERS: f64 = 10.0;
     let holds = |unknowns: Vector| {
         let mut margins = examination.margins().iter();
-        margins.all(|margin| O::value(margin) > ORDERS * orbit.reach(margin, &unknowns))
+        margins.all(|margin| margin.value() > ORDERS * orbit.reach(margin, &unknowns))
     };
     examination.verdict() == SignVerdict::Positive
         && dip::rounding_of_unknowns(orbit, tangent, &to.point).is_some_and(holds)
@@ -327,7 +327,7 @@ fn growth<O: Orbit>(candidate: &Candidate<O>, margins: &[O::Margin], tangent: &V
     }
     margins
         .iter()
-        .filter(|margin| O::value(margin).abs() < 1e-6)
+        .filter(|margin| margin.value().abs() < 1e-6)
         .map(|margin| orbit.slope(margin, tangent))
         .sum()
 }

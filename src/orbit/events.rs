@@ -4,7 +4,9 @@ use super::crossings::{OutsideCount, crossings, is_crossing};
 use super::located::{AT_ZERO, BranchEvent, LocatedEvent, Step, TURN};
 use super::monitor::{self, MonitorStop};
 use super::special::OrbitRefusal;
-use super::{AtZero, EndWithin, Examined, Orbit, SignVerdict, find, retrace, uncertainty};
+use super::{
+    AtZero, EndWithin, Examined, MarginFunction, Orbit, SignVerdict, find, retrace, uncertainty,
+};
 use crate::continuation::arclength::{self, Node};
 use crate::continuation::locate::{self, Place, Target};
 use crate::continuation::newton::{self, Plane};
@@ -68,7 +70,7 @@ pub(super) fn located<O: Orbit>(
             let same = (value(place) - value(&fold.0)).abs() <= rounding;
             let stationary = || {
                 let grazes = match (&change.event, &fold.1.event) {
-                    (BranchEvent::Change(margin), BranchEvent::Fold) => O::grazes(margin),
+                    (BranchEvent::Change(margin), BranchEvent::Fold) => margin.grazes(),
                     _ => false,
                 };
                 grazes || orbit.closes(&place.node.point)
@@ -255,7 +257,7 @@ fn may_begin_at_fold<O: Orbit>(orbit: &O, step: &Step<O>) -> bool {
     const CROSSING: f64 = 1e8;
     let node = step.from;
     let mut margins = step.before.margins().iter();
-    if orbit.opens(&node.point) || margins.any(|margin| O::value(margin) <= AT_ZERO) {
+    if orbit.opens(&node.point) || margins.any(|margin| margin.value() <= AT_ZERO) {
         return false;
     }
     let mut plane = Plane {
@@ -391,7 +393,7 @@ pub(super) fn changes<O: Orbit>(
     }
     let negative = || {
         let margins = step.after.margins().iter();
-        margins.filter(|margin| O::value(margin) <= 0.0)
+        margins.filter(|margin| margin.value() <= 0.0)
     };
     let count = negative().count();
     if count == 0 {
@@ -437,7 +439,7 @@ fn beside_one_known_badly<'a, O: Orbit + 'a>(
     };
     let is_known = |margin: &O::Margin| {
         located.iter().any(|(_, one)| match &one.event {
-            BranchEvent::Change(own) => O::is_same(own, margin),
+            BranchEvent::Change(own) => own.is_same(margin),
             _ => false,
         })
     };
@@ -465,7 +467,7 @@ fn better_known<O: Orbit>(
     };
     all.iter().filter(better).find_map(|(other, known)| {
         let margin = at.margin_at(orbit, &other.node.point).ok()?;
-        let together = O::value(margin).abs() <= rounding(orbit, place, margin);
+        let together = margin.value().abs() <= rounding(orbit, place, margin);
         together.then(|| {
             let located = LocatedEvent {
                 event: BranchEvent::Change(margin.clone()),
@@ -485,9 +487,9 @@ fn change<O: Orbit>(
     let (start, end) = (&step.from.point, &step.to.point);
     let before = find::<O>(step.before, margin);
     let guess = before
-        .map(O::value)
+        .map(MarginFunction::value)
         .filter(|m0| *m0 > 0.0)
-        .map(|m0| start + (end - start) * (m0 / (m0 - O::value(margin))));
+        .map(|m0| start + (end - start) * (m0 / (m0 - margin.value())));
     let mut guesses = guess.into_iter().chain([end.clone()]);
     guesses.find_map(|guess| zero_near(orbit, step, margin, &guess))
 }
@@ -498,7 +500,7 @@ fn bracketed<O: Orbit>(
     step: &Step<O>,
     margin: &O::Margin,
 ) -> Option<(Place, LocatedEvent<O>)> {
-    let before = O::value(find::<O>(step.before, margin)?);
+    let before = find::<O>(step.before, margin)?.value();
     let slope = orbit.slope(margin, &step.to.tangent);
     if before <= 0.0 || (slope * step.ds).abs() > LEVEL * before {
         return None;
@@ -506,9 +508,9 @@ fn bracketed<O: Orbit>(
     let mut at = AtZero {
         margin: margin.clone(),
     };
-    let ends = ((0.0, before), (step.ds, O::value(margin)));
+    let ends = ((0.0, before), (step.ds, margin.value()));
     let small = (0.0, 4.0 * f64::EPSILON * step.ds);
-    let value = |node: &Node| Some(O::value(at.margin_at(orbit, &node.point).ok()?));
+    let value = |node: &Node| Some(at.margin_at(orbit, &node.point).ok()?.value());
     let tolerance = step.steps.tolerance;
     let (place, _) = locate::zero_along(orbit, step.from, ends, small, tolerance, value)?;
     zero_near(orbit, step, margin, &place.node.point)
@@ -547,5 +549,5 @@ fn zero_near<O: Orbit>(
 /// Whether no margin has failed at a place, but for rounding.
 pub(super) fn holds<O: Orbit>(orbit: &O, place: &Place, examination: &O::Examination) -> bool {
     let mut margins = examination.margins().iter();
-    margins.all(|margin| O::value(margin) >= -rounding(orbit, place, margin))
+    margins.all(|margin| margin.value() >= -rounding(orbit, place, margin))
 }

@@ -68,7 +68,7 @@ pub struct LocatedPoint<O: Orbit> {
     /// Estimated error of the parameter of a special point.
     pub uncertainty: f64,
     /// What comes so close to zero, here or on the way from the point before, that rounding decides.
-    pub close: Option<Close<O::Held>>,
+    pub close: Option<Close<O::Inequality>>,
 }
 
 impl<O: Orbit> LocatedPoint<O> {

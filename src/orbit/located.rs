@@ -1,12 +1,12 @@
 //! What is located within a step of a branch.
 
-use super::Orbit;
 use super::monitor::MonitorStop;
+use super::{Orbit, Terminations, Zones};
 use crate::continuation::Node;
 use crate::continuation::walk::Segment;
 
 /// A step along a branch, with what is watched at its ends.
-pub(super) type Step<'a, O> = Segment<'a, <O as Orbit>::Examination>;
+pub(super) type Step<'a, O> = Segment<'a, <O as Zones>::Examination>;
 
 /// What is located within a step.
 #[derive(Clone, Debug, PartialEq)]
@@ -14,9 +14,9 @@ pub enum BranchEvent<O: Orbit> {
     /// A fold in the parameter.
     Fold,
     /// A fold beyond which the branch retraces itself: what it is, and why the branch ends there.
-    Image(O::Special, O::Stop),
+    Image(O::Special, O::Termination),
     /// The branch ends: at what, and why.
-    End(O::Special, O::Stop),
+    End(O::Special, O::Termination),
     /// A value that was asked for.
     User(f64),
     /// A monitor has a value that was asked for.
@@ -87,7 +87,7 @@ pub(crate) const AT_ZERO: f64 = 1e-9;
 /// Whether a branch ends within a step: its orbits shrink to an equilibrium, or become those of a family at one value of the
 /// parameter.
 #[derive(Clone, Debug)]
-pub enum EndWithin<O: Orbit> {
+pub enum EndWithin<O: Terminations> {
     /// It does not.
     Not,
     /// It does, and sets out so far from there that shorter steps are asked for.
@@ -101,7 +101,7 @@ pub enum EndWithin<O: Orbit> {
         /// What it is.
         special: O::Special,
         /// Why the branch ends there.
-        stop: O::Stop,
+        stop: O::Termination,
         /// The error of the parameter, in physical units.
         uncertainty: f64,
     },

@@ -6,7 +6,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Orbit, uncertainty};
+use super::{Orbit, Zones, uncertainty};
 use crate::continuation::Node;
 use crate::continuation::locate::{self, LeastWithin, Place};
 use crate::continuation::newton::Constraint;
@@ -28,6 +28,26 @@ impl MonitorValue {
         let sizes = self.gradient.iter().map(|by| by.abs());
         let largest = sizes.fold(0.0, f64::max);
         if largest > 0.0 { largest } else { 1.0 }
+    }
+}
+
+/// Numbers of an orbit that the user requests.
+pub trait Monitored: Zones {
+    /// A number of an orbit that is asked for, by its place among those, at a point; `None` where it has no value.
+    ///
+    /// # Errors
+    /// The flow cannot be evaluated there.
+    fn measured(
+        &self,
+        _monitor: usize,
+        _point: &Vector,
+    ) -> Result<Option<MonitorValue>, Self::Failure> {
+        Ok(None)
+    }
+
+    /// Its name.
+    fn monitor_name(&self, _monitor: usize) -> &str {
+        ""
     }
 }
 

@@ -6,11 +6,68 @@
 //! sides of the fold, as it is not at any other fold, where a multiplier passes 1.
 
 use super::crossings::is_crossing;
-use super::{Examined, Orbit, uncertainty};
+use super::{Examined, Orbit, Terminations, uncertainty};
 use crate::continuation::Node;
 use crate::continuation::locate::{self, Place};
 use crate::continuation::newton::{self, Plane};
 use crate::linalg::Vector;
+
+/// Orbits that are traversed several times, and orbits that are images of others under a symmetry: beyond them a branch would
+/// retrace itself.
+pub trait Covers: Terminations {
+    /// What a fold is where the branch would retrace itself, and why it ends there: its orbit is one of a part of
+    /// its period.
+    fn repeats(&self, _node: &Node) -> Option<(Self::Special, Self::Termination)> {
+        None
+    }
+
+    /// The orbit of half the period that an orbit is when traversed twice, and its scaled unknowns: where the branch
+    /// would retrace itself the first of its [`Examined::tests`] vanishes.
+    fn part(&self, _point: &Vector) -> Option<(Self, Vector)> {
+        None
+    }
+
+    /// That orbit traversed as often as this one: scaled unknowns of this one.
+    fn whole(&self, _part: &Self, _point: &Vector) -> Option<Vector> {
+        None
+    }
+
+    /// Whether [`Covers::image`] may be told: where it may not, orbits on both sides are not asked for.
+    fn has_images(&self) -> bool {
+        false
+    }
+
+    /// What it is, and why the branch ends there, where it turns back and an orbit on one side is the image of one on the
+    /// other, at the same value of the parameter, under a symmetry of the system.
+    fn image(
+        &self,
+        _point: &Vector,
+        _other: &Self,
+        _of_other: &Vector,
+    ) -> Option<(Self::Special, Self::Termination)> {
+        None
+    }
+
+    /// What an orbit may be, and why the branch ends there, where it comes to a symmetry that one before it lacks.
+    fn becomes_image(
+        &self,
+        _before: &Vector,
+        _point: &Vector,
+    ) -> Option<(Self::Special, Self::Termination)> {
+        None
+    }
+
+    /// The symmetric orbit next to a point at which a branch without its symmetry ends, and the error of the parameter there, by
+    /// equations that are not singular at it; `None` where there are none, or they have no such solution.
+    fn symmetric_near(&self, _point: &Vector, _tolerance: f64) -> Option<(Vector, f64)> {
+        None
+    }
+
+    /// Whether a step leads from one orbit to another beyond the place where the branch would turn back.
+    fn falls_on_another(&self, _before: &Vector, _point: &Vector) -> bool {
+        false
+    }
+}
 
 /// The orbit with the value of the parameter that another one has, next to a guess.
 fn level<O: Orbit>(orbit: &O, guess: &Vector, value: f64, tolerance: f64) -> Option<Node> {
@@ -49,7 +106,7 @@ pub(super) fn at_fold<O: Orbit>(
     fold: &Place,
     ds: f64,
     tolerance: f64,
-) -> Option<(O::Special, O::Stop)> {
+) -> Option<(O::Special, O::Termination)> {
     /// Where both sides are compared: a part of the step, and in scaled units far enough from a singular place.
     const PART: f64 = 0.25;
     const AWAY: f64 = 3e-3;
@@ -71,7 +128,7 @@ pub(super) fn at_change<O: Orbit>(
     (beyond, entered): (&O, &Node),
     ds: f64,
     tolerance: f64,
-) -> Option<(O::Special, O::Stop)> {
+) -> Option<(O::Special, O::Termination)> {
     /// How many times as far an orbit before the change may be.
     const FAR: f64 = 10.0;
     if !orbit.has_images() {

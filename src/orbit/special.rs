@@ -1,9 +1,9 @@
 //! What makes a point of a branch special, why a step is refused, and why a branch ends: as data. Their
 //! sentences are made elsewhere.
 
+use super::{EventType, Orbit, SpecialType, TerminationType};
 use serde::{Deserialize, Serialize};
 
-use super::{EventType, Orbit};
 use crate::continuation::walk::{End, Refused};
 
 /// What makes a point special.
@@ -38,16 +38,16 @@ impl<O: Orbit> Special<O> {
             Special::User(..) | Special::Monitor(..) => EventType::UZ,
             Special::Change(change) => change.kind,
             Special::Failed(_) => EventType::MX,
-            Special::Own(special) => O::kind(special),
+            Special::Own(special) => special.kind(),
         }
     }
 
     /// Signature beyond the point, where it changes.
     pub fn after(&self) -> Option<O::Signature> {
         match self {
-            Special::Own(special) => O::beyond(special),
+            Special::Own(special) => special.beyond(),
             Special::Change(change) => match &change.end {
-                Some(BranchStop::Own(stop)) => O::left(stop).or_else(|| change.after.clone()),
+                Some(BranchTermination::Own(stop)) => stop.left().or_else(|| change.after.clone()),
                 _ => change.after.clone(),
             },
             _ => None,
@@ -67,13 +67,13 @@ pub struct Change<O: Orbit> {
     /// The margin that vanishes.
     pub margin: O::Margin,
     /// What it measures.
-    pub held: O::Held,
+    pub held: O::Inequality,
     /// Further signatures that are admissible beyond it.
     pub others: Vec<O::Signature>,
     /// Whether the branch turns back in the parameter.
     pub turned_back: bool,
     /// Why the branch ends there, if it does.
-    pub end: Option<BranchStop<O>>,
+    pub end: Option<BranchTermination<O>>,
     /// What is to be said of the stability.
     pub spectrum: Option<O::Remark>,
 }
@@ -86,7 +86,7 @@ impl<O: Orbit> Change<O> {
             kind: O::classify(before, after.as_ref(), &margin),
             before: before.clone(),
             after,
-            held: orbit.held(&margin),
+            held: orbit.inequality(&margin),
             margin,
             others: Vec::new(),
             turned_back: false,
@@ -128,7 +128,7 @@ impl<O: Orbit> std::error::Error for OrbitRefusal<O> {}
 /// Why a branch ends for reasons of its own.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(bound = "")]
-pub enum BranchStop<O: Orbit> {
+pub enum BranchTermination<O: Orbit> {
     /// No signature solves the equations beyond the event.
     NoSignature,
     /// No signature is admissible beyond the event: those tried.
@@ -151,16 +151,18 @@ pub enum BranchStop<O: Orbit> {
         error: f64,
     },
     /// Something that the system knows of.
-    Own(O::Stop),
+    Own(O::Termination),
 }
 
-impl<O: Orbit> BranchStop<O> {
+impl<O: Orbit> BranchTermination<O> {
     /// Whether the end leaves nothing undone: it is no failure.
     pub fn completes(&self) -> bool {
         match self {
-            BranchStop::Converges { .. } => true,
-            BranchStop::Own(stop) => O::completes(stop),
-            BranchStop::NoSignature | BranchStop::NoneAdmissible(_) | BranchStop::Flow(_) => false,
+            BranchTermination::Converges { .. } => true,
+            BranchTermination::Own(stop) => stop.completes(),
+            BranchTermination::NoSignature
+            | BranchTermination::NoneAdmissible(_)
+            | BranchTermination::Flow(_) => false,
         }
     }
 }
@@ -239,7 +241,7 @@ pub type StepRefused<O> =
     Refused<<O as crate::continuation::newton::Equations>::Failure, OrbitRefusal<O>>;
 
 /// How the walk along a branch ended.
-pub type Ending<O> = End<StepRefused<O>, BranchStop<O>>;
+pub type Ending<O> = End<StepRefused<O>, BranchTermination<O>>;
 
 /// Why a branch ended before its range.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -6,9 +6,8 @@ use super::crossings::OutsideCount;
 use super::follow::{LocatedPoint, Track};
 use super::located::{BranchEvent, LocatedEvent};
 use super::monitor::MonitorStop;
-use super::special::{BranchFailure, BranchStop, Close, Ending, OrbitRefusal, Special};
-use super::{Examined, Orbit, retrace};
-use super::{dip, events};
+use super::special::{BranchFailure, BranchTermination, Close, Ending, OrbitRefusal, Special};
+use super::{Examined, MarginFunction as _, Orbit, Situation, dip, events, retrace};
 use crate::continuation::Node;
 use crate::continuation::locate::{Place, node_at, retangent};
 use crate::continuation::walk::{self, Curve, Outcome, Segment, Within};
@@ -24,8 +23,8 @@ impl<O: Orbit> Curve for Track<O> {
     type Event = LocatedEvent<O>;
     type Found = LocatedPoint<O>;
     type Refusal = OrbitRefusal<O>;
-    type End = BranchStop<O>;
-    type Close = Close<O::Held>;
+    type End = BranchTermination<O>;
+    type Close = Close<O::Inequality>;
 
     const CREEP: (usize, f64) = (40, 1e-5);
 
@@ -55,11 +54,11 @@ impl<O: Orbit> Curve for Track<O> {
         &self,
         step: &Segment<O::Examination>,
         located: &[(Place, LocatedEvent<O>)],
-    ) -> Within<Close<O::Held>> {
+    ) -> Within<Close<O::Inequality>> {
         dip::within(self.orbit.as_ref(), step, located)
     }
 
-    fn doubted(&self, found: LocatedPoint<O>, close: Close<O::Held>) -> LocatedPoint<O> {
+    fn doubted(&self, found: LocatedPoint<O>, close: Close<O::Inequality>) -> LocatedPoint<O> {
         LocatedPoint {
             close: Some(close),
             ..found
@@ -160,8 +159,8 @@ impl<O: Orbit> Curve for Track<O> {
                 found.special = special.map(Special::Own);
             }
             BranchEvent::Change(margin) => {
-                if let Some(stop) = orbit.barred(margin) {
-                    let end = walk::End::Own(BranchStop::Own(stop));
+                if let Some(stop) = orbit.termination(Situation::Change(margin)) {
+                    let end = walk::End::Own(BranchTermination::Own(stop));
                     found.special = Some(failed(&end));
                     return Ok(Outcome::Ended(vec![found], end));
                 }
@@ -229,20 +228,22 @@ impl<O: Orbit> Curve for Track<O> {
         }
     }
 
-    fn exhausted(&self, node: &Node) -> Option<BranchStop<O>> {
-        let stop = self.orbit.exhausted(node, self.limits.range);
-        stop.map(BranchStop::Own)
+    fn exhausted(&self, node: &Node) -> Option<BranchTermination<O>> {
+        let stop = self
+            .orbit
+            .termination(Situation::At(node, self.limits.range));
+        stop.map(BranchTermination::Own)
     }
 
-    fn ends_at(&self, node: &Node) -> Option<BranchStop<O>> {
+    fn ends_at(&self, node: &Node) -> Option<BranchTermination<O>> {
         let repeats = self.orbit.repeats(node).map(|(_, stop)| stop);
-        let stop = repeats.or_else(|| self.orbit.gives_out(node));
-        stop.map(BranchStop::Own)
+        let stop = repeats.or_else(|| self.orbit.termination(Situation::NoStep(node)));
+        stop.map(BranchTermination::Own)
     }
 
     fn last(&self, end: &Ending<O>, here: LocatedPoint<O>) -> Option<LocatedPoint<O>> {
         let own = match end {
-            walk::End::Own(BranchStop::Own(stop)) => Some(stop),
+            walk::End::Own(BranchTermination::Own(stop)) => Some(stop),
             _ => None,
         };
         if let Some(limit) = own.and_then(|stop| self.orbit.limit(stop, &here.node)) {
@@ -281,8 +282,8 @@ pub(super) fn failed<O: Orbit>(end: &Ending<O>) -> Special<O> {
 const REPEATS: f64 = 1e-6;
 
 /// The end of a branch at a point for a reason of the system itself.
-fn ended<O: Orbit>(found: LocatedPoint<O>, stop: O::Stop) -> Outcome<Track<O>> {
-    Outcome::Ended(vec![found], walk::End::Own(BranchStop::Own(stop)))
+fn ended<O: Orbit>(found: LocatedPoint<O>, stop: O::Termination) -> Outcome<Track<O>> {
+    Outcome::Ended(vec![found], walk::End::Own(BranchTermination::Own(stop)))
 }
 
 impl<O: Orbit> Track<O> {
@@ -312,8 +313,8 @@ impl<O: Orbit> Track<O> {
         }
         // an inequality that fails by no more than rounding
         let mut fails = examination.margins().iter();
-        let fails = fails.find(|margin| !changes && O::value(margin) <= 0.0);
-        let close = fails.map(|margin| Close::Margin(orbit.held(margin)));
+        let fails = fails.find(|margin| !changes && margin.value() <= 0.0);
+        let close = fails.map(|margin| Close::Margin(orbit.inequality(margin)));
         let found = LocatedPoint {
             uncertainty,
             close,

@@ -11,10 +11,10 @@ use super::change::{self, BeyondSearch, Both};
 use super::entry::Beyond;
 use super::follow::{LocatedPoint, Track};
 use super::located::{BranchEvent, LocatedEvent};
-use super::special::{BranchStop, Change, Special, Tried};
+use super::special::{BranchTermination, Change, Special, Tried};
 use super::together::together;
 use super::track::failed;
-use super::{EventType, Examined, Orbit, WITHOUT_LENGTH, events, find, retrace};
+use super::{EventType, Examined, MarginFunction, Orbit, WITHOUT_LENGTH, events, find, retrace};
 use crate::continuation::locate::Place;
 use crate::continuation::walk::{self, CurveBeginning, Outcome, Segment};
 use crate::continuation::{Node, Steps};
@@ -35,7 +35,7 @@ struct Transition<O: Orbit> {
     /// The margin that vanishes.
     margin: O::Margin,
     /// Its type and what vanishes, where these are not told by the margin and what lies beyond.
-    told: Option<(EventType, O::Held)>,
+    told: Option<(EventType, O::Inequality)>,
     search: BeyondSearch<O>,
 }
 
@@ -72,17 +72,17 @@ impl<O: Orbit> Track<O> {
                 _ => None,
             })
         };
-        let is_seen = |margin: &O::Margin| seen().any(|one| O::is_same(one, margin));
+        let is_seen = |margin: &O::Margin| seen().any(|one| one.is_same(margin));
         // in the order of the period, for which zero rounding sees first is no order
         let vanished = examination.margins().iter().filter(|margin| {
             is_seen(margin)
-                || O::value(margin).abs() <= events::rounding(orbit, place, margin)
+                || margin.value().abs() <= events::rounding(orbit, place, margin)
                     && fails_beyond::<O>(step, margin)
         });
         let mut margins: Vec<O::Margin> = vanished.cloned().collect();
         let is_listed = |margin: &&O::Margin| find::<O>(examination, margin).is_some();
         margins.extend(seen().filter(|margin| !is_listed(margin)).cloned());
-        margins.sort_by_key(O::precedence);
+        margins.sort_by_key(MarginFunction::precedence);
         margins
     }
 
@@ -96,12 +96,12 @@ impl<O: Orbit> Track<O> {
     ) -> Option<(Place, f64)> {
         let orbit = self.orbit.as_ref();
         let near = (examination.margins().iter())
-            .filter(|margin| O::value(margin).abs() <= NEARLY && fails_beyond::<O>(step, margin));
+            .filter(|margin| margin.value().abs() <= NEARLY && fails_beyond::<O>(step, margin));
         let mut near: Vec<O::Margin> = near.cloned().collect();
-        near.sort_by_key(O::precedence);
+        near.sort_by_key(MarginFunction::precedence);
         let instants = change::instants(orbit, &place.node.point, &near);
         // of what vanishes at one instant that which says most and, where a zone closes, all that close with it
-        let closes = |margin: &&O::Margin| O::precedence(margin) == WITHOUT_LENGTH;
+        let closes = |margin: &&O::Margin| margin.precedence() == WITHOUT_LENGTH;
         let first: Vec<O::Margin> = (instants.iter())
             .flat_map(|margins| {
                 let closing = margins.iter().take_while(closes).count();
@@ -137,8 +137,8 @@ impl<O: Orbit> Track<O> {
         const SAME: f64 = 1e-9;
         let orbit = self.orbit.as_ref();
         let near = examination.margins().iter();
-        let near = near.filter(|margin| O::value(margin).abs() <= NEARLY);
-        let margin = near.min_by_key(|margin| O::precedence(margin))?;
+        let near = near.filter(|margin| margin.value().abs() <= NEARLY);
+        let margin = near.min_by_key(|margin| margin.precedence())?;
         let steps = &self.limits.steps;
         let (point, heading) = (&node.point, self.heading);
         let beyond = change::beyond_by_motion(orbit, point, heading, steps.ds, steps.tolerance)?;
@@ -151,7 +151,7 @@ impl<O: Orbit> Track<O> {
         let off = (parameter - here.parameter).abs();
         let (from, into) = (beyond.orbit.signature(), orbit.signature());
         let kind = O::classify(from, Some(into), &seen);
-        let told = Some((kind, beyond.orbit.held(&seen)));
+        let told = Some((kind, beyond.orbit.inequality(&seen)));
         (off <= SAME * orbit.unit()).then(|| {
             self.across(Transition {
                 found: LocatedPoint {
@@ -191,7 +191,7 @@ impl<O: Orbit> Track<O> {
         };
         let watched = match orbit.examination(&node.point) {
             Ok(watched) => watched,
-            Err(error) => return ended_at(passed, found, change, BranchStop::Flow(error)),
+            Err(error) => return ended_at(passed, found, change, BranchTermination::Flow(error)),
         };
         let mut cascade = self.cascade.clone();
         let more = orbit.unknowns().saturating_sub(self.orbit.unknowns());
@@ -251,7 +251,7 @@ impl<O: Orbit> Track<O> {
             Some(all) => {
                 // the first of them names the event
                 let kind = O::classify(orbit.signature(), Some(&all.between), &all.margin);
-                let held = orbit.held(&all.margin);
+                let held = orbit.inequality(&all.margin);
                 (all.margin, all.search, Some((kind, held)))
             }
             None => (margins[0].clone(), behind(&margins[0]), None),
@@ -338,21 +338,21 @@ impl<O: Orbit> Track<O> {
         (orbit, node): (&O, &Node),
         ds: f64,
         tolerance: f64,
-    ) -> Option<(BranchStop<O>, bool)> {
+    ) -> Option<(BranchTermination<O>, bool)> {
         let repeats = orbit.repeats(node);
         if let Some((_, stop)) = repeats.filter(|_| self.orbit.repeats(before).is_none()) {
-            return Some((BranchStop::Own(stop), true));
+            return Some((BranchTermination::Own(stop), true));
         }
         let here = is_single.then_some(self.orbit.as_ref())?;
         let (_, stop) = retrace::at_change(here, before, (orbit, node), ds, tolerance)?;
-        Some((BranchStop::Own(stop), false))
+        Some((BranchTermination::Own(stop), false))
     }
 
     /// Why the branch ends where changes of one type follow one another ever closer: their limit lies within the range.
-    fn accumulation(&self, cascade: &Cascade, change: &Change<O>) -> Option<BranchStop<O>> {
+    fn accumulation(&self, cascade: &Cascade, change: &Change<O>) -> Option<BranchTermination<O>> {
         let (low, high) = self.limits.range;
         let limit = cascade.limit()?;
-        (low < limit.value && limit.value < high).then(|| BranchStop::Converges {
+        (low < limit.value && limit.value < high).then(|| BranchTermination::Converges {
             kind: change.kind,
             changes: limit.changes,
             ratio: limit.ratio,
@@ -365,7 +365,7 @@ impl<O: Orbit> Track<O> {
 
 /// Whether a margin is positive no more at the end of a step.
 fn fails_beyond<O: Orbit>(step: &Segment<O::Examination>, margin: &O::Margin) -> bool {
-    find::<O>(step.after, margin).is_some_and(|beyond| O::value(beyond) <= 0.0)
+    find::<O>(step.after, margin).is_some_and(|beyond| beyond.value() <= 0.0)
 }
 
 /// The end of a branch at a change beyond which it is known but does not go on.
@@ -373,7 +373,7 @@ fn ended_at<O: Orbit>(
     mut passed: Vec<LocatedPoint<O>>,
     found: LocatedPoint<O>,
     change: Change<O>,
-    stop: BranchStop<O>,
+    stop: BranchTermination<O>,
 ) -> Outcome<Track<O>> {
     passed.push(LocatedPoint {
         special: Some(Special::Change(Box::new(change))),

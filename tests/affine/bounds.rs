@@ -3,11 +3,11 @@
 use std::f64::consts::PI;
 
 use brakewave::affine::motion::{Halt, Motion};
-use brakewave::affine::orbit::OrbitStop;
+use brakewave::affine::orbit::OrbitTermination;
 use brakewave::affine::orbit::start::{Beginning, Search, Wanted, first};
 use brakewave::continuation::walk::End;
 use brakewave::orbit::follow::{Follower, Limits};
-use brakewave::orbit::special::BranchStop;
+use brakewave::orbit::special::BranchTermination;
 
 use crate::affine::systems::{at, place, system};
 
@@ -63,8 +63,11 @@ fn a_branch_ends_where_its_bound_is_negative() {
             assert!(before > 0.3 - 1e-9, "{before} is passed");
             continue;
         };
-        let End::Own(BranchStop::Own(OrbitStop::NegativeBound {
-            mode, guard, value, ..
+        let End::Own(BranchTermination::Own(OrbitTermination::NegativeBound {
+            mode,
+            guard,
+            value,
+            ..
         })) = end
         else {
             panic!("{end:?}");

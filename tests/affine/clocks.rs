@@ -3,7 +3,7 @@
 use brakewave::affine::orbit::AffineOrbit;
 use brakewave::affine::orbit::start::{Beginning, Search, Wanted, first};
 use brakewave::linalg::Vector;
-use brakewave::orbit::Orbit as _;
+use brakewave::orbit::Zones;
 
 use crate::affine::systems::system;
 

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 
 use brakewave::EventType::{BP, CO, EP, GR, HC, LP, MX, SL};
 use brakewave::affine::orbit::start::{Beginning, Search, Wanted, first};
-use brakewave::affine::orbit::{AffineOrbit, OrbitStop};
+use brakewave::affine::orbit::{AffineOrbit, OrbitTermination};
 use brakewave::orbit::follow::LocatedPoint;
 use brakewave::orbit::special::Special;
 
@@ -480,7 +480,7 @@ fn only_a_centre_has_a_family_of_orbits() {
 /// Where the laws of contacts do not say what follows, no modes by hand are missed.
 #[test]
 fn a_stop_of_contacts_speaks_of_their_laws() {
-    let stop = |by_contacts| OrbitStop::Halts {
+    let stop = |by_contacts| OrbitTermination::Halts {
         mode: "stick.open".to_owned(),
         guard: "the gap of `p`".to_owned(),
         by_contacts,

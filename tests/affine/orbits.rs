@@ -1,6 +1,7 @@
 //! Periodic orbits against figures of an independent program in 40 digits: by Newton's method from a guess beside
 //! them, with their multipliers; what is not physical is refused.
 
+use brakewave::orbit::{Examined, MarginFunction, Zones};
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
@@ -10,7 +11,6 @@ use brakewave::affine::orbit::{
 use brakewave::continuation::newton::{self, Equations as _, Fixed, Settings};
 use brakewave::linalg::{Matrix, Vector};
 use brakewave::orbit::sign::SignVerdict;
-use brakewave::orbit::{Examined, Orbit};
 
 use crate::affine::systems::{
     BALL, BUCK, CHUA, FRICTION, IMPACT, RELAY, THERMOSTAT, system, values,
@@ -1025,7 +1025,7 @@ fn derivatives_are_those_of_the_equations() {
                 let same = |margins: &[Margin]| {
                     margins
                         .iter()
-                        .find(|other| AffineOrbit::is_same(margin, other))
+                        .find(|other| margin.is_same(other))
                         .unwrap()
                         .value
                 };

@@ -1,5 +1,6 @@
 //! Orbits of a prescribed period: a wave of the tube, written down as a system, is one whose speed is free.
 
+use brakewave::orbit::Zones;
 use std::f64::consts::TAU;
 use std::fs;
 
@@ -10,7 +11,6 @@ use brakewave::affine::orbit::start::{Beginning, Search, Wanted, first};
 use brakewave::affine::system::System;
 use brakewave::continuation::newton::{self, Equations as _};
 use brakewave::linalg::{Matrix, Vector};
-use brakewave::orbit::Orbit;
 use brakewave::tube::model::{Impact, Parameter};
 
 use crate::affine::branches::follow;

@@ -6,7 +6,7 @@ use brakewave::affine::motion::{Motion, Step};
 use brakewave::affine::orbit::AffineOrbit;
 use brakewave::affine::orbit::start::Search;
 use brakewave::linalg::Vector;
-use brakewave::orbit::Orbit as _;
+use brakewave::orbit::Zones;
 
 use super::branches::{Seen, begun, follow, started};
 use super::systems::{at, place, system};

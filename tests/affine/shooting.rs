@@ -10,7 +10,7 @@ use brakewave::affine::orbit::start::{Beginning, Search, Wanted, first};
 use brakewave::continuation::Steps;
 use brakewave::continuation::newton;
 use brakewave::linalg::Vector;
-use brakewave::orbit::Orbit as _;
+use brakewave::orbit::Zones;
 use brakewave::orbit::follow::{Follower, Limits, LocatedPoint};
 use brakewave::orbit::special::Special;
 

@@ -5,7 +5,7 @@
 //! D = 0, but beyond it c and D have different signs.
 
 use brakewave::branch::EventType::{self, MX, ST};
-use brakewave::branch::special::{Stop, WaveStop};
+use brakewave::branch::special::{Stop, WaveTermination};
 use brakewave::continuation::walk::End;
 use brakewave::tube::model::coefficients::Geometry;
 use brakewave::tube::model::{FrictionLaw, Model, Parameter};
@@ -68,7 +68,10 @@ fn the_stick_zone_vanishes_where_the_coupling_does() {
         assert!(run.points.iter().all(|found| speed(found) * first > 0.0));
         assert!(!kinds(&run).contains(&EventType::LP), "{:?}", kinds(&run));
         assert_eq!(kinds(&run)[kinds(&run).len() - 2..], [ST, MX]);
-        assert_eq!(run.end, Some(End::Own(Stop::Own(WaveStop::Undriven))));
+        assert_eq!(
+            run.end,
+            Some(End::Own(Stop::Own(WaveTermination::Undriven)))
+        );
         let end = &run.points[run.points.len() - 2];
         let expected = root(parameter, range);
         let error = (end.parameter / expected - 1.0).abs();
@@ -103,7 +106,7 @@ fn under_static_friction_the_branch_ends_with_its_reason() {
     assert!(run.points.iter().all(|found| speed(found) * first > 0.0));
     let end = run.points.last().expect("points");
     assert_eq!(end.kind(), Some(MX));
-    assert_eq!(run.end, Some(End::Own(Stop::Own(WaveStop::Against))));
+    assert_eq!(run.end, Some(End::Own(Stop::Own(WaveTermination::Against))));
     let expected = root(Parameter::Nu, case.range);
     assert!((end.parameter / expected - 1.0).abs() < 1e-12);
 }

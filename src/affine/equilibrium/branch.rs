@@ -5,7 +5,7 @@ use super::examine::{EquilibriumExamination, EquilibriumMargin};
 use super::extended::{Condition, locate};
 use super::normal_form::{Lyapunov, normal_form};
 use super::spectrum::{BRANCHING, HOPF, critical_pair};
-use super::{EquilibriumBifurcation, EquilibriumGuard, EquilibriumStop, VirtualEquilibrium};
+use super::{EquilibriumBifurcation, EquilibriumGuard, EquilibriumTermination, VirtualEquilibrium};
 use crate::affine::mode::Exit;
 use crate::continuation::branch_point::branch_point;
 use crate::continuation::locate::{Place, node_at, zero_along};
@@ -14,7 +14,11 @@ use crate::continuation::{DEFAULT_TOLERANCE, Node, unbounded};
 use crate::linalg::{Matrix, Vector};
 use crate::orbit::monitor::MonitorValue;
 use crate::orbit::switch::is_in_family;
-use crate::orbit::{Candidate, Crossed, EventType, Examined, Orbit};
+use crate::orbit::{
+    Bifurcations, Candidate, Changes, CoordinateChanges, Covers, Crossed, EventType, Examined,
+    Inequalities, MarginFunction, Monitored, Situation, SpecialType, TerminationType, Terminations,
+    Zones,
+};
 
 /// A state is the one that a reset leaves alone where they differ by no more than this part of their size: an equilibrium
 /// is known to rounding.
@@ -60,16 +64,11 @@ fn least_condition(exit: &Exit, z: &Vector) -> f64 {
     values.fold(f64::INFINITY, f64::min)
 }
 
-impl Orbit for EquilibriumCurve {
+impl Zones for EquilibriumCurve {
     type Signature = RestMode;
     type Parameter = String;
     type Margin = EquilibriumMargin;
     type Examination = EquilibriumExamination;
-    type Held = EquilibriumGuard;
-    type Inadmissible = VirtualEquilibrium;
-    type Special = EquilibriumBifurcation;
-    type Remark = EquilibriumGuard;
-    type Stop = EquilibriumStop;
 
     fn signature(&self) -> &RestMode {
         &self.signature
@@ -107,6 +106,39 @@ impl Orbit for EquilibriumCurve {
         self.examined(point)
     }
 
+    fn rounding(&self, matrix: &Matrix, point: &Vector, last: f64) -> Option<f64> {
+        let parameter = point.len() - 1;
+        let mut noise = newton::noise(self, matrix, point);
+        if let Some(noise) = &mut noise {
+            noise[parameter] = last;
+        }
+        Some(newton::rounding(matrix, &point.abs(), noise.as_ref())?[parameter])
+    }
+
+    /// The units are those of the first equilibrium, beside which another may be a thousand times as large.
+    fn stretch(&self, point: &Vector) -> f64 {
+        point.rows(0, self.states()).amax().max(1.0)
+    }
+}
+
+impl MarginFunction for EquilibriumMargin {
+    fn value(&self) -> f64 {
+        self.value
+    }
+
+    fn is_same(&self, other: &EquilibriumMargin) -> bool {
+        self.guard == other.guard
+    }
+
+    fn precedence(&self) -> usize {
+        self.guard
+    }
+}
+
+impl Inequalities for EquilibriumCurve {
+    type Inequality = EquilibriumGuard;
+    type Inadmissible = VirtualEquilibrium;
+
     fn margin_at(
         &self,
         seen: &EquilibriumMargin,
@@ -117,22 +149,10 @@ impl Orbit for EquilibriumCurve {
         Ok(known.unwrap_or_else(|| seen.clone()))
     }
 
-    fn value(margin: &EquilibriumMargin) -> f64 {
-        margin.value
-    }
-
     fn add_gradient(&self, margin: &EquilibriumMargin, gradient: &mut [f64]) {
         for (sum, by) in gradient.iter_mut().zip(&margin.gradient) {
             *sum += by;
         }
-    }
-
-    fn is_same(one: &EquilibriumMargin, other: &EquilibriumMargin) -> bool {
-        one.guard == other.guard
-    }
-
-    fn precedence(margin: &EquilibriumMargin) -> usize {
-        margin.guard
     }
 
     fn is_alike(
@@ -144,13 +164,19 @@ impl Orbit for EquilibriumCurve {
         self.guard_of(margin).guard == other.guard_of(of_other).guard
     }
 
-    fn held(&self, margin: &EquilibriumMargin) -> EquilibriumGuard {
+    fn inequality(&self, margin: &EquilibriumMargin) -> EquilibriumGuard {
         self.guard_of(margin)
     }
 
     fn inadmissible(&self, examination: &EquilibriumExamination) -> VirtualEquilibrium {
         self.worst(examination)
     }
+}
+
+impl CoordinateChanges for EquilibriumCurve {}
+
+impl Changes for EquilibriumCurve {
+    type Remark = EquilibriumGuard;
 
     fn candidates(
         &self,
@@ -189,99 +215,24 @@ impl Orbit for EquilibriumCurve {
     fn opens(&self, _point: &Vector) -> bool {
         false
     }
+}
 
-    /// The units are those of the first equilibrium, beside which another may be a thousand times as large.
-    fn stretch(&self, point: &Vector) -> f64 {
-        point.rows(0, self.states()).amax().max(1.0)
-    }
-
-    fn rounding(&self, matrix: &Matrix, point: &Vector, last: f64) -> Option<f64> {
-        let parameter = point.len() - 1;
-        let mut noise = newton::noise(self, matrix, point);
-        if let Some(noise) = &mut noise {
-            noise[parameter] = last;
-        }
-        Some(newton::rounding(matrix, &point.abs(), noise.as_ref())?[parameter])
-    }
-
-    fn ends_at(&self, point: &Vector, margin: &EquilibriumMargin) -> Option<EquilibriumStop> {
-        let candidates = self.candidates(point, margin).ok()?;
-        let none = !candidates
-            .iter()
-            .any(|one| one.orbit.goes_on_from(&one.point));
-        none.then(|| EquilibriumStop::NoneBeyond {
-            guard: self.guard_of(margin),
-        })
-    }
-
-    fn completes(stop: &EquilibriumStop) -> bool {
-        match stop {
-            EquilibriumStop::NoneBeyond { .. } | EquilibriumStop::Grows => true,
-        }
-    }
-
-    fn exhausted(&self, node: &Node, _: (f64, f64)) -> Option<EquilibriumStop> {
-        let Node { point, tangent, .. } = node;
-        let slope = |node: &Node| node.tangent[self.states()].abs();
-        // beside a fold the slope is as small, but rises
-        let falls = || {
-            let beyond = node_at(self, node, FARTHER * point.norm(), DEFAULT_TOLERANCE);
-            beyond.is_some_and(|beyond| slope(&beyond) < (1.0 - 0.5 * FARTHER) * slope(node))
-        };
-        let grows = unbounded::grows(point, tangent, self.stretch(point)) && falls();
-        grows.then_some(EquilibriumStop::Grows)
-    }
-
-    fn short_of(&self, stop: &EquilibriumStop, node: &Node) -> f64 {
-        match stop {
-            EquilibriumStop::Grows => unbounded::short_of(&node.point, &node.tangent),
-            EquilibriumStop::NoneBeyond { .. } => 0.0,
-        }
-    }
-
-    /// By the extended system: the state is known as well as the parameter.
-    fn fold_near(&self, node: &Node) -> Option<(Vector, f64)> {
-        let located = locate(self, node, Condition::Fold)?;
-        Some((located.point, located.uncertainty))
-    }
-
-    fn zero_of(
-        &self,
-        what: Crossed,
-        from: &Node,
-        ends: [f64; 2],
-        tolerance: f64,
-    ) -> Option<(Place, f64)> {
-        let (test, condition) = match what {
-            Crossed::Zero(BRANCHING) => (BRANCHING, Condition::Branching),
-            Crossed::Zero(test) => (test, Condition::Hopf),
-            Crossed::Several(count) => {
-                let (place, error) = branch_point(self, count, (from, ends), tolerance, |_| 0.0)?;
-                return Some((place, error * self.unit().abs()));
+impl SpecialType<RestMode> for EquilibriumBifurcation {
+    fn kind(&self) -> EventType {
+        let pairs = match self {
+            EquilibriumBifurcation::Hopf { .. } => true,
+            EquilibriumBifurcation::Branching => false,
+            EquilibriumBifurcation::Several { complex, .. } => *complex,
+            EquilibriumBifurcation::Unlocated { growing, .. } => {
+                growing[0].abs_diff(growing[1]) > 1
             }
         };
-        let located = |near: Node| {
-            let located = locate(self, &near, condition)?;
-            let s = from.tangent.dot(&(&located.point - &from.point));
-            let node = Node {
-                point: located.point,
-                ..near
-            };
-            let place = Place { s, node, blur: 0.0 };
-            // another one may lie beyond the step
-            (ends[0]..=ends[1])
-                .contains(&s)
-                .then_some((place, located.uncertainty))
-        };
-        let near = self.near_zero(test, from, ends, tolerance);
-        near.and_then(located).or_else(|| {
-            // beside a crossing of branches rounding may leave no equilibrium: from farther away its own equations lead to it
-            let mut parts = (1..SAMPLES).map(|part| f64::from(part) / f64::from(SAMPLES));
-            let at =
-                |part: f64| node_at(self, from, ends[0] + part * (ends[1] - ends[0]), tolerance);
-            parts.find_map(|part| at(part).and_then(located))
-        })
+        if pairs { EventType::HB } else { EventType::BP }
     }
+}
+
+impl Bifurcations for EquilibriumCurve {
+    type Special = EquilibriumBifurcation;
 
     fn across_folds(&self, test: usize, value: f64, node: &Node) -> f64 {
         match test {
@@ -327,6 +278,84 @@ impl Orbit for EquilibriumCurve {
         }
     }
 
+    fn zero_of(
+        &self,
+        what: Crossed,
+        from: &Node,
+        ends: [f64; 2],
+        tolerance: f64,
+    ) -> Option<(Place, f64)> {
+        let (test, condition) = match what {
+            Crossed::Zero(BRANCHING) => (BRANCHING, Condition::Branching),
+            Crossed::Zero(test) => (test, Condition::Hopf),
+            Crossed::Several(count) => {
+                let (place, error) = branch_point(self, count, (from, ends), tolerance, |_| 0.0)?;
+                return Some((place, error * self.unit().abs()));
+            }
+        };
+        let located = |near: Node| {
+            let located = locate(self, &near, condition)?;
+            let s = from.tangent.dot(&(&located.point - &from.point));
+            let node = Node {
+                point: located.point,
+                ..near
+            };
+            let place = Place { s, node, blur: 0.0 };
+            // another one may lie beyond the step
+            (ends[0]..=ends[1])
+                .contains(&s)
+                .then_some((place, located.uncertainty))
+        };
+        let near = self.near_zero(test, from, ends, tolerance);
+        near.and_then(located).or_else(|| {
+            // beside a crossing of branches rounding may leave no equilibrium: from farther away its own equations lead to it
+            let mut parts = (1..SAMPLES).map(|part| f64::from(part) / f64::from(SAMPLES));
+            let at =
+                |part: f64| node_at(self, from, ends[0] + part * (ends[1] - ends[0]), tolerance);
+            parts.find_map(|part| at(part).and_then(located))
+        })
+    }
+
+    /// By the extended system: the state is known as well as the parameter.
+    fn fold_near(&self, node: &Node) -> Option<(Vector, f64)> {
+        let located = locate(self, node, Condition::Fold)?;
+        Some((located.point, located.uncertainty))
+    }
+}
+
+impl TerminationType<RestMode> for EquilibriumTermination {
+    fn completes(&self) -> bool {
+        match self {
+            EquilibriumTermination::NoneBeyond { .. } | EquilibriumTermination::Grows => true,
+        }
+    }
+}
+
+impl Terminations for EquilibriumCurve {
+    type Termination = EquilibriumTermination;
+
+    fn termination(
+        &self,
+        situation: Situation<'_, EquilibriumMargin>,
+    ) -> Option<EquilibriumTermination> {
+        match situation {
+            Situation::At(node, _) => self.grows(node),
+            Situation::NoStep(_) | Situation::Change(_) => None,
+            Situation::NoCandidate(point, margin) => self.ends_at_change(point, margin),
+        }
+    }
+
+    fn short_of(&self, stop: &EquilibriumTermination, node: &Node) -> f64 {
+        match stop {
+            EquilibriumTermination::Grows => unbounded::short_of(&node.point, &node.tangent),
+            EquilibriumTermination::NoneBeyond { .. } => 0.0,
+        }
+    }
+}
+
+impl Covers for EquilibriumCurve {}
+
+impl Monitored for EquilibriumCurve {
     fn measured(
         &self,
         monitor: usize,
@@ -339,21 +368,37 @@ impl Orbit for EquilibriumCurve {
         let mut monitors = self.setting.system.monitors().iter().skip(monitor);
         monitors.next().map_or("", |monitor| &monitor.name)
     }
-
-    fn kind(special: &EquilibriumBifurcation) -> EventType {
-        let pairs = match special {
-            EquilibriumBifurcation::Hopf { .. } => true,
-            EquilibriumBifurcation::Branching => false,
-            EquilibriumBifurcation::Several { complex, .. } => *complex,
-            EquilibriumBifurcation::Unlocated { growing, .. } => {
-                growing[0].abs_diff(growing[1]) > 1
-            }
-        };
-        if pairs { EventType::HB } else { EventType::BP }
-    }
 }
 
 impl EquilibriumCurve {
+    /// Why the branch ends where a margin vanishes and no candidate goes on.
+    fn ends_at_change(
+        &self,
+        point: &Vector,
+        margin: &EquilibriumMargin,
+    ) -> Option<EquilibriumTermination> {
+        let candidates = self.candidates(point, margin).ok()?;
+        let none = !candidates
+            .iter()
+            .any(|one| one.orbit.goes_on_from(&one.point));
+        none.then(|| EquilibriumTermination::NoneBeyond {
+            guard: self.guard_of(margin),
+        })
+    }
+
+    /// Whether the branch ends as its states grow without bound.
+    fn grows(&self, node: &Node) -> Option<EquilibriumTermination> {
+        let Node { point, tangent, .. } = node;
+        let slope = |node: &Node| node.tangent[self.states()].abs();
+        // beside a fold the slope is as small, but rises
+        let falls = || {
+            let beyond = node_at(self, node, FARTHER * point.norm(), DEFAULT_TOLERANCE);
+            beyond.is_some_and(|beyond| slope(&beyond) < (1.0 - 0.5 * FARTHER) * slope(node))
+        };
+        let grows = unbounded::grows(point, tangent, self.stretch(point)) && falls();
+        grows.then_some(EquilibriumTermination::Grows)
+    }
+
     /// z at an equilibrium, with what conditions and resets are made of.
     fn at_switch(&self, point: &Vector) -> Vector {
         let mode = self.signature.mode;

@@ -16,6 +16,7 @@
 //!
 //! With one parameter the systems have a solution, with two a curve of them, where p in E_p is the first.
 
+use crate::orbit::{AtZero, Examined as _, Zones};
 use nalgebra::Complex;
 
 use super::curve::{EquilibriumCurve, EquilibriumFailure, EquilibriumScales, EquilibriumSetting};
@@ -25,7 +26,6 @@ use crate::continuation::Node;
 use crate::continuation::branch_point::PERFECT;
 use crate::continuation::newton::{self, Constraint, Equations};
 use crate::linalg::{self, Matrix, Vector};
-use crate::orbit::{AtZero, Examined as _, Orbit as _};
 
 /// Which special points are asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -157,7 +157,7 @@ impl fmt::Display for EquilibriumBifurcation {
 
 /// Ends of a branch of equilibria for reasons of the system itself.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub enum EquilibriumStop {
+pub enum EquilibriumTermination {
     /// In no mode that a switch leads to there the system rests at the equilibrium.
     NoneBeyond {
         /// What is zero.
@@ -167,13 +167,13 @@ pub enum EquilibriumStop {
     Grows,
 }
 
-impl fmt::Display for EquilibriumStop {
+impl fmt::Display for EquilibriumTermination {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            EquilibriumStop::Grows => f.write_str(
+            EquilibriumTermination::Grows => f.write_str(
                 "the states of the equilibrium grow without bound, while the parameter comes to a limit",
             ),
-            EquilibriumStop::NoneBeyond { guard } => write!(
+            EquilibriumTermination::NoneBeyond { guard } => write!(
                 f,
                 "the branch ends: in no mode to which {} of `{}` leads do equilibria go on from there",
                 guard.guard, guard.mode

@@ -26,7 +26,11 @@ const SETTLES: u32 = 2;
 
 impl AffineOrbit {
     /// The orbit on one side of an event, with its point; `None` where motions do not tell.
-    pub(super) fn beside(&self, point: &Vector, side: f64) -> Option<Candidate<AffineOrbit>> {
+    pub(super) fn by_motions_beside(
+        &self,
+        point: &Vector,
+        side: f64,
+    ) -> Option<Candidate<AffineOrbit>> {
         // motions of a family need not keep what its branch keeps
         let is_single = self.conserved.count() == 0;
         if !is_single || !matches!(self.fate(point, None, side), Some(Fate::Returns)) {

@@ -1,12 +1,12 @@
 //! Bounds of friction that are no constants, at a point of a branch: a negative one makes no sense.
 
 use super::layout::{AffineOrbit, OrbitAt};
-use super::stop::OrbitStop;
+use super::termination::OrbitTermination;
 use crate::linalg::Vector;
 
 impl AffineOrbit {
     /// The bound of friction that is negative on an orbit while it slips; `None` also where that is not known.
-    pub fn negative_bound(&self, point: &Vector) -> Option<OrbitStop> {
+    pub fn negative_bound(&self, point: &Vector) -> Option<OrbitTermination> {
         if !self.setting.system.has_varying_bounds() {
             return None;
         }
@@ -17,7 +17,7 @@ impl AffineOrbit {
 
 impl OrbitAt<'_> {
     /// The same in a zone.
-    fn negative_bound(&self, zone: usize) -> Option<OrbitStop> {
+    fn negative_bound(&self, zone: usize) -> Option<OrbitTermination> {
         let mode = self.mode(zone);
         if mode.bounds.is_empty() {
             return None;
@@ -31,7 +31,7 @@ impl OrbitAt<'_> {
         });
         let (guard, time, value) =
             negative.min_by(|one, other| one.0.cmp(&other.0).then(one.2.total_cmp(&other.2)))?;
-        Some(OrbitStop::NegativeBound {
+        Some(OrbitTermination::NegativeBound {
             mode: known.name.clone(),
             guard: self.orbit.setting.system.guard_name(known.mode, guard),
             value,

@@ -11,12 +11,12 @@ use super::layout::{AffineOrbit, OrbitAt, ZonePoint};
 use super::margin::{Margin, Watch};
 use super::setting::OrbitFailure;
 use super::signature::{Sequence, Way, Zone};
-use super::{CLOSING, OrbitStop};
+use super::{CLOSING, Critical, OrbitTermination};
 use crate::affine::dual::{Dual, Measured as _};
 use crate::affine::expression::Algebra as _;
 use crate::affine::mode::Row;
 use crate::linalg::Vector;
-use crate::orbit::Candidate;
+use crate::orbit::{Candidate, Changes, EventType, Zones};
 
 /// Zones of no length between two others.
 const LONGEST: usize = 4;
@@ -102,7 +102,7 @@ pub fn candidates(
 
 impl AffineOrbit {
     /// Whether a guard that is zero as a zone begins leads back to there: beyond the event no time passes any more.
-    pub(super) fn held_at(&self, point: &Vector, margin: &Margin) -> Option<OrbitStop> {
+    pub(super) fn held_at(&self, point: &Vector, margin: &Margin) -> Option<OrbitTermination> {
         let at = self.at(point).ok()?;
         let Watch::Onset(guard) = margin.watch else {
             return None;
@@ -115,10 +115,54 @@ impl AffineOrbit {
                 && stage.mode == *mode
                 && at.agree(&state, &at.zones[margin.zone].state, &[])
         };
-        exits.iter().any(back).then(|| OrbitStop::Held {
+        exits.iter().any(back).then(|| OrbitTermination::Held {
             guard: self.setting.system.guard_name(*mode, guard),
             mode: name.clone(),
         })
+    }
+}
+
+impl Changes for AffineOrbit {
+    type Remark = Critical;
+
+    fn candidates(
+        &self,
+        point: &Vector,
+        margin: &Margin,
+    ) -> Result<Vec<Candidate<AffineOrbit>>, OrbitFailure> {
+        if self.lasts_no_time(point) {
+            return Ok(Vec::new());
+        }
+        candidates(self, point, margin)
+    }
+
+    /// The same from either side: a zone that is split by a touch from inside merges on the way back.
+    fn classify(before: &Sequence, after: Option<&Sequence>, margin: &Margin) -> EventType {
+        if matches!(margin.watch, Watch::Inside(_) | Watch::Speed) {
+            return EventType::GR;
+        }
+        match after {
+            Some(after) if before.is_split_in(after) || after.is_split_in(before) => EventType::GR,
+            Some(after) if before.leads_elsewhere(after) => EventType::SL,
+            Some(_) => EventType::CO,
+            None => match margin.watch {
+                Watch::Condition(_) | Watch::Before(_) => EventType::SL,
+                _ => EventType::CO,
+            },
+        }
+    }
+
+    /// The orbit by motions; `None` where they do not tell.
+    fn beside(&self, point: &Vector, side: f64) -> Option<Candidate<AffineOrbit>> {
+        self.by_motions_beside(point, side)
+    }
+
+    fn opens(&self, point: &Vector) -> bool {
+        (0..self.zones()).any(|zone| point[self.duration_index(zone)] == 0.0)
+    }
+
+    fn closes(&self, point: &Vector) -> bool {
+        (0..self.zones()).any(|zone| point[self.duration_index(zone)].abs() <= CLOSING)
     }
 }
 

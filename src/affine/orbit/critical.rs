@@ -5,8 +5,19 @@ use std::fmt;
 use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
 
+use std::sync::Arc;
+
+use super::examine::Examination;
+use super::layout::AffineOrbit;
 use super::multiplier::{self, Multiplier};
-use crate::orbit::EventType;
+use super::setting::Setting;
+use super::signature::Sequence;
+use crate::continuation::Node;
+use crate::continuation::branch_point::branch_point;
+use crate::continuation::locate::Place;
+use crate::continuation::walk::Segment;
+use crate::linalg::Vector;
+use crate::orbit::{Bifurcations, Crossed, EventType, SpecialType, Zones};
 
 /// A change of stability.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -94,9 +105,10 @@ impl Critical {
             _ => Critical::Several { count },
         })
     }
+}
 
-    /// Its type.
-    pub(super) fn kind(&self) -> EventType {
+impl SpecialType<Sequence> for Critical {
+    fn kind(&self) -> EventType {
         match self {
             Critical::PeriodDoubling | Critical::Repeats { .. } | Critical::Doublings { .. } => {
                 EventType::PD
@@ -113,6 +125,79 @@ impl Critical {
             | Critical::RestOnBoundary { .. } => EventType::HC,
             Critical::Torus { .. } | Critical::Several { .. } => EventType::NS,
         }
+    }
+}
+
+impl Bifurcations for AffineOrbit {
+    type Special = Critical;
+
+    fn tested(&self) -> Option<AffineOrbit> {
+        let setting = Setting {
+            stability: true,
+            ..(*self.setting).clone()
+        };
+        AffineOrbit::new(Arc::new(setting), self.sequence.clone())
+    }
+
+    /// det(M − 1) vanishes at folds, as the parameter along the unit tangent does; their quotient does not.
+    fn across_folds(&self, test: usize, value: f64, node: &Node) -> f64 {
+        match test {
+            1 => value / node.tangent[node.tangent.len() - 1],
+            _ => value,
+        }
+    }
+
+    fn crossing(&self, test: usize, node: &Node) -> Option<Critical> {
+        match test {
+            0 => Some(Critical::PeriodDoubling),
+            1 => Some(Critical::Branching),
+            _ => {
+                let at = self.at(&node.point).ok()?;
+                at.monodromy(&at.passages().ok()?)?
+                    .angle_on_circle()
+                    .map(|angle| Critical::Torus { angle })
+            }
+        }
+    }
+
+    fn passing(
+        &self,
+        node: &Node,
+        outside: [usize; 2],
+        between: Option<[f64; 2]>,
+    ) -> Option<Critical> {
+        if let Some(between) = between {
+            return Some(Critical::Unlocated { outside, between });
+        }
+        Critical::passing(&self.multipliers(&node.point).ok()?, outside)
+    }
+
+    fn zero_of(
+        &self,
+        what: Crossed,
+        from: &Node,
+        ends: [f64; 2],
+        tolerance: f64,
+    ) -> Option<(Place, f64)> {
+        let crossing = |count: usize| {
+            let off = |point: &Vector| self.left_out(point);
+            let (place, error) = branch_point(self, count, (from, ends), tolerance, off)?;
+            Some((place, error * self.unit().abs()))
+        };
+        match what {
+            Crossed::Zero(1) => {
+                let lost = self.symmetry_lost(from, ends, tolerance);
+                lost.or_else(|| crossing(1))
+            }
+            Crossed::Zero(_) => None,
+            Crossed::Several(count) => crossing(count),
+        }
+    }
+
+    fn may_turn(&self, step: &Segment<Examination>) -> bool {
+        multiplier::may_turn(
+            [step.before, step.after].map(|examination| &examination.multipliers[..]),
+        )
     }
 }
 

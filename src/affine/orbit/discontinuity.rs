@@ -9,12 +9,12 @@
 //! Where the parameter has no part in the way to the event, as that of an impulse which is given there, rounding decides on
 //! both sides what becomes of them: then motions begin beside the orbit in one state after the other, at p itself.
 
-use super::OrbitStop;
+use super::OrbitTermination;
 use super::layout::{AffineOrbit, OrbitAt};
 use crate::affine::mode::AffineSystem;
 use crate::affine::motion::{Halt, Moment, Motion, Step};
 use crate::linalg::Vector;
-use crate::orbit::Orbit;
+use crate::orbit::Zones;
 
 /// δ, as parts of the range of the parameter, or of the unit of a state.
 const BESIDE: [f64; 3] = [1e-5, 1e-7, 1e-9];
@@ -59,7 +59,7 @@ struct PeriodEnd {
 
 impl AffineOrbit {
     /// Why no orbit is near beyond an event, by the motions beside it; `None` where they do not tell.
-    pub(super) fn jumps(&self, point: &Vector) -> Option<OrbitStop> {
+    pub(super) fn jumps(&self, point: &Vector) -> Option<OrbitTermination> {
         let mut axes = std::iter::once(None).chain((0..self.states()).map(Some));
         let other =
             axes.find_map(
@@ -76,8 +76,8 @@ impl AffineOrbit {
             )?;
         match other {
             Fate::Returns => None,
-            Fate::Elsewhere(apart) => Some(OrbitStop::Discontinuous { apart }),
-            Fate::Stays(mode) => Some(OrbitStop::Stays {
+            Fate::Elsewhere(apart) => Some(OrbitTermination::Discontinuous { apart }),
+            Fate::Stays(mode) => Some(OrbitTermination::Stays {
                 mode: self.setting.system.mode_name(mode).into_owned(),
             }),
             Fate::Halts(halt) => {
@@ -88,12 +88,12 @@ impl AffineOrbit {
                     system.guard_name(mode, guard),
                 );
                 Some(match halt {
-                    Halt::Refused { mistake, .. } => OrbitStop::Refused {
+                    Halt::Refused { mistake, .. } => OrbitTermination::Refused {
                         mode,
                         guard,
                         mistake,
                     },
-                    _ => OrbitStop::Halts {
+                    _ => OrbitTermination::Halts {
                         mode,
                         guard,
                         by_contacts: !system.source.contacts.is_empty(),

@@ -1,18 +1,25 @@
 //! Why a branch of orbits ends that goes no further.
 
+use super::candidates::candidates;
+use super::examine::Examination;
 use super::layout::AffineOrbit;
+use super::margin::Margin;
 use super::passage::Passage;
 use super::setting::Scales;
 use super::signature::Zone;
 use super::stay::{FAR, apart};
-use super::stop::OrbitStop;
+use super::termination::OrbitTermination;
 use super::{CLOSING, Critical, Watch};
 use crate::affine::mode::Row;
 use crate::continuation::Node;
 use crate::continuation::locate::node_at;
 use crate::continuation::unbounded;
+use crate::continuation::walk::Segment;
 use crate::linalg::Vector;
-use crate::orbit::Orbit as _;
+use crate::orbit::{
+    Changes as _, CoordinateChanges as _, EndWithin, Inequalities as _, Limit, Situation,
+    Terminations, Zones,
+};
 
 /// The parameter is stationary, to rounding, where it changes by less than this along a unit tangent; if nothing but
 /// durations changes there, by this part at least, they grow without bound.
@@ -32,6 +39,9 @@ const NEARLY_AT_REST: f64 = 1e-4;
 
 /// An orbit that begins as near as this to an equilibrium, in units of its states, has half of all digits of the distance.
 const AT_EQUILIBRIUM: f64 = 1e-8;
+
+/// Where no step succeeds any more an orbit of this size, in units of its states, is one that shrinks to a point.
+pub(super) const NEARLY_A_POINT: f64 = 1e-6;
 
 /// Growth in the longest zone, as a power of e, that has taken half of all digits.
 const DIGITS: f64 = 18.0;
@@ -53,10 +63,10 @@ impl Vanishing {
         }
     }
 
-    pub(super) fn stop(&self) -> OrbitStop {
+    pub(super) fn stop(&self) -> OrbitTermination {
         match self.is_hopf {
-            true => OrbitStop::Shrinks,
-            false => OrbitStop::Vanishes,
+            true => OrbitTermination::Shrinks,
+            false => OrbitTermination::Vanishes,
         }
     }
 }
@@ -64,7 +74,7 @@ impl Vanishing {
 impl AffineOrbit {
     /// Whether durations grow and the parameter changes by less than a part along the branch, or than rounding, which
     /// a stay beside a saddle magnifies as it does any perturbation: beyond that points are chance.
-    fn lengthens(&self, node: &Node, stationary: f64) -> Option<OrbitStop> {
+    fn lengthens(&self, node: &Node, stationary: f64) -> Option<OrbitTermination> {
         let tangent = &self.tangent_of_zones(node);
         let along = tangent[tangent.len() - 1].abs();
         let growth: f64 = (0..self.zones())
@@ -77,7 +87,7 @@ impl AffineOrbit {
         let Some(stay) = self.longest_stay(&node.point) else {
             return self.comes_to_an_equilibrium(node).or_else(|| {
                 let is_unbounded = along < stationary && self.nearly_rests(&node.point);
-                is_unbounded.then_some(OrbitStop::Unbounded)
+                is_unbounded.then_some(OrbitTermination::Unbounded)
             });
         };
         // of a unit of the branch, of which a step is a small part; growth counts over one shot
@@ -89,7 +99,7 @@ impl AffineOrbit {
 
     /// Whether a zone of an orbit without forcing begins within this many units of the states of an equilibrium from which
     /// everything goes away.
-    fn stalls(&self, point: &Vector, most: f64) -> Option<OrbitStop> {
+    fn stalls(&self, point: &Vector, most: f64) -> Option<OrbitTermination> {
         /// What the orbit has gone by when the zone ends, at least.
         const FAR: f64 = 1e-2;
         if self.is_forced() {
@@ -125,12 +135,12 @@ impl AffineOrbit {
         };
         let zone = (0..self.zones()).find(stalls)?;
         let mode = self.sequence.zone(zone).name.clone();
-        Some(OrbitStop::Stalls { mode })
+        Some(OrbitTermination::Stalls { mode })
     }
 
     /// Whether a zone vanishes at a point since the one before it, of another mode than the one after, only just comes to
     /// its guard: its speed there vanishes with the zone.
-    pub(super) fn barely_reaches(&self, point: &Vector, zone: usize) -> Option<OrbitStop> {
+    pub(super) fn barely_reaches(&self, point: &Vector, zone: usize) -> Option<OrbitTermination> {
         let count = self.zones();
         let before = (zone + count - 1) % count;
         if count < 3 || self.sequence.zone(before).mode == self.sequence.zone(zone + 1).mode {
@@ -138,21 +148,21 @@ impl AffineOrbit {
         }
         let at = self.at(point).ok()?;
         let speed = at.edge(Watch::Speed, before, &at.shots_of(before).ok()?)?;
-        (speed.value.abs() <= CLOSING).then(|| OrbitStop::Misses {
-            held: self.held(&speed),
+        (speed.value.abs() <= CLOSING).then(|| OrbitTermination::Misses {
+            held: self.inequality(&speed),
         })
     }
 
     /// Whether states grow and the parameter comes to a limit.
-    fn grows(&self, node: &Node) -> Option<OrbitStop> {
+    fn grows(&self, node: &Node) -> Option<OrbitTermination> {
         let tangent = self.tangent_of_zones(node);
         let grows = unbounded::grows(&node.point, &tangent, self.stretch(&node.point));
-        grows.then_some(OrbitStop::Grows)
+        grows.then_some(OrbitTermination::Grows)
     }
 
     /// Whether the zones of all modes but one shrink, and every state of the orbit varies by less than this part of its
     /// unit.
-    fn rests(&self, node: &Node, most: f64) -> Option<OrbitStop> {
+    fn rests(&self, node: &Node, most: f64) -> Option<OrbitTermination> {
         /// Those zones last less than this part of their units.
         const SHORT: f64 = 1e-2;
         let Node { point, tangent, .. } = node;
@@ -181,7 +191,7 @@ impl AffineOrbit {
             }
         }
         self.varies_within(point, most)
-            .then_some(OrbitStop::Rests { modes })
+            .then_some(OrbitTermination::Rests { modes })
     }
 
     /// Whether some states, not all, vary by next to nothing and ever less.
@@ -190,7 +200,7 @@ impl AffineOrbit {
     /// long whatever it is, and more if it comes to last less. Two orbits on the way, of which the nearer is d off, give p,
     /// and ε = dq/(1 − q) with qᵖ = r/r₁. As p is known to what r bends by on that way only, ε is told by this and in
     /// proportion (p = 1), and by how much they differ besides.
-    fn part_rests(&self, node: &Node) -> Option<OrbitStop> {
+    fn part_rests(&self, node: &Node) -> Option<OrbitTermination> {
         /// Back along the branch, to where ranges are much larger, and the tolerance of these steps.
         const BACK: [f64; 2] = [-1e-3, -1e-2];
         const COARSE: f64 = 1e-8;
@@ -241,7 +251,7 @@ impl AffineOrbit {
         }
         let names = &self.setting.system.source.states;
         let states = resting.iter().map(|(state, _)| names[*state].clone());
-        Some(OrbitStop::PartRests {
+        Some(OrbitTermination::PartRests {
             states: states.collect(),
             left,
         })
@@ -271,7 +281,7 @@ impl AffineOrbit {
     }
 
     /// Why the branch does not go on from a node.
-    pub(super) fn ends(&self, node: &Node) -> Option<OrbitStop> {
+    pub(super) fn ends(&self, node: &Node) -> Option<OrbitTermination> {
         let unbounded = self.lengthens(node, STATIONARY);
         unbounded
             .or_else(|| self.has_lost_all_digits(node))
@@ -342,7 +352,7 @@ impl AffineOrbit {
     }
 
     /// The same where no step succeeds any more.
-    pub(super) fn nearly_ends(&self, node: &Node) -> Option<OrbitStop> {
+    pub(super) fn nearly_ends(&self, node: &Node) -> Option<OrbitTermination> {
         let accumulates = self.accumulates(&node.point);
         accumulates
             .or_else(|| self.lengthens(node, NEARLY_STATIONARY))
@@ -361,7 +371,7 @@ impl AffineOrbit {
 
     /// The homoclinic orbit to which an orbit comes that has lost its digits to this growth beside saddles, as a power of e, before
     /// it comes near: where decay is much slower than growth. The orbit itself is computed and tells.
-    fn comes_slowly(&self, node: &Node, growth: f64) -> Option<OrbitStop> {
+    fn comes_slowly(&self, node: &Node, growth: f64) -> Option<OrbitTermination> {
         let stay = self.longest_stay_within(&node.point, FAR)?;
         let stop = (stay.growth > growth).then(|| self.comes_to(stay, node))?;
         stop.is_located().then_some(stop)
@@ -369,7 +379,7 @@ impl AffineOrbit {
 
     /// The same where nothing but the duration grows and the orbit has lost all digits: steps succeed beyond that, but by
     /// chance.
-    fn has_lost_all_digits(&self, node: &Node) -> Option<OrbitStop> {
+    fn has_lost_all_digits(&self, node: &Node) -> Option<OrbitTermination> {
         /// Growth, as a power of e, that has taken them.
         const ALL: f64 = 36.0;
         let (point, tangent) = (&node.point, self.tangent_of_zones(node));
@@ -383,7 +393,7 @@ impl AffineOrbit {
     }
 
     /// Whether what a motion is off grows within a zone until half of all digits are lost.
-    fn loses_digits(&self, point: &Vector) -> Option<OrbitStop> {
+    fn loses_digits(&self, point: &Vector) -> Option<OrbitTermination> {
         /// Places from which growth to the end of a zone is measured.
         const PLACES: usize = 32;
         let at = self.at(point).ok()?;
@@ -410,32 +420,85 @@ impl AffineOrbit {
         let (zone, growth) = (0..self.zones())
             .filter_map(of_zone)
             .max_by(|(_, one), (_, other)| one.total_cmp(other))?;
-        (growth > DIGITS.exp()).then(|| OrbitStop::LosesDigits {
+        (growth > DIGITS.exp()).then(|| OrbitTermination::LosesDigits {
             mode: self.sequence.zone(zone).name.clone(),
             growth,
         })
     }
 
+    /// Why the branch ends where a margin vanishes and no candidate goes on.
+    fn ends_at_change(&self, point: &Vector, margin: &Margin) -> Option<OrbitTermination> {
+        if self.lasts_no_time(point) {
+            return Some(OrbitTermination::Slides);
+        }
+        let vanishes = usize::from(margin.watch == Watch::Duration);
+        let last =
+            self.zones() - vanishes == 1 && matches!(margin.watch, Watch::Duration | Watch::Speed);
+        let remains = margin.zone + vanishes;
+        let is_centre = last && self.has_own_period() && self.turns_by_itself(point, remains);
+        let centre = is_centre.then(|| OrbitTermination::Centre {
+            zone: Zone {
+                way: None,
+                ..self.sequence.zone(remains).clone()
+            },
+        });
+        // the guard is positive before: it touches zero, and what follows without the switch is no orbit nearby
+        let misses = || {
+            let none = candidates(self, point, margin).is_ok_and(|all| all.is_empty());
+            let held = self.inequality(margin);
+            match margin.watch {
+                Watch::Speed if none => Some(OrbitTermination::Misses { held }),
+                Watch::Duration if none => Some(OrbitTermination::Jumps { held }),
+                _ => None,
+            }
+        };
+        let accumulates = || self.accumulates(point);
+        let barely = || {
+            let vanishing = Some(margin).filter(|margin| margin.watch == Watch::Duration)?;
+            self.barely_reaches(point, vanishing.zone)
+        };
+        centre
+            .or_else(accumulates)
+            .or_else(barely)
+            .or_else(misses)
+            .or_else(|| self.held_at(point, margin))
+            .or_else(|| self.others_remain(point, margin))
+            .or_else(|| self.jumps(point))
+    }
+}
+
+impl Terminations for AffineOrbit {
+    type Termination = OrbitTermination;
+
+    fn termination(&self, situation: Situation<'_, Margin>) -> Option<OrbitTermination> {
+        match situation {
+            Situation::At(node, _) => self.ends(node).or_else(|| self.negative_bound(&node.point)),
+            Situation::NoStep(node) => self.nearly_ends(node),
+            Situation::Change(_) => None,
+            Situation::NoCandidate(point, margin) => self.ends_at_change(point, margin),
+        }
+    }
+
     /// Without bound: what the parameter changes by while the unknowns do by their units, since its slope decays in
     /// the time that growth beside a saddle takes, or by their size where that grows, twice so far where it does like a pole of order
     /// two. At rest: it changes by a power of the durations that vanish, of order one at least.
-    pub(super) fn to_limit(&self, stop: &OrbitStop, node: &Node) -> f64 {
+    fn short_of(&self, stop: &OrbitTermination, node: &Node) -> f64 {
         let Node { point, tangent, .. } = node;
         let slope = tangent[tangent.len() - 1].abs();
         match stop {
-            OrbitStop::Unbounded => slope,
+            OrbitTermination::Unbounded => slope,
             // the time beside a focus that becomes a node is the inverse root of what the parameter lacks, beside a node
             // its logarithm, which is less
-            OrbitStop::Stalls { .. } => {
+            OrbitTermination::Stalls { .. } => {
                 let durations = (0..self.zones()).map(|zone| self.duration_index(zone));
                 let (period, growth) = durations.fold((0.0, 0.0), |(period, growth), index| {
                     (period + point[index], growth + tangent[index])
                 });
                 0.5 * (slope * period / growth).abs()
             }
-            OrbitStop::Grows => unbounded::short_of(point, &self.tangent_of_zones(node)),
-            OrbitStop::PartRests { left, .. } => *left,
-            OrbitStop::Rests { modes } => {
+            OrbitTermination::Grows => unbounded::short_of(point, &self.tangent_of_zones(node)),
+            OrbitTermination::PartRests { left, .. } => *left,
+            OrbitTermination::Rests { modes } => {
                 let moves = |zone: &usize| !modes.contains(&self.sequence.zone(*zone).name);
                 let zones = (0..self.zones()).filter(moves);
                 let rest = |zone| {
@@ -446,5 +509,40 @@ impl AffineOrbit {
             }
             _ => 0.0,
         }
+    }
+
+    fn limit(&self, termination: &OrbitTermination, node: &Node) -> Option<Limit<Critical>> {
+        self.limit_of(termination, node)
+    }
+
+    /// An orbit of amplitude a is off by a², and so is the parameter, which changes by its slope times a.
+    fn shrunk(&self, node: &Node) -> Option<(Vector, f64)> {
+        let point = &node.point;
+        if !self.is_point(point) {
+            return None;
+        }
+        let beside = || {
+            let extremes = self.extremes(point).ok()?;
+            let units = &self.setting.scales.states;
+            let sizes = extremes
+                .iter()
+                .zip(units)
+                .map(|((low, high), unit)| (high - low) / unit);
+            let slope = node.tangent[node.tangent.len() - 1].abs();
+            let error = slope * sizes.fold(0.0, f64::max) * self.unit().abs();
+            Some((point.clone(), error))
+        };
+        self.hopf(point).or_else(beside)
+    }
+
+    fn vanishes(&self, node: &Node) -> Option<(f64, f64)> {
+        let vanishing = self.comes_to_a_point(node, NEARLY_A_POINT)?;
+        Some((vanishing.parameter, vanishing.error))
+    }
+
+    fn ends_within(&self, step: &Segment<Examination>) -> EndWithin<AffineOrbit> {
+        let shrinks = self.shrinks_within(step);
+        let ends = shrinks.or_else(|| self.enters_a_family(step));
+        ends.unwrap_or(EndWithin::Not)
     }
 }

@@ -7,14 +7,14 @@
 use super::examine::Examination;
 use super::layout::AffineOrbit;
 use super::multiplier::{Multiplier, own};
-use super::{Critical, Margin, OrbitStop};
+use super::{Critical, Margin, OrbitTermination};
 use crate::continuation::Node;
 use crate::continuation::locate::node_at;
 use crate::continuation::newton::{self, Fixed, Settings};
 use crate::continuation::walk::Segment;
 use crate::linalg::Vector;
 use crate::orbit::sign::SignVerdict;
-use crate::orbit::{EndWithin, Examined as _, Orbit as _, rounding_at};
+use crate::orbit::{EndWithin, Examined as _, Inequalities, Zones, rounding_at};
 
 /// How far beside the member of the branch another one is looked at, in units of the states: far above what an event is
 /// located to, and little enough for other margins to stay as they are.
@@ -61,7 +61,7 @@ impl AffineOrbit {
             s: high,
             node: Box::new(node),
             special: Critical::Family,
-            stop: OrbitStop::Family,
+            stop: OrbitTermination::Family,
             uncertainty: rounding + moved * self.setting.scales.parameter.abs(),
         })
     }
@@ -78,7 +78,11 @@ impl AffineOrbit {
 
     /// Whether the branch ends at the zero of a margin since it keeps what it does: at the same value of the parameter orbits of
     /// the same zones are admissible that keep another value.
-    pub(super) fn others_remain(&self, point: &Vector, margin: &Margin) -> Option<OrbitStop> {
+    pub(super) fn others_remain(
+        &self,
+        point: &Vector,
+        margin: &Margin,
+    ) -> Option<OrbitTermination> {
         if self.conserved.count() == 0 {
             return None;
         }
@@ -94,8 +98,8 @@ impl AffineOrbit {
             .filter(remains)
             .map(|state| names[state].clone())
             .collect();
-        (!states.is_empty()).then(|| OrbitStop::OthersRemain {
-            held: self.held(margin),
+        (!states.is_empty()).then(|| OrbitTermination::OthersRemain {
+            held: self.inequality(margin),
             states,
         })
     }

@@ -5,7 +5,7 @@
 use super::Critical;
 use super::layout::AffineOrbit;
 use super::stay::{FAR, NEAR, Stay};
-use super::stop::OrbitStop;
+use super::termination::OrbitTermination;
 use crate::affine::connection::{
     Connected, Connection, ConnectionScales, Passed, SaddleRest, connected,
 };
@@ -56,7 +56,7 @@ impl AffineOrbit {
     }
 
     /// The homoclinic orbit of a stay, or the cycle of connections where there are others on the way round.
-    pub(super) fn comes_to(&self, stay: Stay, node: &Node) -> OrbitStop {
+    pub(super) fn comes_to(&self, stay: Stay, node: &Node) -> OrbitTermination {
         let here = self.parameter_at(&node.point);
         let unit = self.setting.scales.parameter;
         let most = BESIDE * self.left_beside_a_saddle(node) * unit.abs();
@@ -71,7 +71,7 @@ impl AffineOrbit {
             let known = self.connections(&stays, &node.point);
             let known = known.map(|(_, found)| found).find(&is_known);
             let mut others = stays.iter().filter(|other| self.is_another(other, &stay));
-            OrbitStop::Homoclinic {
+            OrbitTermination::Homoclinic {
                 limit: known.as_ref().map(|found| found.value * unit),
                 error: known.map_or(0.0, |found| found.error * unit.abs()),
                 next: others.next().map(|next| next.mode.clone()),
@@ -81,7 +81,7 @@ impl AffineOrbit {
         // a saddle that the orbit has come less near counts where a connection needs it
         let near = stop(NEAR);
         let far = (!near.is_located()).then(|| stop(FAR));
-        far.filter(OrbitStop::is_located).unwrap_or(near)
+        far.filter(OrbitTermination::is_located).unwrap_or(near)
     }
 
     /// Whether two stays are beside different saddles.
@@ -112,15 +112,15 @@ impl AffineOrbit {
     }
 
     /// What a branch comes to beside a saddle: the event, with its parameter and the error of that.
-    pub(super) fn limit_of(&self, stop: &OrbitStop, node: &Node) -> Option<Limit<Critical>> {
+    pub(super) fn limit_of(&self, stop: &OrbitTermination, node: &Node) -> Option<Limit<Critical>> {
         let (mode, next, limit, error) = match stop {
-            OrbitStop::Homoclinic {
+            OrbitTermination::Homoclinic {
                 mode,
                 next,
                 limit,
                 error,
             } => (mode, next, limit, error),
-            OrbitStop::Equilibrium {
+            OrbitTermination::Equilibrium {
                 special,
                 limit,
                 error,

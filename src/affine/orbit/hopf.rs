@@ -11,7 +11,7 @@ use super::examine::Examination;
 use super::layout::{AffineOrbit, ZonePoint};
 
 use super::signature::exit_of;
-use super::{Critical, OrbitStop};
+use super::{Critical, OrbitTermination};
 use crate::affine::mode::Exit;
 use crate::continuation::Node;
 use crate::continuation::locate::node_at;
@@ -231,7 +231,7 @@ impl AffineOrbit {
                 ..node
             }),
             special: Critical::Shrinking,
-            stop: OrbitStop::Shrinks,
+            stop: OrbitTermination::Shrinks,
             uncertainty: hopf.error,
         })
     }

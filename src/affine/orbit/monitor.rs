@@ -22,6 +22,7 @@ use crate::affine::monitor::MonitorSource;
 use crate::affine::series::Field;
 use crate::affine::stiff::STIFF;
 use crate::linalg::Vector;
+use crate::orbit::Monitored;
 use crate::orbit::monitor::MonitorValue;
 
 /// An orbit with the system in which its monitors are laid out.
@@ -76,15 +77,6 @@ impl AffineOrbit {
         (0..count).map(value).collect()
     }
 
-    /// A monitor at a point; `None` where it has no value.
-    pub(super) fn measured(
-        &self,
-        number: usize,
-        point: &Vector,
-    ) -> Result<Option<MonitorValue>, OrbitFailure> {
-        self.observer(point)?.measured(number)
-    }
-
     fn observer(&self, point: &Vector) -> Result<Observer<'_>, OrbitFailure> {
         let bare = self.at(point)?;
         let values = self.values_at(point);
@@ -104,6 +96,21 @@ impl AffineOrbit {
                 ..bare
             },
         })
+    }
+}
+
+impl Monitored for AffineOrbit {
+    fn measured(
+        &self,
+        monitor: usize,
+        point: &Vector,
+    ) -> Result<Option<MonitorValue>, OrbitFailure> {
+        self.observer(point)?.measured(monitor)
+    }
+
+    fn monitor_name(&self, monitor: usize) -> &str {
+        let monitors = self.setting.system.monitors();
+        monitors.get(monitor).map_or("", |one| &one.name)
     }
 }
 

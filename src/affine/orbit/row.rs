@@ -1,19 +1,19 @@
 //! What results keep of an orbit: its modes in order of time, its switches, samples of it, and numbers from which it
 //! is found again.
 
+use crate::orbit::Zones;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::OrbitStop;
+use super::OrbitTermination;
 use super::layout::{AffineOrbit, ZonePoint};
 use super::setting::{OrbitFailure, Setting};
 use super::signature::{Sequence, Zone};
 use crate::affine::flow::ModeFlow;
 use crate::affine::mode::AffineSystem;
 use crate::linalg::Vector;
-use crate::orbit::Orbit;
 
 /// An orbit in order of time, from the entry of the first mode of the file that occurs: that of the earliest phase in
 /// \[0, 2π) where there are several, or without forcing that with which the names come first in the order of the file.
@@ -314,7 +314,7 @@ impl AffineOrbit {
     }
 
     /// Zones of one mode in a row whose durations fall geometrically, down to next to nothing.
-    pub(super) fn accumulates(&self, point: &Vector) -> Option<OrbitStop> {
+    pub(super) fn accumulates(&self, point: &Vector) -> Option<OrbitTermination> {
         /// Zones that tell a ratio, which is one that repeats itself but for this part.
         const LEAST: usize = 8;
         const ALIKE: f64 = 0.2;
@@ -341,7 +341,7 @@ impl AffineOrbit {
         let found = zones >= LEAST && settled < 1.0 && duration(last) <= NOTHING * period;
         // of all: near a graze the last few are longer than their share
         let all = duration(before(1)) / duration(before(zones + 1));
-        found.then(|| OrbitStop::Accumulates {
+        found.then(|| OrbitTermination::Accumulates {
             zones,
             ratio: all.powf((zones as f64).recip()),
         })

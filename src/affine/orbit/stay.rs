@@ -1,5 +1,6 @@
 //! Stays of an orbit beside a saddle: where it takes ever longer, it comes to a connection of saddles.
 
+use crate::orbit::Zones;
 use std::f64::consts::PI;
 
 use nalgebra::Complex;
@@ -8,14 +9,13 @@ use super::Critical;
 use super::layout::{AffineOrbit, OrbitAt};
 use super::setting::Scales;
 use super::signature::Zone;
-use super::stop::OrbitStop;
+use super::termination::OrbitTermination;
 use crate::affine::equilibrium::{
     EquilibriumScales, EquilibriumSetting, SpecialEquilibrium, boundary_near, fold_near,
 };
 use crate::continuation::Node;
 use crate::continuation::locate::node_at;
 use crate::linalg::Vector;
-use crate::orbit::Orbit as _;
 
 /// How near a saddle an orbit comes, in units of its own, that has lost its digits before.
 pub(super) const FAR: f64 = 0.2;
@@ -236,7 +236,7 @@ impl AffineOrbit {
 
     /// The special equilibrium beside the longest zone of an orbit to which the parameter comes while the period T grows without
     /// bound: what is left of it is dp/dT times a time of the passage.
-    pub(super) fn comes_to_an_equilibrium(&self, node: &Node) -> Option<OrbitStop> {
+    pub(super) fn comes_to_an_equilibrium(&self, node: &Node) -> Option<OrbitTermination> {
         /// What is left is told by that to this factor: the time elsewhere does not grow, and other rates have decayed more.
         const LIKE: f64 = 1.5;
         let Node { point, tangent, .. } = node;
@@ -251,7 +251,7 @@ impl AffineOrbit {
         let told = |(found, time): (SpecialEquilibrium, f64), special: Critical| {
             let like = (found.parameter - self.parameter_at(point)) / (slope * time);
             let comes = (LIKE.recip()..=LIKE).contains(&like);
-            comes.then_some(OrbitStop::Equilibrium {
+            comes.then_some(OrbitTermination::Equilibrium {
                 special,
                 limit: found.parameter,
                 error: found.error,

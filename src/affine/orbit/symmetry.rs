@@ -5,16 +5,20 @@
 
 use std::f64::consts::TAU;
 
+use super::critical::Critical;
+use super::ends::NEARLY_A_POINT;
 use super::layout::AffineOrbit;
 use super::monodromy::Monodromy;
 use super::passage::Jet;
+use super::row;
 use super::setting::OrbitFailure;
+use super::termination::OrbitTermination;
 use crate::affine::mode::Row;
 use crate::continuation::Node;
 use crate::continuation::locate::{self, Place};
 use crate::continuation::newton::{self, Equations, Plane};
 use crate::linalg::{self, Matrix, Vector};
-use crate::orbit::Orbit;
+use crate::orbit::{Covers, Zones};
 
 /// A located event is its own image to this in scaled unknowns: at a threefold zero Newton's method comes to the
 /// cube root of rounding.
@@ -171,21 +175,6 @@ impl AffineOrbit {
         })
     }
 
-    /// Whether an orbit has a symmetry that one before it on the branch lacks.
-    pub(super) fn becomes_symmetric(&self, before: &Vector, point: &Vector) -> bool {
-        let own = self.half_later(point, ALMOST);
-        let own = own.and_then(HalfLater::kept);
-        own.is_some() && self.half_later(before, LACKS).is_none() && !self.is_small(point)
-    }
-
-    /// Whether a step leads from a branch to one that it ends on, beyond the place where it would turn back: from an orbit to one of
-    /// half its period or to a symmetric one.
-    pub(super) fn falls(&self, before: &Vector, point: &Vector) -> bool {
-        self.half_later(point, LACKS).is_some()
-            && self.half_later(before, IMAGE).is_none()
-            && !self.is_small(point)
-    }
-
     /// Whether an orbit is so small that any image is near to it.
     fn is_small(&self, point: &Vector) -> bool {
         self.varies_within(point, 10.0 * ALMOST)
@@ -200,33 +189,6 @@ impl AffineOrbit {
     ) -> Option<(Place, f64)> {
         let kept = self.symmetry(&from.point)?;
         Half { orbit: self, kept }.loss(from, [low, high], tolerance)
-    }
-
-    /// The symmetric orbit at which a branch without symmetry ends, from a point next to it, and the error of the parameter
-    /// there: the branch of symmetric orbits, by the equations of half of them, passes it.
-    pub(super) fn symmetric_near(&self, point: &Vector, tolerance: f64) -> Option<(Vector, f64)> {
-        /// Arclengths to either side within which it is looked for.
-        const NEAR: [f64; 5] = [1e-6, 1e-5, 1e-4, 1e-3, 1e-2];
-        if !self.has_half() {
-            return None;
-        }
-        let kept = self.half_later(point, ALMOST)?.kept()?;
-        let half = Half { orbit: self, kept };
-        let last = point.len() - 1;
-        let mut level = newton::Fixed {
-            index: last,
-            value: point[last],
-        };
-        let mut along = Vector::zeros(last + 1);
-        along[last] = 1.0;
-        let from = Node::at(point.clone(), along);
-        let middle = locate::solve(&half, &from, point, &mut level, tolerance)?.node;
-        let lost = NEAR.into_iter();
-        let (place, error) = lost
-            .filter_map(|near| half.loss(&middle, [-near, near], tolerance))
-            .next()?;
-        let point = place.node.point;
-        self.loses_symmetry(&point).then_some((point, error))
     }
 
     /// Whether the second half of an orbit may be the image of the first.
@@ -367,5 +329,94 @@ impl AffineOrbit {
         };
         let signs = Vector::from_fn(self.states(), |state, _| sign(kept, state));
         Ok(at.half_monodromy(&passages, &signs))
+    }
+}
+
+impl Covers for AffineOrbit {
+    fn repeats(&self, node: &Node) -> Option<(Critical, OrbitTermination)> {
+        // a point is the same after every part of its period
+        if self.is_point(&node.point) {
+            return Some((Critical::Shrinking, OrbitTermination::Shrinks));
+        }
+        if let Some(vanishing) = self.comes_to_a_point(node, NEARLY_A_POINT) {
+            return Some((vanishing.special(), vanishing.stop()));
+        }
+        let times = self.traversals(&node.point);
+        (times > 1).then_some((
+            Critical::Repeats { times },
+            OrbitTermination::Repeats { times },
+        ))
+    }
+
+    fn part(&self, point: &Vector) -> Option<(AffineOrbit, Vector)> {
+        self.half(point)
+    }
+
+    fn whole(&self, part: &AffineOrbit, point: &Vector) -> Option<Vector> {
+        let mut zones = part.at(point).ok()?.zones;
+        row::twice(&self.sequence, &mut zones);
+        Some(self.pack(&zones, &part.values_at(point)))
+    }
+
+    fn has_images(&self) -> bool {
+        true
+    }
+
+    /// A symmetry may exchange zones and modes and begin elsewhere in time: durations and multipliers are the same.
+    fn image(
+        &self,
+        point: &Vector,
+        other: &AffineOrbit,
+        of_other: &Vector,
+    ) -> Option<(Critical, OrbitTermination)> {
+        self.has_image(point, other, of_other)
+            .then_some((Critical::Symmetric, OrbitTermination::Retraces))
+    }
+
+    fn becomes_image(
+        &self,
+        before: &Vector,
+        point: &Vector,
+    ) -> Option<(Critical, OrbitTermination)> {
+        let own = self.half_later(point, ALMOST);
+        let own = own.and_then(HalfLater::kept);
+        let becomes =
+            own.is_some() && self.half_later(before, LACKS).is_none() && !self.is_small(point);
+        becomes.then_some((Critical::Symmetric, OrbitTermination::Retraces))
+    }
+
+    /// The symmetric orbit at which a branch without symmetry ends, from a point next to it, and the error of the parameter
+    /// there: the branch of symmetric orbits, by the equations of half of them, passes it.
+    fn symmetric_near(&self, point: &Vector, tolerance: f64) -> Option<(Vector, f64)> {
+        /// Arclengths to either side within which it is looked for.
+        const NEAR: [f64; 5] = [1e-6, 1e-5, 1e-4, 1e-3, 1e-2];
+        if !self.has_half() {
+            return None;
+        }
+        let kept = self.half_later(point, ALMOST)?.kept()?;
+        let half = Half { orbit: self, kept };
+        let last = point.len() - 1;
+        let mut level = newton::Fixed {
+            index: last,
+            value: point[last],
+        };
+        let mut along = Vector::zeros(last + 1);
+        along[last] = 1.0;
+        let from = Node::at(point.clone(), along);
+        let middle = locate::solve(&half, &from, point, &mut level, tolerance)?.node;
+        let lost = NEAR.into_iter();
+        let (place, error) = lost
+            .filter_map(|near| half.loss(&middle, [-near, near], tolerance))
+            .next()?;
+        let point = place.node.point;
+        self.loses_symmetry(&point).then_some((point, error))
+    }
+
+    /// Whether a step leads from a branch to one that it ends on, beyond the place where it would turn back: from an orbit to one of
+    /// half its period or to a symmetric one.
+    fn falls_on_another(&self, before: &Vector, point: &Vector) -> bool {
+        self.half_later(point, LACKS).is_some()
+            && self.half_later(before, IMAGE).is_none()
+            && !self.is_small(point)
     }
 }

@@ -25,6 +25,7 @@ mod resting;
 mod spectrum;
 mod system;
 
+use crate::orbit::{EventType, Zones};
 use serde::{Deserialize, Serialize};
 
 pub use beyond::ModeBeyond;
@@ -43,7 +44,6 @@ use crate::affine::system::System;
 use crate::hybrid::equilibrium::EquilibriumItem;
 use crate::interval::Interval;
 use crate::orbit::special::Special;
-use crate::orbit::{EventType, Orbit};
 use crate::problem::decimal_of;
 use guard::ProvenGuard;
 use resting::Resting;

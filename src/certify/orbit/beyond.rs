@@ -8,6 +8,7 @@
 //! the ends of the legs of one, by formulas ([`super::facts`]), makes it a solution of the equations of the other; there it is where these
 //! have one solution only.
 
+use crate::orbit::{Examined, Zones};
 use serde::{Deserialize, Serialize};
 
 use super::carry::SmoothSpan;
@@ -23,7 +24,6 @@ use crate::certify::arc::Moving;
 use crate::certify::krawczyk;
 use crate::interval::{Interval, Number, PI};
 use crate::linalg::Vector;
-use crate::orbit::{Examined, Orbit};
 
 /// An orbit in a sequence of zones.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

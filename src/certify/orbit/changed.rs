@@ -9,7 +9,7 @@ use crate::affine::orbit::candidates::candidates;
 use crate::affine::orbit::{AffineOrbit, Margin, Sequence, Watch};
 use crate::linalg::Vector;
 use crate::orbit::special::Change;
-use crate::orbit::{Examined, Orbit};
+use crate::orbit::{Changes, Examined, MarginFunction, Zones};
 
 /// Proves a change of the sequence: in the sequence before or, where a zone of that has no duration, in one without
 /// it, where another margin vanishes. At a graze several do, all for one reason: they are tried in turn.
@@ -47,7 +47,7 @@ pub(super) fn changed(
             let kind = AffineOrbit::classify(before, after.as_ref(), one);
             one.value.abs() <= VANISHES
                 && one.watch != Watch::Duration
-                && (closes || !AffineOrbit::is_same(one, &change.margin) && kind == change.kind)
+                && (closes || !one.is_same(&change.margin) && kind == change.kind)
         };
         margins.extend(examination.margins().iter().filter(alike));
         for vanishing in margins {

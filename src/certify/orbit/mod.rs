@@ -36,6 +36,7 @@ mod symmetry;
 mod system;
 mod zeros;
 
+use crate::orbit::{EventType, Zones};
 use serde::{Deserialize, Serialize};
 
 pub use beyond::SequenceOrbit;
@@ -58,7 +59,6 @@ use crate::hybrid::OrbitItem;
 use crate::interval::{Decimal, Interval, Number, PI};
 use crate::linalg::Vector;
 use crate::orbit::special::Special;
-use crate::orbit::{EventType, Orbit};
 use crate::problem::{decimal_at, decimal_of};
 
 use system::{Layout, OrbitSystem};

@@ -2,7 +2,7 @@
 
 use super::names::{constant_parameters, event, quantity, short_signature};
 use crate::curve::{self, ParameterPlane, PointType, Region, WholeCurve};
-use crate::orbit::{EventType, Orbit};
+use crate::orbit::{EventType, Zones};
 use crate::output::render::{
     Axis, BLACK, BLUE, Extent, Key, Layer, Legend, Mark, MarkShape, Panel, PanelName, Pen, Picture,
     Point, Quantity, VERMILLION,

@@ -5,7 +5,7 @@ use crate::affine::orbit::Inadmissible;
 use crate::affine::orbit::behaviour::Behaviour;
 use crate::affine::orbit::layout::AffineOrbit;
 use crate::affine::orbit::setting::OrbitFailure;
-use crate::affine::orbit::stop::quoted;
+use crate::affine::orbit::termination::quoted;
 use crate::affine::system::SystemError;
 use crate::continuation::newton;
 use crate::orbit::special::NoFollower;

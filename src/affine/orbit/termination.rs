@@ -4,13 +4,15 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
+use super::signature::Sequence;
 use super::signature::Zone;
-use super::{Critical, Held};
+use super::{Critical, OrbitInequality};
 use crate::affine::contact::mistake::ContactMistake;
+use crate::orbit::TerminationType;
 
 /// Ends of a branch for reasons of the system itself.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub enum OrbitStop {
+pub enum OrbitTermination {
     /// The orbit has become one of a part of its period, traversed several times.
     Repeats {
         /// How many times.
@@ -117,17 +119,17 @@ pub enum OrbitStop {
     /// The motion only just reaches a guard: beyond it, it misses the switch, and no orbit is near.
     Misses {
         /// What vanishes.
-        held: Held,
+        held: OrbitInequality,
     },
     /// Two switches come at one instant, and in the other order they lead elsewhere.
     Jumps {
         /// What vanishes.
-        held: Held,
+        held: OrbitInequality,
     },
     /// The orbit is one of a family, and keeps what its start has: beyond it others of the family go on, and this one does not.
     OthersRemain {
         /// What vanishes.
-        held: Held,
+        held: OrbitInequality,
         /// Names of the states of which the others have other values where they begin.
         states: Vec<String>,
     },
@@ -159,10 +161,10 @@ pub enum OrbitStop {
     },
 }
 
-impl OrbitStop {
+impl OrbitTermination {
     /// Whether it is an orbit of infinite period whose parameter is known.
     pub(super) fn is_located(&self) -> bool {
-        matches!(self, OrbitStop::Homoclinic { limit: Some(_), .. })
+        matches!(self, OrbitTermination::Homoclinic { limit: Some(_), .. })
     }
 }
 
@@ -172,27 +174,27 @@ pub(super) fn quoted(names: &[String]) -> String {
     names.join(", ")
 }
 
-impl fmt::Display for OrbitStop {
+impl fmt::Display for OrbitTermination {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            OrbitStop::Repeats { times } => write!(
+            OrbitTermination::Repeats { times } => write!(
                 formatter,
                 "the orbit is one of 1/{times} of its period, traversed {times} times"
             ),
-            OrbitStop::Retraces => write!(
+            OrbitTermination::Retraces => write!(
                 formatter,
                 "the orbit is symmetric there, and beyond it the branch is the mirror image of what it was before"
             ),
-            OrbitStop::Centre { .. } => write!(
+            OrbitTermination::Centre { .. } => write!(
                 formatter,
                 "beyond it nothing switches: a family of orbits at one value of the parameter"
             ),
-            OrbitStop::Equilibrium { special, limit, .. } => {
+            OrbitTermination::Equilibrium { special, limit, .. } => {
                 write!(formatter, "{special}, at {limit}")
             }
-            OrbitStop::Family => Critical::Family.fmt(formatter),
-            OrbitStop::Unbounded => write!(formatter, "the period grows without bound"),
-            OrbitStop::Homoclinic {
+            OrbitTermination::Family => Critical::Family.fmt(formatter),
+            OrbitTermination::Unbounded => write!(formatter, "the period grows without bound"),
+            OrbitTermination::Homoclinic {
                 mode, next, limit, ..
             } => {
                 let (mode, next) = (mode.clone(), next.clone());
@@ -202,13 +204,15 @@ impl fmt::Display for OrbitStop {
                     None => Ok(()),
                 }
             }
-            OrbitStop::Stalls { mode } => write!(
+            OrbitTermination::Stalls { mode } => write!(
                 formatter,
                 "the period grows without bound: `{mode}` begins ever nearer to its equilibrium, which lies at its boundary, \
                  and leaves it ever later, until rounding decides when"
             ),
-            OrbitStop::Grows => write!(formatter, "the states grow without bound: a resonance"),
-            OrbitStop::Rests { modes } => {
+            OrbitTermination::Grows => {
+                write!(formatter, "the states grow without bound: a resonance")
+            }
+            OrbitTermination::Rests { modes } => {
                 let last = if modes.len() == 1 { "lasts" } else { "last" };
                 let names = quoted(modes);
                 write!(
@@ -216,28 +220,28 @@ impl fmt::Display for OrbitStop {
                     "the motion comes to rest: beyond it {names} {last} for ever, wherever it begins"
                 )
             }
-            OrbitStop::PartRests { states, .. } => write!(
+            OrbitTermination::PartRests { states, .. } => write!(
                 formatter,
                 "the motion of {} comes to rest while the rest moves on: beyond it they stand still, which no sequence \
                  of modes nearby has",
                 quoted(states)
             ),
-            OrbitStop::Discontinuous { apart } => write!(
+            OrbitTermination::Discontinuous { apart } => write!(
                 formatter,
                 "the return map is discontinuous there: motions beside its orbit on the one side of the event come back \
                  to it after a period, on the other they jump to {apart:.1e} of the range of the states away, however \
                  near they begin: the orbits there are others"
             ),
-            OrbitStop::Stays { mode } => write!(
+            OrbitTermination::Stays { mode } => write!(
                 formatter,
                 "beyond it motions that begin on its orbit stay in `{mode}` for good: nothing leads out of it any more"
             ),
-            OrbitStop::LosesDigits { mode, growth } => write!(
+            OrbitTermination::LosesDigits { mode, growth } => write!(
                 formatter,
                 "what a motion is off grows {growth:.0e} times within a zone of `{mode}`, since it follows what repels it \
                  for long (as a canard does): too few digits are left to go on"
             ),
-            OrbitStop::Halts {
+            OrbitTermination::Halts {
                 mode,
                 guard,
                 by_contacts,
@@ -258,7 +262,7 @@ impl fmt::Display for OrbitStop {
                     }
                 })
             }
-            OrbitStop::Refused {
+            OrbitTermination::Refused {
                 mode,
                 guard,
                 mistake,
@@ -266,19 +270,19 @@ impl fmt::Display for OrbitStop {
                 formatter,
                 "beyond it motions beside its orbit stop where {guard} of `{mode}` is zero: {mistake}"
             ),
-            OrbitStop::Misses { held } => write!(
+            OrbitTermination::Misses { held } => write!(
                 formatter,
                 "the orbit ends at its graze: beyond it {} of `{}` does not come to zero any more, and the motion goes \
                  elsewhere",
                 held.guard, held.mode
             ),
-            OrbitStop::Jumps { held } => write!(
+            OrbitTermination::Jumps { held } => write!(
                 formatter,
                 "the orbit ends where two switches come at one instant: with {} of `{}` the second of them, the motion \
                  beyond goes elsewhere at once",
                 held.guard, held.mode
             ),
-            OrbitStop::OthersRemain { held, states } => write!(
+            OrbitTermination::OthersRemain { held, states } => write!(
                 formatter,
                 "the orbit is one of a family, which the branch follows with what {} has of its start: beyond it {} of `{}` is \
                  negative on this orbit, and others of the family, which keep another value, go on",
@@ -286,12 +290,12 @@ impl fmt::Display for OrbitStop {
                 held.guard,
                 held.mode
             ),
-            OrbitStop::Held { guard, mode } => write!(
+            OrbitTermination::Held { guard, mode } => write!(
                 formatter,
                 "beyond it {guard} is met again as soon as `{mode}` begins: infinitely many switches follow at one \
                  instant"
             ),
-            OrbitStop::NegativeBound {
+            OrbitTermination::NegativeBound {
                 mode,
                 guard,
                 value,
@@ -301,18 +305,38 @@ impl fmt::Display for OrbitStop {
                 "the bound of the friction against {guard} is {value:.6} in `{mode}`, {time:.6} after the entry: it is to be no less \
                  than zero, or friction drives what slips"
             ),
-            OrbitStop::Shrinks => Critical::Shrinking.fmt(formatter),
-            OrbitStop::Slides => write!(
+            OrbitTermination::Shrinks => Critical::Shrinking.fmt(formatter),
+            OrbitTermination::Slides => write!(
                 formatter,
                 "the orbit and its period shrink to nothing together: switches follow one another ever faster, and in \
                  the limit without end at one place, as in sliding"
             ),
-            OrbitStop::Vanishes => Critical::Vanishing.fmt(formatter),
-            OrbitStop::Accumulates { zones, ratio } => write!(
+            OrbitTermination::Vanishes => Critical::Vanishing.fmt(formatter),
+            OrbitTermination::Accumulates { zones, ratio } => write!(
                 formatter,
                 "switches accumulate: {zones} zones in a row last {ratio:.3} times the one before each, and infinitely \
                  many follow in a finite time"
             ),
+        }
+    }
+}
+
+impl TerminationType<Sequence> for OrbitTermination {
+    /// Where motions beyond it stop for lack of a mode the model is at fault, and where digits are lost the branch goes on.
+    fn completes(&self) -> bool {
+        !matches!(
+            self,
+            OrbitTermination::Halts { .. }
+                | OrbitTermination::Refused { .. }
+                | OrbitTermination::LosesDigits { .. }
+                | OrbitTermination::NegativeBound { .. }
+        )
+    }
+
+    fn left(&self) -> Option<Sequence> {
+        match self {
+            OrbitTermination::Centre { zone } => Some(Sequence(vec![zone.clone()])),
+            _ => None,
         }
     }
 }

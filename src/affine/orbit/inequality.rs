@@ -9,7 +9,7 @@ use super::margin::{Margin, Watch};
 
 /// What a margin measures, and where.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Held {
+pub struct OrbitInequality {
     /// Name of the mode.
     pub mode: String,
     /// The guard that it is about, or that ends the mode, as the file has it.
@@ -18,10 +18,10 @@ pub struct Held {
     pub watch: Watch,
 }
 
-impl Held {
+impl OrbitInequality {
     /// That it fails in a zone, from 0, so long after its entry, in words.
     fn failure(&self, zone: usize, time: f64, value: f64) -> String {
-        let Held { mode, guard, watch } = self;
+        let OrbitInequality { mode, guard, watch } = self;
         let zone = format!("zone {} of the orbit, `{mode}`", zone + 1);
         let sign = if value < 0.0 { "negative" } else { "zero" };
         match watch {
@@ -43,9 +43,9 @@ impl Held {
     }
 }
 
-impl fmt::Display for Held {
+impl fmt::Display for OrbitInequality {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Held { mode, guard, watch } = self;
+        let OrbitInequality { mode, guard, watch } = self;
         match watch {
             Watch::Duration => write!(formatter, "the duration of a zone of `{mode}`"),
             Watch::Onset(_) => write!(formatter, "{guard} just after the entry of `{mode}`"),
@@ -69,7 +69,7 @@ pub enum Inadmissible {
     #[error("{}", .held.failure(*zone, *time, *value))]
     Margin {
         /// What it measures.
-        held: Held,
+        held: OrbitInequality,
         /// Its value.
         value: f64,
         /// Zone of the orbit, from 0.
