@@ -1,6 +1,5 @@
 //! Text for people: the tables of labelled points, the lists of events and of special points.
 
-use crate::orbit::{EventType, Zones};
 use std::fmt::Write;
 use std::io::{self, IsTerminal};
 use std::path::Path;
@@ -10,6 +9,7 @@ use crate::affine::mode::AffineSystem;
 use crate::affine::system::System;
 use crate::curve::{CurvePoint, ParameterPlane, WholeCurve};
 use crate::messages::figures;
+use crate::orbit::{EventType, Zones};
 use crate::output::curve::words;
 use crate::output::layout::{BRANCH, EVENTS};
 use crate::output::store::{self, StoreError};

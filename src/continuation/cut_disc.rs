@@ -5,7 +5,9 @@
 use super::arclength::{Node, Steps};
 use super::locate::{self, LeastWithin, Place};
 use super::newton::Equations;
-use super::walk::{self, Curve, CurveBeginning, End, EndOf, Outcome, Segment, Walker, Within};
+use super::walk::{
+    self, Curve, CurveBeginning, End, EndOf, Outcome, Segment, Walker, WatchedCurve, Within,
+};
 use crate::linalg::{Matrix, Vector};
 
 /// The half-plane n·u > 1 − depth is cut off, n being the unit vector at an angle.
@@ -118,7 +120,7 @@ impl DiscBoundary {
 /// Values below this are rounding.
 const ROUNDING: f64 = 1e-15;
 
-impl Curve for DiscBoundary {
+impl WatchedCurve for DiscBoundary {
     type System = DiscBoundary;
     type Name = BoundaryPiece;
     type Watched = Vec<(f64, f64)>;
@@ -127,7 +129,6 @@ impl Curve for DiscBoundary {
     type Refusal = NotFound;
     type End = ();
     type Close = BoundaryPiece;
-
     const CREEP: (usize, f64) = (20, 1e-12);
 
     fn system(&self) -> &DiscBoundary {
@@ -252,6 +253,8 @@ impl Curve for DiscBoundary {
         reached
     }
 }
+
+impl Curve for DiscBoundary {}
 
 /// Follows the boundary from (1, 0), anticlockwise or clockwise, with steps up to a length: all points and
 /// the end.

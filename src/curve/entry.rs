@@ -2,12 +2,12 @@
 
 use super::event::{CurveRefusal, EventCurve, INTO, OWN, Stage};
 use super::located::StepEvent;
-use super::plane::{EventCondition, FailureOf, MarginOf, ParameterPlane};
+use super::plane::{EventCondition, FailureOf, MarginOf, ParameterPlane, PlaneOfOrbits};
 use super::point::{PointType, What};
 use super::system::EventSystem;
 use crate::continuation::Node;
 use crate::continuation::locate::Place;
-use crate::continuation::walk::{self, Curve as _, CurveBeginning};
+use crate::continuation::walk::{self, CurveBeginning, WatchedCurve as _};
 use crate::linalg::Vector;
 use crate::orbit::change::nearest_beyond;
 use crate::orbit::special::Change;
@@ -23,7 +23,7 @@ const TRIES: usize = 8;
 /// Type of a point where a second event is met, what is said of it, and the curve beyond.
 type MetEvent<P> = (
     PointType,
-    What<<P as ParameterPlane>::Orbit>,
+    What<<P as PlaneOfOrbits>::Orbit>,
     Option<CurveBeginning<EventCurve<P>>>,
 );
 

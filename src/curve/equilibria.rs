@@ -1,11 +1,13 @@
 //! Equilibria of a user's system over a plane of two parameters.
 
-use crate::orbit::{EventType, Zones};
 use std::sync::{Arc, OnceLock};
 
 use serde::{Deserialize, Serialize};
 
-use super::plane::{EventCondition, NotEvaluated, ParameterPlane, Test, TestValues};
+use super::plane::{
+    EventCondition, EventCurves, NotEvaluated, PlaneNames, PlaneOfOrbits, SpectralEvents, Test,
+    TestValues,
+};
 use super::point::{Gone, PointType, RegionName, What};
 use crate::affine::connection::Connection;
 use crate::affine::equilibrium::codimension::KeptEigenvalues;
@@ -21,6 +23,7 @@ use crate::affine::system::{Ordered, System};
 use crate::continuation::branch_point::PERFECT;
 use crate::hybrid::equilibrium::NoEquilibriumStart;
 use crate::linalg::{Matrix, Vector};
+use crate::orbit::{EventType, Zones};
 
 /// All that an equilibrium needs beside its mode.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -128,24 +131,9 @@ fn growing(curve: &EquilibriumCurve, point: &Vector) -> Option<usize> {
     (!examination.is_undecided()).then(|| examination.growing())
 }
 
-impl ParameterPlane for EquilibriaInPlane {
+impl PlaneOfOrbits for EquilibriaInPlane {
     type Orbit = EquilibriumCurve;
     type Watch = usize;
-    type Spectral = CriticalEquilibrium;
-    type NotLinearised = EquilibriumFailure;
-    type NoBranch = NoEquilibriumStart;
-    type Beside = ();
-
-    const ORBIT: &'static str = "equilibrium";
-    const ORBITS: &'static str = "equilibria";
-    const ALL_STEPS: usize = 1800;
-    const LONGEST_BESIDE: f64 = f64::INFINITY;
-    const MEASURE: Option<&'static str> = None;
-    const ANGULAR: &'static str = "omega";
-    const SYMBOL: &'static str = "ω";
-    const HAS_SECTORS: bool = false;
-    const FOLLOWED: &'static [EventType] =
-        &[EventType::LP, EventType::HB, EventType::BE, EventType::BP];
 
     fn parameters(&self) -> [String; 2] {
         let name = |index| self.system.source.parameters.names().nth(index);
@@ -186,12 +174,9 @@ impl ParameterPlane for EquilibriaInPlane {
         curve.ok_or_else(|| no_value(signature))
     }
 
-    fn key(margin: &EquilibriumMargin) -> (usize, usize) {
-        (margin.guard, 0)
-    }
-
-    fn zone(signature: &RestMode, _: usize) -> String {
-        format!("`{}`", signature.name)
+    /// The units are those of the first equilibrium, beside which another may be many times as large.
+    fn stretch(states: &[f64]) -> f64 {
+        states.iter().fold(1.0, |most: f64, x| most.max(x.abs()))
     }
 
     /// Equilibria have no zones.
@@ -199,115 +184,15 @@ impl ParameterPlane for EquilibriaInPlane {
         f64::NAN
     }
 
-    /// The units are those of the first equilibrium, beside which another may be many times as large.
-    fn stretch(states: &[f64]) -> f64 {
-        states.iter().fold(1.0, |most: f64, x| most.max(x.abs()))
+    fn key(margin: &EquilibriumMargin) -> (usize, usize) {
+        (margin.guard, 0)
     }
+}
 
-    fn name(curve: &EquilibriumCurve, _: &Vector) -> String {
-        curve.signature().name.clone()
-    }
-
-    fn measure(_: &EquilibriumCurve, _: &Vector) -> (f64, Option<f64>) {
-        (f64::NAN, None)
-    }
-
-    fn columns(&self) -> Vec<String> {
-        let states = self.system.source.states.iter().cloned();
-        states.chain(["lyapunov".to_owned()]).collect()
-    }
-
-    /// The states, and the first Lyapunov coefficient of a Hopf point.
-    fn numbers(
-        &self,
-        condition: &EventCondition<EquilibriaInPlane>,
-        curve: &EquilibriumCurve,
-        point: &Vector,
-        further: &[f64],
-    ) -> Vec<Option<f64>> {
-        /// An ω below this, in its unit, is the root of a rounding: the coefficient has a pole where it is zero.
-        const ROUNDED: f64 = 1e-7;
-        let lyapunov = match condition {
-            EventCondition::Spectral(CriticalEquilibrium::Pair { .. }) => {
-                let omega = self.omega(further);
-                (omega > ROUNDED * self.scales.rate)
-                    .then(|| curve.lyapunov(point, omega))
-                    .flatten()
-            }
-            _ => None,
-        };
-        let states = curve.state(point).into_iter().map(Some);
-        states.chain([lyapunov]).collect()
-    }
-
-    fn passing(curve: &EquilibriumCurve, point: &Vector) -> String {
-        let name = EquilibriaInPlane::name(curve, point);
-        match growing(curve, point) {
-            None => name,
-            Some(0) => format!("stable {name}"),
-            Some(_) => format!("unstable {name}"),
-        }
-    }
-
-    /// At a BP two branches pass, and equations do not tell which is followed.
-    fn beside(&self, spectral: &CriticalEquilibrium, _: Option<f64>) -> Option<()> {
-        matches!(spectral, CriticalEquilibrium::Pair { .. }).then_some(())
-    }
-
-    fn name_beside(
-        (): &mut (),
-        curve: &EquilibriumCurve,
-        point: &Vector,
-        _: Option<EventType>,
-    ) -> Option<Option<RegionName>> {
-        Some(growing(curve, point).map(RegionName::Growing))
-    }
-
-    fn further(spectral: &CriticalEquilibrium) -> usize {
-        match spectral {
-            CriticalEquilibrium::Pair { near } => 2 * near.len() + 1,
-            CriticalEquilibrium::Crossing { near } => near.len() + 1,
-            CriticalEquilibrium::Connection(connection) => connection.turns(),
-        }
-    }
-
-    /// What arrives at a saddle is told from a distance d, of which d^(1 + growth/decay) is what the parameter is off: a
-    /// derivative is off by d then, and by 1e-7 for rounding.
-    fn difference(spectral: &CriticalEquilibrium) -> f64 {
-        match spectral {
-            CriticalEquilibrium::Connection(_) => 1e-8,
-            _ => 1e-5,
-        }
-    }
-
-    /// The saddle is found anew for the motion that leaves it.
-    fn is_of_orbit(spectral: &CriticalEquilibrium) -> bool {
-        !matches!(spectral, CriticalEquilibrium::Connection(_))
-    }
-
-    fn extended(
-        &self,
-        signature: &RestMode,
-        condition: &EventCondition<EquilibriaInPlane>,
-        point: &Vector,
-        equations: (&mut [f64], &mut Matrix),
-    ) -> Option<Result<(), EquilibriumFailure>> {
-        let special = match condition {
-            EventCondition::Fold => SpecialCondition::Fold,
-            EventCondition::Spectral(CriticalEquilibrium::Pair { near }) => {
-                SpecialCondition::Pair(near)
-            }
-            EventCondition::Spectral(CriticalEquilibrium::Crossing { near }) => {
-                SpecialCondition::Crossing(near)
-            }
-            EventCondition::Spectral(CriticalEquilibrium::Connection(_))
-            | EventCondition::Margin(_)
-            | EventCondition::Constant(_) => return None,
-        };
-        let mode = (signature.mode, signature.name.as_str());
-        let plane = self.plane(signature);
-        Some(plane.and_then(|plane| plane.evaluate(mode, special, point, equations)))
-    }
+impl SpectralEvents for EquilibriaInPlane {
+    type Spectral = CriticalEquilibrium;
+    type NotLinearised = EquilibriumFailure;
+    const HAS_SECTORS: bool = false;
 
     fn spectral(
         &self,
@@ -340,6 +225,28 @@ impl ParameterPlane for EquilibriaInPlane {
             done.map_err(NotEvaluated::Flow)?;
         }
         Ok(residual.split_off(point.len() - 1))
+    }
+
+    fn further(spectral: &CriticalEquilibrium) -> usize {
+        match spectral {
+            CriticalEquilibrium::Pair { near } => 2 * near.len() + 1,
+            CriticalEquilibrium::Crossing { near } => near.len() + 1,
+            CriticalEquilibrium::Connection(connection) => connection.turns(),
+        }
+    }
+
+    /// What arrives at a saddle is told from a distance d, of which d^(1 + growth/decay) is what the parameter is off: a
+    /// derivative is off by d then, and by 1e-7 for rounding.
+    fn difference(spectral: &CriticalEquilibrium) -> f64 {
+        match spectral {
+            CriticalEquilibrium::Connection(_) => 1e-8,
+            _ => 1e-5,
+        }
+    }
+
+    /// The saddle is found anew for the motion that leaves it.
+    fn is_of_orbit(spectral: &CriticalEquilibrium) -> bool {
+        !matches!(spectral, CriticalEquilibrium::Connection(_))
     }
 
     fn settle(
@@ -382,33 +289,6 @@ impl ParameterPlane for EquilibriaInPlane {
         }
     }
 
-    /// A null vector with the sign of the other one; vectors of a pair that the current vector normalises.
-    fn alias(
-        condition: &EventCondition<EquilibriaInPlane>,
-        further: &[f64],
-        near: &[f64],
-    ) -> Option<Vec<f64>> {
-        let turned = || {
-            let product: f64 = further.iter().zip(near).map(|(x, y)| x * y).sum();
-            further.iter().map(|x| x * product.signum()).collect()
-        };
-        match condition {
-            EventCondition::Fold => Some(turned()),
-            EventCondition::Spectral(CriticalEquilibrium::Pair { near }) => {
-                PairVectors::of(further)?.normalised(near)
-            }
-            EventCondition::Spectral(CriticalEquilibrium::Crossing { near }) => {
-                let psi = &further[..near.len()];
-                let product: f64 = psi.iter().zip(near).map(|(x, y)| x * y).sum();
-                let beta = further.get(near.len()).copied();
-                Some(psi.iter().map(|x| x / product).chain(beta).collect())
-            }
-            EventCondition::Spectral(CriticalEquilibrium::Connection(_))
-            | EventCondition::Margin(_)
-            | EventCondition::Constant(_) => None,
-        }
-    }
-
     fn lost(
         &self,
         spectral: &CriticalEquilibrium,
@@ -434,19 +314,60 @@ impl ParameterPlane for EquilibriaInPlane {
             CriticalEquilibrium::Crossing { .. } | CriticalEquilibrium::Connection(_) => None,
         }
     }
+}
 
-    fn with_fold(event: EventType) -> PointType {
-        match event {
-            EventType::HB => PointType::ZH,
-            _ => EquilibriaInPlane::with_event(event, EventType::LP),
-        }
+impl EventCurves for EquilibriaInPlane {
+    const FOLLOWED: &'static [EventType] =
+        &[EventType::LP, EventType::HB, EventType::BE, EventType::BP];
+
+    fn extended(
+        &self,
+        signature: &RestMode,
+        condition: &EventCondition<EquilibriaInPlane>,
+        point: &Vector,
+        equations: (&mut [f64], &mut Matrix),
+    ) -> Option<Result<(), EquilibriumFailure>> {
+        let special = match condition {
+            EventCondition::Fold => SpecialCondition::Fold,
+            EventCondition::Spectral(CriticalEquilibrium::Pair { near }) => {
+                SpecialCondition::Pair(near)
+            }
+            EventCondition::Spectral(CriticalEquilibrium::Crossing { near }) => {
+                SpecialCondition::Crossing(near)
+            }
+            EventCondition::Spectral(CriticalEquilibrium::Connection(_))
+            | EventCondition::Margin(_)
+            | EventCondition::Constant(_) => return None,
+        };
+        let mode = (signature.mode, signature.name.as_str());
+        let plane = self.plane(signature);
+        Some(plane.and_then(|plane| plane.evaluate(mode, special, point, equations)))
     }
 
-    /// A boundary equilibrium comes last.
-    fn with_event(event: EventType, other: EventType) -> PointType {
-        match event {
-            EventType::BE => PointType::Two(other, event),
-            _ => PointType::Two(event, other),
+    /// A null vector with the sign of the other one; vectors of a pair that the current vector normalises.
+    fn alias(
+        condition: &EventCondition<EquilibriaInPlane>,
+        further: &[f64],
+        near: &[f64],
+    ) -> Option<Vec<f64>> {
+        let turned = || {
+            let product: f64 = further.iter().zip(near).map(|(x, y)| x * y).sum();
+            further.iter().map(|x| x * product.signum()).collect()
+        };
+        match condition {
+            EventCondition::Fold => Some(turned()),
+            EventCondition::Spectral(CriticalEquilibrium::Pair { near }) => {
+                PairVectors::of(further)?.normalised(near)
+            }
+            EventCondition::Spectral(CriticalEquilibrium::Crossing { near }) => {
+                let psi = &further[..near.len()];
+                let product: f64 = psi.iter().zip(near).map(|(x, y)| x * y).sum();
+                let beta = further.get(near.len()).copied();
+                Some(psi.iter().map(|x| x / product).chain(beta).collect())
+            }
+            EventCondition::Spectral(CriticalEquilibrium::Connection(_))
+            | EventCondition::Margin(_)
+            | EventCondition::Constant(_) => None,
         }
     }
 
@@ -508,6 +429,96 @@ impl ParameterPlane for EquilibriaInPlane {
             tests,
             outside: None,
         }
+    }
+
+    fn with_fold(event: EventType) -> PointType {
+        match event {
+            EventType::HB => PointType::ZH,
+            _ => EquilibriaInPlane::with_event(event, EventType::LP),
+        }
+    }
+
+    /// A boundary equilibrium comes last.
+    fn with_event(event: EventType, other: EventType) -> PointType {
+        match event {
+            EventType::BE => PointType::Two(other, event),
+            _ => PointType::Two(event, other),
+        }
+    }
+}
+
+impl PlaneNames for EquilibriaInPlane {
+    type NoBranch = NoEquilibriumStart;
+    type Beside = ();
+    const ORBIT: &'static str = "equilibrium";
+    const ORBITS: &'static str = "equilibria";
+    const ALL_STEPS: usize = 1800;
+    const LONGEST_BESIDE: f64 = f64::INFINITY;
+    const MEASURE: Option<&'static str> = None;
+    const ANGULAR: &'static str = "omega";
+    const SYMBOL: &'static str = "ω";
+
+    fn zone(signature: &RestMode, _: usize) -> String {
+        format!("`{}`", signature.name)
+    }
+
+    fn name(curve: &EquilibriumCurve, _: &Vector) -> String {
+        curve.signature().name.clone()
+    }
+
+    fn passing(curve: &EquilibriumCurve, point: &Vector) -> String {
+        let name = EquilibriaInPlane::name(curve, point);
+        match growing(curve, point) {
+            None => name,
+            Some(0) => format!("stable {name}"),
+            Some(_) => format!("unstable {name}"),
+        }
+    }
+
+    fn measure(_: &EquilibriumCurve, _: &Vector) -> (f64, Option<f64>) {
+        (f64::NAN, None)
+    }
+
+    fn columns(&self) -> Vec<String> {
+        let states = self.system.source.states.iter().cloned();
+        states.chain(["lyapunov".to_owned()]).collect()
+    }
+
+    /// The states, and the first Lyapunov coefficient of a Hopf point.
+    fn numbers(
+        &self,
+        condition: &EventCondition<EquilibriaInPlane>,
+        curve: &EquilibriumCurve,
+        point: &Vector,
+        further: &[f64],
+    ) -> Vec<Option<f64>> {
+        /// An ω below this, in its unit, is the root of a rounding: the coefficient has a pole where it is zero.
+        const ROUNDED: f64 = 1e-7;
+        let lyapunov = match condition {
+            EventCondition::Spectral(CriticalEquilibrium::Pair { .. }) => {
+                let omega = self.omega(further);
+                (omega > ROUNDED * self.scales.rate)
+                    .then(|| curve.lyapunov(point, omega))
+                    .flatten()
+            }
+            _ => None,
+        };
+        let states = curve.state(point).into_iter().map(Some);
+        states.chain([lyapunov]).collect()
+    }
+
+    /// At a BP two branches pass, and equations do not tell which is followed.
+    fn beside(&self, spectral: &CriticalEquilibrium, _: Option<f64>) -> Option<()> {
+        matches!(spectral, CriticalEquilibrium::Pair { .. }).then_some(())
+    }
+
+    fn name_beside(
+        (): &mut (),
+        curve: &EquilibriumCurve,
+        point: &Vector,
+        _: Option<EventType>,
+    ) -> Option<Option<RegionName>> {
+        Some(growing(curve, point).map(RegionName::Growing))
     }
 
     fn say(what: &What<EquilibriumCurve>) -> String {

@@ -1,7 +1,7 @@
 //! The special equilibrium that a curve begins with, found on a branch of equilibria.
 
 use super::equilibria::{CriticalEquilibrium, EquilibriaInPlane};
-use super::plane::ParameterPlane;
+use super::plane::{EventCurves as _, PlaneOfOrbits as _};
 use super::point::CurveLimits;
 use super::run::Singular;
 use super::search::{KeptMonitor, event, wanted};

@@ -1,6 +1,5 @@
 //! An event as a curve in two parameters: what it is at a point, and what is watched there.
 
-use crate::orbit::{EventType, Examined, Inequalities, MarginFunction, Zones};
 use serde::{Deserialize, Serialize};
 
 use super::plane::{
@@ -12,6 +11,7 @@ use super::tube::WavesInPlane;
 use crate::continuation::Node;
 use crate::continuation::walk::Segment;
 use crate::linalg::{self, Vector};
+use crate::orbit::{EventType, Examined, Inequalities, MarginFunction, Zones};
 
 /// A margin below this on the event's own account is the event itself, but for rounding.
 pub(super) const OWN: f64 = 1e-8;

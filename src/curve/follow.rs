@@ -9,14 +9,14 @@ use super::system::EventSystem;
 use crate::continuation::Node;
 use crate::continuation::locate::{self, LeastWithin, Place};
 use crate::continuation::newton;
-use crate::continuation::walk::{Curve, End, Outcome, Within};
+use crate::continuation::walk::{Curve, End, Outcome, WatchedCurve, Within};
 use crate::orbit::special::{Change, Close};
-use crate::orbit::{Coordinates, EventType, Examined, Inequalities, MarginFunction, Zones};
+use crate::orbit::{CoordinateChanges, EventType, Examined, Inequalities, MarginFunction, Zones};
 
 /// A least margin within this of zero is zero but for rounding: points of a curve are known to 1e-12.
 const ROUNDED: f64 = 1e-12;
 
-impl<P: ParameterPlane> Curve for EventCurve<P> {
+impl<P: ParameterPlane> WatchedCurve for EventCurve<P> {
     type System = EventSystem<P>;
     type Name = SignatureOf<P>;
     type Watched = Tests<P>;
@@ -25,7 +25,6 @@ impl<P: ParameterPlane> Curve for EventCurve<P> {
     type Refusal = CurveRefusal<P>;
     type End = CurveStop;
     type Close = Close<<P::Orbit as Inequalities>::Inequality>;
-
     /// Beside the opening of a separation zone the landing jump of a perturbation is singular, and
     /// Newton's method converges slowly at any length of step.
     const CREEP: (usize, f64) = (200, 2e-4);
@@ -236,27 +235,6 @@ impl<P: ParameterPlane> Curve for EventCurve<P> {
         })
     }
 
-    fn stretch(&self, node: &Node) -> f64 {
-        P::stretch(&node.point.as_slice()[..self.system.orbit_unknowns()])
-    }
-
-    fn renewed(
-        &self,
-        node: &Node,
-        tests: &Tests<P>,
-        creeps: bool,
-    ) -> Option<(EventCurve<P>, Node, Tests<P>)> {
-        let (orbit, own) = self.system.orbit(&node.point, 0).ok()?;
-        let renewed = orbit.renewed(&own, &tests.examination, creeps)?;
-        let (system, node) = self.system.renewed(&orbit, &renewed, node)?;
-        let curve = EventCurve {
-            system,
-            ..self.clone()
-        };
-        let tests = curve.watch(&node, None).ok()?;
-        Some((curve, node, tests))
-    }
-
     fn arrive(&mut self, node: &mut Node, _: &Self::Watched, _: &[(Place, Self::Event)]) {
         self.system.settle(&node.point);
         let further = self.system.further(&node.point);
@@ -274,27 +252,6 @@ impl<P: ParameterPlane> Curve for EventCurve<P> {
                 *node = renewed;
             }
         }
-    }
-
-    fn aliases(&self, name: &SignatureOf<P>, first: &Node, near: &Node) -> Vec<Node> {
-        /// Points whose states or parameters are further apart, in their units, are not the same: far beyond a step.
-        const FAR: f64 = 1.0;
-        // one begun in fewer shots is not carried into those that the curve has come to
-        if name != self.name() || first.point.len() != near.point.len() {
-            return Vec::new();
-        }
-        let (count, last) = (self.system.orbit_unknowns(), first.point.len() - 2);
-        let apart = |from: usize, length: usize| {
-            let difference = first.point.rows(from, length) - near.point.rows(from, length);
-            difference.norm()
-        };
-        let further = |node: &Node| node.point.as_slice()[count..last].to_vec();
-        let is_near = apart(0, count).max(apart(last, 2)) <= FAR;
-        let alias = is_near
-            .then(|| P::alias(&self.system.condition, &further(first), &further(near)))
-            .flatten();
-        let alias = alias.map(|further| self.system.with_further(first, &further));
-        alias.map_or_else(|| vec![first.clone()], |node| node.into_iter().collect())
     }
 
     fn point(&self, _: f64, node: &Node, _: &Tests<P>) -> Solved<P> {
@@ -342,6 +299,50 @@ impl<P: ParameterPlane> Curve for EventCurve<P> {
 
     fn closing(&self, _: f64, _: &Node, reached: Solved<P>) -> Solved<P> {
         reached
+    }
+}
+
+impl<P: ParameterPlane> Curve for EventCurve<P> {
+    fn stretch(&self, node: &Node) -> f64 {
+        P::stretch(&node.point.as_slice()[..self.system.orbit_unknowns()])
+    }
+
+    fn renewed(
+        &self,
+        node: &Node,
+        tests: &Tests<P>,
+        creeps: bool,
+    ) -> Option<(EventCurve<P>, Node, Tests<P>)> {
+        let (orbit, own) = self.system.orbit(&node.point, 0).ok()?;
+        let renewed = orbit.renewed(&own, &tests.examination, creeps)?;
+        let (system, node) = self.system.renewed(&orbit, &renewed, node)?;
+        let curve = EventCurve {
+            system,
+            ..self.clone()
+        };
+        let tests = curve.watch(&node, None).ok()?;
+        Some((curve, node, tests))
+    }
+
+    fn aliases(&self, name: &SignatureOf<P>, first: &Node, near: &Node) -> Vec<Node> {
+        /// Points whose states or parameters are further apart, in their units, are not the same: far beyond a step.
+        const FAR: f64 = 1.0;
+        // one begun in fewer shots is not carried into those that the curve has come to
+        if name != self.name() || first.point.len() != near.point.len() {
+            return Vec::new();
+        }
+        let (count, last) = (self.system.orbit_unknowns(), first.point.len() - 2);
+        let apart = |from: usize, length: usize| {
+            let difference = first.point.rows(from, length) - near.point.rows(from, length);
+            difference.norm()
+        };
+        let further = |node: &Node| node.point.as_slice()[count..last].to_vec();
+        let is_near = apart(0, count).max(apart(last, 2)) <= FAR;
+        let alias = is_near
+            .then(|| P::alias(&self.system.condition, &further(first), &further(near)))
+            .flatten();
+        let alias = alias.map(|further| self.system.with_further(first, &further));
+        alias.map_or_else(|| vec![first.clone()], |node| node.into_iter().collect())
     }
 
     fn ends_with(&self, refusal: &CurveRefusal<P>) -> Option<CurveStop> {

@@ -6,7 +6,7 @@ use super::plane::{MarginOf, ParameterPlane, Test};
 use crate::continuation::Node;
 use crate::continuation::limit;
 use crate::continuation::locate::{self, Place, Target};
-use crate::continuation::walk::Curve as _;
+use crate::continuation::walk::WatchedCurve as _;
 use crate::linalg::Vector;
 use crate::orbit::{AtZero, Examined, Inequalities, MarginFunction, find};
 

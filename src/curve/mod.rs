@@ -50,7 +50,10 @@ pub use equilibria::{CriticalEquilibrium, EquilibriaInPlane};
 pub use equilibrium_start::{find_of_equilibria, labelled_of_equilibria};
 pub use event::CurveRefusal;
 pub use orbits::OrbitsInPlane;
-pub use plane::{EventCondition, NotEvaluated, ParameterOf, ParameterPlane, Test, TestValues};
+pub use plane::{
+    EventCondition, EventCurves, NotEvaluated, ParameterOf, ParameterPlane, PlaneNames,
+    PlaneOfOrbits, SpectralEvents, Test, TestValues,
+};
 pub use point::{CurveLimits, CurvePoint, Gone, PointType, Region, RegionName, What};
 pub use run::{CurveRun, Singular, follow};
 pub use saved::{CurveEnd, CurveEndReason, CurveHead, CurveState, CurveStep, Next, SolvedPoint};

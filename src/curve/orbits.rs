@@ -6,7 +6,10 @@ use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
 
 use super::memo::Memo;
-use super::plane::{EventCondition, NotEvaluated, ParameterPlane, Test, TestValues};
+use super::plane::{
+    EventCondition, EventCurves, NotEvaluated, PlaneNames, PlaneOfOrbits, SpectralEvents, Test,
+    TestValues,
+};
 use super::point::{Gone, PointType, RegionName, What};
 use crate::affine::closure::Prescribed;
 use crate::affine::monitor::{Monitor, MonitorSource};
@@ -162,31 +165,9 @@ fn outside(all: &[Multiplier], on_circle: usize) -> Option<usize> {
     told.then(|| count(Multiplier::is_outside))
 }
 
-impl ParameterPlane for OrbitsInPlane {
+impl PlaneOfOrbits for OrbitsInPlane {
     type Orbit = AffineOrbit;
     type Watch = Watch;
-    type Spectral = MultiplierEvent;
-    type NotLinearised = NoMultipliers;
-    type NoBranch = crate::hybrid::NoFirstPoint;
-    type Beside = ();
-    const ORBIT: &'static str = "orbit";
-    const ORBITS: &'static str = "orbits";
-    const ALL_STEPS: usize = 1800;
-    const LONGEST_BESIDE: f64 = f64::INFINITY;
-    const MEASURE: Option<&'static str> = Some("period");
-    const ANGULAR: &'static str = "angle";
-    const SYMBOL: &'static str = "angle";
-    const CLOSES: bool = true;
-    const HAS_SECTORS: bool = false;
-    const FOLLOWED: &'static [EventType] = &[
-        EventType::LP,
-        EventType::PD,
-        EventType::NS,
-        EventType::BP,
-        EventType::GR,
-        EventType::CO,
-        EventType::SL,
-    ];
 
     fn parameters(&self) -> [String; 2] {
         let name = |index| self.system.source.parameters.names().nth(index);
@@ -248,16 +229,9 @@ impl ParameterPlane for OrbitsInPlane {
         orbit.ok_or(OrbitFailure::NoZones)
     }
 
-    fn key(margin: &Margin) -> (Watch, usize) {
-        (margin.watch, margin.zone)
-    }
-
-    fn zone(sequence: &Sequence, zone: usize) -> String {
-        format!("`{}`", sequence.zone(zone).name)
-    }
-
-    fn guards_of_duration(orbit: &AffineOrbit, margin: &Margin) -> Option<[String; 2]> {
-        orbit.guards_of_duration(margin)
+    /// As along a branch: steps are relative to the size of orbits that have grown.
+    fn stretch(unknowns: &[f64]) -> f64 {
+        unknowns.iter().fold(1.0, |most: f64, x| most.max(x.abs()))
     }
 
     fn length(orbit: &AffineOrbit, point: &Vector, zone: usize) -> f64 {
@@ -265,98 +239,15 @@ impl ParameterPlane for OrbitsInPlane {
         at.map_or(f64::NAN, |at| at.zones[zone].duration)
     }
 
-    /// As along a branch: steps are relative to the size of orbits that have grown.
-    fn stretch(unknowns: &[f64]) -> f64 {
-        unknowns.iter().fold(1.0, |most: f64, x| most.max(x.abs()))
+    fn key(margin: &Margin) -> (Watch, usize) {
+        (margin.watch, margin.zone)
     }
+}
 
-    fn name(orbit: &AffineOrbit, point: &Vector) -> String {
-        let cycle = orbit.cycle(point);
-        cycle.map_or_else(
-            |_| orbit.sequence.to_string(),
-            |cycle| cycle.names.join("-"),
-        )
-    }
-
-    fn measure(orbit: &AffineOrbit, point: &Vector) -> (f64, Option<f64>) {
-        let cycle = orbit.cycle(point);
-        (cycle.map_or(f64::NAN, |cycle| cycle.period), None)
-    }
-
-    /// The parameter that is free for a prescribed period.
-    fn columns(&self) -> Vec<String> {
-        let name = |one: &Prescribed| self.system.source.parameters.names().nth(one.free());
-        let free = self.prescribed.iter().filter_map(name);
-        free.map(str::to_owned).collect()
-    }
-
-    fn numbers(
-        &self,
-        _: &EventCondition<OrbitsInPlane>,
-        orbit: &AffineOrbit,
-        point: &Vector,
-        _: &[f64],
-    ) -> Vec<Option<f64>> {
-        let value = |one: &Prescribed| Some(orbit.values_at(point)[one.free()]);
-        self.prescribed.iter().map(value).collect()
-    }
-
-    fn extent(orbit: &AffineOrbit, point: &Vector, most: f64) -> Option<f64> {
-        let shrinks = orbit.has_own_period();
-        shrinks.then(|| orbit.extent_within(point, most)).flatten()
-    }
-
-    fn turns(examination: &Examination, before: &Examination) -> bool {
-        examination.rate.dot(&before.rate) < 0.0
-    }
-
-    /// An equilibrium with a pair on the imaginary axis, and on the guard where the orbits graze it; an orbit that switches
-    /// shrinks to a boundary equilibrium.
-    fn at_limit(
-        event: EventType,
-        condition: &EventCondition<OrbitsInPlane>,
-        orbit: &AffineOrbit,
-        point: &Vector,
-    ) -> PointType {
-        let is_smooth = orbit.sequence.switches() == 0 || orbit.is_smooth_near(point);
-        match condition {
-            _ if !is_smooth => PointType::Two(event, EventType::BE),
-            EventCondition::Margin(_) => PointType::Two(EventType::HB, EventType::BE),
-            EventCondition::Fold => PointType::GH,
-            _ => PointType::Two(event, EventType::HB),
-        }
-    }
-
-    fn passing(orbit: &AffineOrbit, point: &Vector) -> String {
-        let name = OrbitsInPlane::name(orbit, point);
-        match growing(orbit, point, 0) {
-            None => name,
-            Some(0) => format!("stable {name}"),
-            Some(_) => format!("unstable {name}"),
-        }
-    }
-
-    /// At a BP two branches pass, and equations do not tell which is followed.
-    fn beside(&self, spectral: &MultiplierEvent, _: Option<f64>) -> Option<()> {
-        (!matches!(spectral, MultiplierEvent::Branching { .. })).then_some(())
-    }
-
-    fn name_beside(
-        (): &mut (),
-        orbit: &AffineOrbit,
-        point: &Vector,
-        _: Option<EventType>,
-    ) -> Option<Option<RegionName>> {
-        Some(growing(orbit, point, 0).map(RegionName::Outside))
-    }
-
-    fn is_doubling(spectral: &MultiplierEvent) -> bool {
-        *spectral == MultiplierEvent::PeriodDoubling
-    }
-
-    fn closing(orbit: &AffineOrbit, point: &Vector) -> Result<Matrix, OrbitFailure> {
-        orbit.closing(point)
-    }
+impl SpectralEvents for OrbitsInPlane {
+    type Spectral = MultiplierEvent;
+    type NotLinearised = NoMultipliers;
+    const HAS_SECTORS: bool = false;
 
     fn spectral(
         &self,
@@ -395,18 +286,12 @@ impl ParameterPlane for OrbitsInPlane {
         }
     }
 
-    /// Where a symmetric orbit meets an event its image meets it, too, and all equations of both halves are singular.
-    fn restrict(
-        &self,
-        condition: &EventCondition<OrbitsInPlane>,
-        orbit: &AffineOrbit,
-        point: &Vector,
-        (residual, matrix): (&mut [f64], &mut Matrix),
-    ) -> Result<(), OrbitFailure> {
-        let image = self.image(condition);
-        image.map_or(Ok(()), |kept| {
-            orbit.close_at_image(kept, point, residual, matrix)
-        })
+    fn is_doubling(spectral: &MultiplierEvent) -> bool {
+        *spectral == MultiplierEvent::PeriodDoubling
+    }
+
+    fn closing(orbit: &AffineOrbit, point: &Vector) -> Result<Matrix, OrbitFailure> {
+        orbit.closing(point)
     }
 
     fn lost(
@@ -431,6 +316,33 @@ impl ParameterPlane for OrbitsInPlane {
             MultiplierEvent::PeriodDoubling | MultiplierEvent::Branching { .. } => None,
             MultiplierEvent::Torus => monodromy(orbit, point)?.angle_on_circle(),
         }
+    }
+}
+
+impl EventCurves for OrbitsInPlane {
+    const FOLLOWED: &'static [EventType] = &[
+        EventType::LP,
+        EventType::PD,
+        EventType::NS,
+        EventType::BP,
+        EventType::GR,
+        EventType::CO,
+        EventType::SL,
+    ];
+    const CLOSES: bool = true;
+
+    /// Where a symmetric orbit meets an event its image meets it, too, and all equations of both halves are singular.
+    fn restrict(
+        &self,
+        condition: &EventCondition<OrbitsInPlane>,
+        orbit: &AffineOrbit,
+        point: &Vector,
+        (residual, matrix): (&mut [f64], &mut Matrix),
+    ) -> Result<(), OrbitFailure> {
+        let image = self.image(condition);
+        image.map_or(Ok(()), |kept| {
+            orbit.close_at_image(kept, point, residual, matrix)
+        })
     }
 
     /// A multiplier −1 beside the event, a pair with the product 1, and of a pair that is followed the cosine of its
@@ -521,6 +433,106 @@ impl ParameterPlane for OrbitsInPlane {
             })
         });
         tests.collect()
+    }
+
+    fn extent(orbit: &AffineOrbit, point: &Vector, most: f64) -> Option<f64> {
+        let shrinks = orbit.has_own_period();
+        shrinks.then(|| orbit.extent_within(point, most)).flatten()
+    }
+
+    fn turns(examination: &Examination, before: &Examination) -> bool {
+        examination.rate.dot(&before.rate) < 0.0
+    }
+
+    /// An equilibrium with a pair on the imaginary axis, and on the guard where the orbits graze it; an orbit that switches
+    /// shrinks to a boundary equilibrium.
+    fn at_limit(
+        event: EventType,
+        condition: &EventCondition<OrbitsInPlane>,
+        orbit: &AffineOrbit,
+        point: &Vector,
+    ) -> PointType {
+        let is_smooth = orbit.sequence.switches() == 0 || orbit.is_smooth_near(point);
+        match condition {
+            _ if !is_smooth => PointType::Two(event, EventType::BE),
+            EventCondition::Margin(_) => PointType::Two(EventType::HB, EventType::BE),
+            EventCondition::Fold => PointType::GH,
+            _ => PointType::Two(event, EventType::HB),
+        }
+    }
+}
+
+impl PlaneNames for OrbitsInPlane {
+    type NoBranch = crate::hybrid::NoFirstPoint;
+    type Beside = ();
+    const ORBIT: &'static str = "orbit";
+    const ORBITS: &'static str = "orbits";
+    const ALL_STEPS: usize = 1800;
+    const LONGEST_BESIDE: f64 = f64::INFINITY;
+    const MEASURE: Option<&'static str> = Some("period");
+    const ANGULAR: &'static str = "angle";
+    const SYMBOL: &'static str = "angle";
+
+    fn zone(sequence: &Sequence, zone: usize) -> String {
+        format!("`{}`", sequence.zone(zone).name)
+    }
+
+    fn guards_of_duration(orbit: &AffineOrbit, margin: &Margin) -> Option<[String; 2]> {
+        orbit.guards_of_duration(margin)
+    }
+
+    fn name(orbit: &AffineOrbit, point: &Vector) -> String {
+        let cycle = orbit.cycle(point);
+        cycle.map_or_else(
+            |_| orbit.sequence.to_string(),
+            |cycle| cycle.names.join("-"),
+        )
+    }
+
+    fn passing(orbit: &AffineOrbit, point: &Vector) -> String {
+        let name = OrbitsInPlane::name(orbit, point);
+        match growing(orbit, point, 0) {
+            None => name,
+            Some(0) => format!("stable {name}"),
+            Some(_) => format!("unstable {name}"),
+        }
+    }
+
+    fn measure(orbit: &AffineOrbit, point: &Vector) -> (f64, Option<f64>) {
+        let cycle = orbit.cycle(point);
+        (cycle.map_or(f64::NAN, |cycle| cycle.period), None)
+    }
+
+    /// The parameter that is free for a prescribed period.
+    fn columns(&self) -> Vec<String> {
+        let name = |one: &Prescribed| self.system.source.parameters.names().nth(one.free());
+        let free = self.prescribed.iter().filter_map(name);
+        free.map(str::to_owned).collect()
+    }
+
+    fn numbers(
+        &self,
+        _: &EventCondition<OrbitsInPlane>,
+        orbit: &AffineOrbit,
+        point: &Vector,
+        _: &[f64],
+    ) -> Vec<Option<f64>> {
+        let value = |one: &Prescribed| Some(orbit.values_at(point)[one.free()]);
+        self.prescribed.iter().map(value).collect()
+    }
+
+    /// At a BP two branches pass, and equations do not tell which is followed.
+    fn beside(&self, spectral: &MultiplierEvent, _: Option<f64>) -> Option<()> {
+        (!matches!(spectral, MultiplierEvent::Branching { .. })).then_some(())
+    }
+
+    fn name_beside(
+        (): &mut (),
+        orbit: &AffineOrbit,
+        point: &Vector,
+        _: Option<EventType>,
+    ) -> Option<Option<RegionName>> {
+        Some(growing(orbit, point, 0).map(RegionName::Outside))
     }
 
     fn say(what: &What<AffineOrbit>) -> String {

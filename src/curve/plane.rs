@@ -10,17 +10,17 @@ use crate::orbit::monitor::MonitorStop;
 use crate::orbit::{Data, EventType, Inequalities, Orbit, Zones};
 
 /// Margins of the orbits of a plane.
-pub type MarginOf<P> = <<P as ParameterPlane>::Orbit as Zones>::Margin;
+pub type MarginOf<P> = <<P as PlaneOfOrbits>::Orbit as Zones>::Margin;
 /// Their signatures.
-pub type SignatureOf<P> = <<P as ParameterPlane>::Orbit as Zones>::Signature;
+pub type SignatureOf<P> = <<P as PlaneOfOrbits>::Orbit as Zones>::Signature;
 /// Their parameters.
-pub type ParameterOf<P> = <<P as ParameterPlane>::Orbit as Zones>::Parameter;
+pub type ParameterOf<P> = <<P as PlaneOfOrbits>::Orbit as Zones>::Parameter;
 /// Why one of them is not admissible.
-pub type InadmissibleOf<P> = <<P as ParameterPlane>::Orbit as Inequalities>::Inadmissible;
+pub type InadmissibleOf<P> = <<P as PlaneOfOrbits>::Orbit as Inequalities>::Inadmissible;
 /// Why their equations cannot be evaluated.
-pub type FailureOf<P> = <<P as ParameterPlane>::Orbit as Equations>::Failure;
+pub type FailureOf<P> = <<P as PlaneOfOrbits>::Orbit as Equations>::Failure;
 /// What an examination of them finds.
-pub type ExaminationOf<P> = <<P as ParameterPlane>::Orbit as Zones>::Examination;
+pub type ExaminationOf<P> = <<P as PlaneOfOrbits>::Orbit as Zones>::Examination;
 
 /// A test function of a curve, and what its zero is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,7 +46,7 @@ pub struct TestValues {
 /// What makes the orbit special.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(bound = "")]
-pub enum EventCondition<P: ParameterPlane> {
+pub enum EventCondition<P: SpectralEvents> {
     /// A margin vanishes.
     Margin(MarginOf<P>),
     /// A monitor keeps a value.
@@ -60,7 +60,7 @@ pub enum EventCondition<P: ParameterPlane> {
 /// Why the equations could not be evaluated.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, thiserror::Error)]
 #[serde(bound = "")]
-pub enum NotEvaluated<P: ParameterPlane> {
+pub enum NotEvaluated<P: SpectralEvents> {
     /// The flow overflows, the wave is subsonic, or the system makes no sense there.
     #[error("{0}")]
     Flow(FailureOf<P>),
@@ -69,45 +69,12 @@ pub enum NotEvaluated<P: ParameterPlane> {
     Linear(P::NotLinearised),
 }
 
-/// Orbits over a plane of two parameters: all that their equations need beside the signature.
-pub trait ParameterPlane: Data {
+/// Orbits over a plane of two parameters, beside their signature.
+pub trait PlaneOfOrbits: Data {
     /// The orbits, posed in one of the two parameters.
     type Orbit: Orbit<Margin: Data>;
     /// What a margin measures.
     type Watch: Data + Copy;
-    /// An event of the spectrum.
-    type Spectral: Data;
-    /// Why it cannot be evaluated.
-    type NotLinearised: Data + std::error::Error;
-
-    /// Why a branch with the event does not begin.
-    type NoBranch: Clone + std::fmt::Debug + PartialEq + std::error::Error;
-
-    /// What is carried along a branch through an event of the spectrum, to name places beside it.
-    type Beside;
-
-    /// What one of them is called.
-    const ORBIT: &'static str;
-    /// What several of them are called.
-    const ORBITS: &'static str;
-    /// Most steps of all branches that are followed to name places beside a curve: about as long as the curve itself
-    /// took, or a second.
-    const ALL_STEPS: usize;
-    /// Longest of these steps beside an event of the spectrum, in units of the range.
-    const LONGEST_BESIDE: f64;
-    /// Events that have a curve.
-    const FOLLOWED: &'static [EventType];
-    /// Name of the column of [`super::Point::measure`], where they have one.
-    const MEASURE: Option<&'static str>;
-    /// Name of the column of [`super::Point::angular`].
-    const ANGULAR: &'static str;
-
-    /// Its symbol.
-    const SYMBOL: &'static str;
-    /// Whether curves are smooth in the duration of a zone that shrinks where their equations are singular.
-    const CLOSES: bool = false;
-    /// Whether events of the spectrum have a Bloch sector.
-    const HAS_SECTORS: bool;
 
     /// The two parameters.
     fn parameters(&self) -> [ParameterOf<Self>; 2];
@@ -143,85 +110,50 @@ pub trait ParameterPlane: Data {
         index: usize,
     ) -> Result<Self::Orbit, FailureOf<Self>>;
 
-    /// What a margin measures, and in which zone.
-    fn key(margin: &MarginOf<Self>) -> (Self::Watch, usize);
-
-    /// Name of a zone.
-    fn zone(signature: &SignatureOf<Self>, zone: usize) -> String;
-
-    /// The two guards, in the order of their names, whose zeros meet where the duration of a zone vanishes; `None` for other
-    /// margins, and where the name of the zone tells.
-    fn guards_of_duration(_: &Self::Orbit, _: &MarginOf<Self>) -> Option<[String; 2]> {
-        None
-    }
-
-    /// Length of a zone.
-    fn length(orbit: &Self::Orbit, point: &Vector, zone: usize) -> f64;
-
     /// How many times longer than elsewhere steps from such unknowns of an orbit may be: more than 1 where they are much larger
     /// than their units.
     fn stretch(_unknowns: &[f64]) -> f64 {
         1.0
     }
 
-    /// Name of an orbit.
-    fn name(orbit: &Self::Orbit, point: &Vector) -> String;
+    /// Length of a zone.
+    fn length(orbit: &Self::Orbit, point: &Vector, zone: usize) -> f64;
 
-    /// Size of an orbit, in units of its states, where it is at most this and orbits that shrink to a point make the equations
-    /// singular.
-    fn extent(_: &Self::Orbit, _point: &Vector, _most: f64) -> Option<f64> {
-        None
-    }
+    /// What a margin measures, and in which zone.
+    fn key(margin: &MarginOf<Self>) -> (Self::Watch, usize);
+}
 
-    /// Whether an orbit sets out the other way round than one before it, as it does beyond a point of no size.
-    fn turns(_: &ExaminationOf<Self>, _before: &ExaminationOf<Self>) -> bool {
-        false
-    }
+/// Events of the spectrum of the orbits over a plane, and their equations.
+pub trait SpectralEvents: PlaneOfOrbits {
+    /// An event of the spectrum.
+    type Spectral: Data;
+    /// Why it cannot be evaluated.
+    type NotLinearised: Data + std::error::Error;
+    /// Whether events of the spectrum have a Bloch sector.
+    const HAS_SECTORS: bool;
 
-    /// Type of the point at which orbits of an event shrink to a point, as seen from one next to it.
-    fn at_limit(
-        event: EventType,
-        _: &EventCondition<Self>,
-        _: &Self::Orbit,
-        _point: &Vector,
-    ) -> PointType {
-        PointType::One(event)
-    }
-
-    /// What every point tells of its orbit: the speed of a wave, the period of an orbit; and the excess speed.
-    fn measure(orbit: &Self::Orbit, point: &Vector) -> (f64, Option<f64>);
-
-    /// Names of the columns of [`super::Point::numbers`].
-    fn columns(&self) -> Vec<String> {
-        Vec::new()
-    }
-
-    /// What every point tells in these columns.
-    fn numbers(
+    /// Its equations.
+    ///
+    /// # Errors
+    /// They cannot be evaluated.
+    fn spectral(
         &self,
-        _: &EventCondition<Self>,
-        _: &Self::Orbit,
-        _point: &Vector,
-        _further: &[f64],
-    ) -> Vec<Option<f64>> {
-        Vec::new()
-    }
-
-    /// The name of an orbit that passes beside a change of regime.
-    fn passing(orbit: &Self::Orbit, point: &Vector) -> String {
-        Self::name(orbit, point)
-    }
-
-    /// What is carried along a branch through an event of the spectrum, with its frequency or angle there.
-    fn beside(&self, spectral: &Self::Spectral, angular: Option<f64>) -> Option<Self::Beside>;
-
-    /// What it calls the next point of the branch, of this type, if anything; `None` where it is lost.
-    fn name_beside(
-        beside: &mut Self::Beside,
+        spectral: &Self::Spectral,
         orbit: &Self::Orbit,
         point: &Vector,
-        kind: Option<EventType>,
-    ) -> Option<Option<RegionName>>;
+        further: &[f64],
+    ) -> Result<Vec<f64>, NotEvaluated<Self>>;
+
+    /// The multipliers on which its equation depends where it vanishes, each with the factor of its own derivative in that of
+    /// the equation, of which the real part counts; `None` where that is found by differences.
+    fn critical(
+        &self,
+        _: &Self::Spectral,
+        _: &Self::Orbit,
+        _: &Vector,
+    ) -> Option<Vec<(Complex<f64>, Complex<f64>)>> {
+        None
+    }
 
     /// Number of further unknowns of an event of the spectrum; it has one equation more.
     fn further(_spectral: &Self::Spectral) -> usize {
@@ -253,28 +185,53 @@ pub trait ParameterPlane: Data {
         Ok(Matrix::zeros(point.len() - 1, point.len()))
     }
 
-    /// Its equations.
-    ///
-    /// # Errors
-    /// They cannot be evaluated.
-    fn spectral(
+    /// Takes what normalises further unknowns, or what the event is known from, to where they are now.
+    fn settle(
+        &self,
+        _: &mut Self::Spectral,
+        _orbit: &Self::Orbit,
+        _point: &Vector,
+        _further: &[f64],
+    ) {
+    }
+
+    /// The same event with other further unknowns, and what normalises these, where they are better than those it has.
+    fn renewed(_: &Self::Spectral, _further: &[f64]) -> Option<(Self::Spectral, Vec<f64>)> {
+        None
+    }
+
+    /// Why a solution of the equations of an event of the spectrum has the event no more.
+    fn lost(
+        &self,
+        _: &Self::Spectral,
+        _: &Self::Orbit,
+        _point: &Vector,
+        _further: &[f64],
+    ) -> Option<Gone> {
+        None
+    }
+
+    /// Its frequency or angle.
+    fn angular(
         &self,
         spectral: &Self::Spectral,
         orbit: &Self::Orbit,
         point: &Vector,
         further: &[f64],
-    ) -> Result<Vec<f64>, NotEvaluated<Self>>;
+    ) -> Option<f64>;
 
-    /// The multipliers on which its equation depends where it vanishes, each with the factor of its own derivative in that of
-    /// the equation, of which the real part counts; `None` where that is found by differences.
-    fn critical(
-        &self,
-        _: &Self::Spectral,
-        _: &Self::Orbit,
-        _: &Vector,
-    ) -> Option<Vec<(Complex<f64>, Complex<f64>)>> {
+    /// Bloch sector of an event of the spectrum.
+    fn sector(_spectral: &Self::Spectral) -> Option<usize> {
         None
     }
+}
+
+/// What curves of events need over a plane beside the equations of orbits and of the spectrum, and what is watched along them.
+pub trait EventCurves: SpectralEvents {
+    /// Events that have a curve.
+    const FOLLOWED: &'static [EventType];
+    /// Whether curves are smooth in the duration of a zone that shrinks where their equations are singular.
+    const CLOSES: bool = false;
 
     /// Puts in the place of equations of the orbit those that the event needs, where it makes them singular.
     ///
@@ -302,59 +259,9 @@ pub trait ParameterPlane: Data {
         None
     }
 
-    /// Takes what normalises further unknowns, or what the event is known from, to where they are now.
-    fn settle(
-        &self,
-        _: &mut Self::Spectral,
-        _orbit: &Self::Orbit,
-        _point: &Vector,
-        _further: &[f64],
-    ) {
-    }
-
-    /// The same event with other further unknowns, and what normalises these, where they are better than those it has.
-    fn renewed(_: &Self::Spectral, _further: &[f64]) -> Option<(Self::Spectral, Vec<f64>)> {
-        None
-    }
-
     /// Further unknowns, or the null vector, of a known point of the curve as they would be beside another point, with what
     /// normalises them now: a curve that comes back may have turned them. `None` where they are the same.
     fn alias(_: &EventCondition<Self>, _further: &[f64], _near: &[f64]) -> Option<Vec<f64>> {
-        None
-    }
-
-    /// Why a solution of the equations of an event of the spectrum has the event no more.
-    fn lost(
-        &self,
-        _: &Self::Spectral,
-        _: &Self::Orbit,
-        _point: &Vector,
-        _further: &[f64],
-    ) -> Option<Gone> {
-        None
-    }
-
-    /// Type of a point at which an orbit of an event has a fold, too.
-    fn with_fold(event: EventType) -> PointType {
-        Self::with_event(event, EventType::LP)
-    }
-
-    /// Type of a point of two events, of which the first one is followed.
-    fn with_event(event: EventType, other: EventType) -> PointType {
-        PointType::Two(event, other)
-    }
-
-    /// Its frequency or angle.
-    fn angular(
-        &self,
-        spectral: &Self::Spectral,
-        orbit: &Self::Orbit,
-        point: &Vector,
-        further: &[f64],
-    ) -> Option<f64>;
-
-    /// Bloch sector of an event of the spectrum.
-    fn sector(_spectral: &Self::Spectral) -> Option<usize> {
         None
     }
 
@@ -373,6 +280,112 @@ pub trait ParameterPlane: Data {
         Vec::new()
     }
 
+    /// Type of a point at which an orbit of an event has a fold, too.
+    fn with_fold(event: EventType) -> PointType {
+        Self::with_event(event, EventType::LP)
+    }
+
+    /// Type of a point of two events, of which the first one is followed.
+    fn with_event(event: EventType, other: EventType) -> PointType {
+        PointType::Two(event, other)
+    }
+
+    /// Size of an orbit, in units of its states, where it is at most this and orbits that shrink to a point make the equations
+    /// singular.
+    fn extent(_: &Self::Orbit, _point: &Vector, _most: f64) -> Option<f64> {
+        None
+    }
+
+    /// Whether an orbit sets out the other way round than one before it, as it does beyond a point of no size.
+    fn turns(_: &ExaminationOf<Self>, _before: &ExaminationOf<Self>) -> bool {
+        false
+    }
+
+    /// Type of the point at which orbits of an event shrink to a point, as seen from one next to it.
+    fn at_limit(
+        event: EventType,
+        _: &EventCondition<Self>,
+        _: &Self::Orbit,
+        _point: &Vector,
+    ) -> PointType {
+        PointType::One(event)
+    }
+}
+
+/// What results call the orbits over a plane, and what they tell of a point.
+pub trait PlaneNames: EventCurves {
+    /// Why a branch with the event does not begin.
+    type NoBranch: Clone + std::fmt::Debug + PartialEq + std::error::Error;
+    /// What is carried along a branch through an event of the spectrum, to name places beside it.
+    type Beside;
+    /// What one of them is called.
+    const ORBIT: &'static str;
+    /// What several of them are called.
+    const ORBITS: &'static str;
+    /// Most steps of all branches that are followed to name places beside a curve: about as long as the curve itself
+    /// took, or a second.
+    const ALL_STEPS: usize;
+    /// Longest of these steps beside an event of the spectrum, in units of the range.
+    const LONGEST_BESIDE: f64;
+    /// Name of the column of [`super::Point::measure`], where they have one.
+    const MEASURE: Option<&'static str>;
+    /// Name of the column of [`super::Point::angular`].
+    const ANGULAR: &'static str;
+    /// Its symbol.
+    const SYMBOL: &'static str;
+
+    /// Name of a zone.
+    fn zone(signature: &SignatureOf<Self>, zone: usize) -> String;
+
+    /// The two guards, in the order of their names, whose zeros meet where the duration of a zone vanishes; `None` for other
+    /// margins, and where the name of the zone tells.
+    fn guards_of_duration(_: &Self::Orbit, _: &MarginOf<Self>) -> Option<[String; 2]> {
+        None
+    }
+
+    /// Name of an orbit.
+    fn name(orbit: &Self::Orbit, point: &Vector) -> String;
+
+    /// The name of an orbit that passes beside a change of regime.
+    fn passing(orbit: &Self::Orbit, point: &Vector) -> String {
+        Self::name(orbit, point)
+    }
+
+    /// What every point tells of its orbit: the speed of a wave, the period of an orbit; and the excess speed.
+    fn measure(orbit: &Self::Orbit, point: &Vector) -> (f64, Option<f64>);
+
+    /// Names of the columns of [`super::Point::numbers`].
+    fn columns(&self) -> Vec<String> {
+        Vec::new()
+    }
+
+    /// What every point tells in these columns.
+    fn numbers(
+        &self,
+        _: &EventCondition<Self>,
+        _: &Self::Orbit,
+        _point: &Vector,
+        _further: &[f64],
+    ) -> Vec<Option<f64>> {
+        Vec::new()
+    }
+
+    /// What is carried along a branch through an event of the spectrum, with its frequency or angle there.
+    fn beside(&self, spectral: &Self::Spectral, angular: Option<f64>) -> Option<Self::Beside>;
+
+    /// What it calls the next point of the branch, of this type, if anything; `None` where it is lost.
+    fn name_beside(
+        beside: &mut Self::Beside,
+        orbit: &Self::Orbit,
+        point: &Vector,
+        kind: Option<EventType>,
+    ) -> Option<Option<RegionName>>;
+
     /// A sentence of what happens.
     fn say(what: &What<Self::Orbit>) -> String;
 }
+
+/// A plane of two parameters in which curves of events are followed.
+pub trait ParameterPlane: PlaneNames {}
+
+impl<P: PlaneNames> ParameterPlane for P {}

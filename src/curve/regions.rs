@@ -16,7 +16,6 @@
 //! point of steady sliding, or back to the event. For that the range is widened: orbits may return from beyond it.
 //! Where nothing is known, or nothing found, there is no name.
 
-use crate::orbit::{Examined, Inequalities, TerminationType, Zones};
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::event::{INTO, Solved};
@@ -35,6 +34,7 @@ use crate::orbit::change::nearest_beyond;
 use crate::orbit::follow::{self, Follower, LocatedPoint};
 use crate::orbit::sign::SignVerdict;
 use crate::orbit::special::BranchTermination;
+use crate::orbit::{Examined, Inequalities, TerminationType, Zones};
 
 /// Part of the whole length that a stretch needs for its regions to be named.
 const NAMED: f64 = 0.12;

@@ -2,7 +2,9 @@
 
 use super::equilibria::{CriticalEquilibrium, EquilibriaInPlane};
 use super::orbits::{MultiplierEvent, OrbitsInPlane};
-use super::plane::{EventCondition, MarginOf, ParameterPlane};
+use super::plane::{
+    EventCondition, EventCurves, MarginOf, ParameterPlane, PlaneOfOrbits, SpectralEvents,
+};
 use super::system::EventSystem;
 use super::tube::{BlochPair, WavesInPlane};
 use super::{CurveLimits, Singular};
@@ -431,7 +433,7 @@ fn pose_wave(
 }
 
 /// What of the spectrum makes an event, and its further unknowns.
-pub(super) type OfSpectrum<P> = Option<(<P as ParameterPlane>::Spectral, Vec<f64>)>;
+pub(super) type OfSpectrum<P> = Option<(<P as SpectralEvents>::Spectral, Vec<f64>)>;
 
 /// Refuses an event outside the ranges.
 fn within<P: ParameterPlane, Q: ParameterPlane>(

@@ -26,7 +26,6 @@
 //! ones, and so are those of a pair μ of M, without switches along its null vectors only: they bend the way of Newton's
 //! iterates and not the equations, which are exact.
 
-use crate::orbit::{AtZero, Coordinates, Monitored, Zones};
 use serde::{Deserialize, Serialize};
 
 use super::null_pair::NullPair;
@@ -40,6 +39,7 @@ use crate::continuation::locate::retangent;
 use crate::continuation::newton::{Constraint, Equations};
 use crate::linalg::{Matrix, Vector};
 use crate::orbit::monitor::MonitorStop;
+use crate::orbit::{AtZero, CoordinateChanges, Monitored, Zones};
 
 /// Step of central differences along a null vector in scaled unknowns of order one: as [`ParameterPlane::difference`].
 const DIFFERENCE: f64 = 1e-5;

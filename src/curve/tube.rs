@@ -3,7 +3,10 @@
 use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
 
-use super::plane::{EventCondition, NotEvaluated, ParameterPlane, Test, TestValues};
+use super::plane::{
+    EventCondition, EventCurves, NotEvaluated, PlaneNames, PlaneOfOrbits, SpectralEvents, Test,
+    TestValues,
+};
 use super::point::{PointType, RegionName, What};
 use crate::branch::run::RunError;
 use crate::linalg::Vector;
@@ -81,31 +84,9 @@ impl WavesInPlane {
     }
 }
 
-impl ParameterPlane for WavesInPlane {
+impl PlaneOfOrbits for WavesInPlane {
     type Orbit = Wave;
     type Watch = WaveWatch;
-    type Spectral = BlochPair;
-    type NotLinearised = NotLinearised;
-    type NoBranch = RunError;
-    type Beside = TrackedPair;
-
-    const ORBIT: &'static str = "wave";
-    const ORBITS: &'static str = "waves";
-    const ALL_STEPS: usize = 20_000;
-    const LONGEST_BESIDE: f64 = SHORT;
-
-    const FOLLOWED: &'static [EventType] = &[
-        EventType::LP,
-        EventType::GR,
-        EventType::RV,
-        EventType::CO,
-        EventType::ST,
-        EventType::HB,
-    ];
-    const MEASURE: Option<&'static str> = Some("speed");
-    const ANGULAR: &'static str = "omega";
-    const SYMBOL: &'static str = "ω";
-    const HAS_SECTORS: bool = true;
 
     fn parameters(&self) -> [Parameter; 2] {
         self.parameters
@@ -155,16 +136,102 @@ impl ParameterPlane for WavesInPlane {
         Ok(wave.with_method(self.method).with_material(self.material))
     }
 
+    fn length(wave: &Wave, point: &Vector, zone: usize) -> f64 {
+        wave.duration_at(point, zone) * wave.speed_at(point).abs()
+    }
+
     fn key(margin: &RegimeMargin) -> (WaveWatch, usize) {
         (margin.watch, margin.zone)
     }
+}
+
+impl SpectralEvents for WavesInPlane {
+    type Spectral = BlochPair;
+    type NotLinearised = NotLinearised;
+    const HAS_SECTORS: bool = true;
+
+    /// F_j(iω), in sector 0 divided by iω: there λ = 0 is an eigenvalue of every wave, translation.
+    fn spectral(
+        &self,
+        spectral: &BlochPair,
+        wave: &Wave,
+        point: &Vector,
+        further: &[f64],
+    ) -> Result<Vec<f64>, NotEvaluated<WavesInPlane>> {
+        let linear = NotEvaluated::Linear;
+        let characteristic = Characteristic::new(wave, point).map_err(linear)?;
+        let lambda = Complex::new(0.0, further[0] * self.frequency());
+        let (value, _) = characteristic
+            .evaluate(lambda)
+            .sector(characteristic.multiplier(spectral.sector));
+        let value = match spectral.sector {
+            0 => value / Complex::new(0.0, further[0]),
+            _ => value,
+        };
+        Ok(vec![value.re, value.im])
+    }
+
+    fn further(_: &BlochPair) -> usize {
+        1
+    }
+
+    fn angular(&self, _: &BlochPair, _: &Wave, _: &Vector, further: &[f64]) -> Option<f64> {
+        further.first().map(|scaled| scaled * self.frequency())
+    }
+
+    fn sector(spectral: &BlochPair) -> Option<usize> {
+        Some(spectral.sector)
+    }
+}
+
+impl EventCurves for WavesInPlane {
+    const FOLLOWED: &'static [EventType] = &[
+        EventType::LP,
+        EventType::GR,
+        EventType::RV,
+        EventType::CO,
+        EventType::ST,
+        EventType::HB,
+    ];
+
+    /// ω where the pair may meet on the real axis. It is positive there.
+    fn watched(
+        &self,
+        condition: &EventCondition<WavesInPlane>,
+        _: &Wave,
+        _: &Vector,
+        further: &[f64],
+    ) -> TestValues {
+        let tests = match condition {
+            EventCondition::Spectral(BlochPair { sector }) if symmetric(*sector, self.mode) => {
+                vec![Test {
+                    kind: Some(PointType::BT),
+                    value: further[0] - LEAST_OMEGA,
+                    ends: true,
+                }]
+            }
+            _ => Vec::new(),
+        };
+        TestValues {
+            tests,
+            outside: None,
+        }
+    }
+}
+
+impl PlaneNames for WavesInPlane {
+    type NoBranch = RunError;
+    type Beside = TrackedPair;
+    const ORBIT: &'static str = "wave";
+    const ORBITS: &'static str = "waves";
+    const ALL_STEPS: usize = 20_000;
+    const LONGEST_BESIDE: f64 = SHORT;
+    const MEASURE: Option<&'static str> = Some("speed");
+    const ANGULAR: &'static str = "omega";
+    const SYMBOL: &'static str = "ω";
 
     fn zone(signature: &Signature, zone: usize) -> String {
         signature.zone(zone).regime.name().to_owned()
-    }
-
-    fn length(wave: &Wave, point: &Vector, zone: usize) -> f64 {
-        wave.duration_at(point, zone) * wave.speed_at(point).abs()
     }
 
     fn name(wave: &Wave, _: &Vector) -> String {
@@ -203,63 +270,6 @@ impl ParameterPlane for WavesInPlane {
         near.then_some(Some(RegionName::Pair {
             grows: lambda.re > 0.0,
         }))
-    }
-
-    fn further(_: &BlochPair) -> usize {
-        1
-    }
-
-    /// F_j(iω), in sector 0 divided by iω: there λ = 0 is an eigenvalue of every wave, translation.
-    fn spectral(
-        &self,
-        spectral: &BlochPair,
-        wave: &Wave,
-        point: &Vector,
-        further: &[f64],
-    ) -> Result<Vec<f64>, NotEvaluated<WavesInPlane>> {
-        let linear = NotEvaluated::Linear;
-        let characteristic = Characteristic::new(wave, point).map_err(linear)?;
-        let lambda = Complex::new(0.0, further[0] * self.frequency());
-        let (value, _) = characteristic
-            .evaluate(lambda)
-            .sector(characteristic.multiplier(spectral.sector));
-        let value = match spectral.sector {
-            0 => value / Complex::new(0.0, further[0]),
-            _ => value,
-        };
-        Ok(vec![value.re, value.im])
-    }
-
-    fn angular(&self, _: &BlochPair, _: &Wave, _: &Vector, further: &[f64]) -> Option<f64> {
-        further.first().map(|scaled| scaled * self.frequency())
-    }
-
-    fn sector(spectral: &BlochPair) -> Option<usize> {
-        Some(spectral.sector)
-    }
-
-    /// ω where the pair may meet on the real axis. It is positive there.
-    fn watched(
-        &self,
-        condition: &EventCondition<WavesInPlane>,
-        _: &Wave,
-        _: &Vector,
-        further: &[f64],
-    ) -> TestValues {
-        let tests = match condition {
-            EventCondition::Spectral(BlochPair { sector }) if symmetric(*sector, self.mode) => {
-                vec![Test {
-                    kind: Some(PointType::BT),
-                    value: further[0] - LEAST_OMEGA,
-                    ends: true,
-                }]
-            }
-            _ => Vec::new(),
-        };
-        TestValues {
-            tests,
-            outside: None,
-        }
     }
 
     fn say(what: &What<Wave>) -> String {

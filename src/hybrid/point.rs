@@ -1,11 +1,11 @@
 //! What a branch of orbits is made of, as plain data.
 
-use crate::orbit::{EventType, Inequalities, Stability};
 use nalgebra::Complex;
 
 use crate::affine::orbit::multiplier::own;
 use crate::affine::orbit::{AffineOrbit, Multiplier, SlidingBifurcation};
 use crate::orbit::special::Close;
+use crate::orbit::{EventType, Inequalities, Stability};
 use crate::problem::compare::Occurrence;
 
 /// One accepted point of a branch: a row of `branch.csv`.

@@ -1,6 +1,5 @@
 //! The pipeline from a problem to a branch of orbits: first orbit, legs, points, labels and events.
 
-use crate::orbit::{EventType, Stability, Zones};
 use serde::{Deserialize, Serialize};
 
 use super::begin::{FirstOrbit, NamedOrbit, NoFirstPoint, begin, plan};
@@ -15,6 +14,7 @@ use crate::linalg::Vector;
 use crate::orbit::follow::LocatedPoint;
 use crate::orbit::legs::{self, Itemised, Legs, Run};
 use crate::orbit::special::{ResumeMismatch, Special};
+use crate::orbit::{EventType, Stability, Zones};
 use crate::problem::Continuation;
 use crate::problem::SystemProblem;
 

@@ -1,6 +1,5 @@
 //! What motions of a system settle on at the points of a plane, each by itself.
 
-use crate::orbit::Zones;
 use std::f64::consts::TAU;
 
 use serde::Serialize;
@@ -17,6 +16,7 @@ use crate::hybrid::row::OrbitColumns;
 use crate::hybrid::run::point;
 use crate::hybrid::{NoFirstPoint, OrbitPoint, come_to};
 use crate::linalg::Vector;
+use crate::orbit::Zones;
 use crate::problem::{BeginningSection, Continuation, Multipliers, OrbitStart, SystemProblem};
 
 /// What the motion from a start settles on at a point of the plane.

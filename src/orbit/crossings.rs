@@ -1,12 +1,12 @@
 //! Changes of stability within a step: zeros of functions of the multipliers, and what the number of those outside the
 //! unit circle says besides.
 
-use super::{Examined, Growth, MarginFunction, Orbit, SpecialType, uncertainty};
 use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 
 use super::located::{AT_ZERO, BranchEvent, Crossed, LocatedEvent, Step, TURN};
+use super::{Examined, Growth, MarginFunction, Orbit, SpecialType, uncertainty};
 use crate::continuation::Node;
 use crate::continuation::locate::{self, Place};
 use crate::continuation::newton::Plane;

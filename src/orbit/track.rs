@@ -10,13 +10,13 @@ use super::special::{BranchFailure, BranchTermination, Close, Ending, OrbitRefus
 use super::{Examined, MarginFunction as _, Orbit, Situation, dip, events, retrace};
 use crate::continuation::Node;
 use crate::continuation::locate::{Place, node_at, retangent};
-use crate::continuation::walk::{self, Curve, Outcome, Segment, Within};
+use crate::continuation::walk::{self, Curve, Outcome, Segment, WatchedCurve, Within};
 use crate::linalg::Vector;
 
 /// A step along one branch turns by less but where it is long: one that comes to another branch turns from across it to along it.
 const TURNS: f64 = 0.02;
 
-impl<O: Orbit> Curve for Track<O> {
+impl<O: Orbit> WatchedCurve for Track<O> {
     type System = O;
     type Name = O::Signature;
     type Watched = O::Examination;
@@ -25,7 +25,6 @@ impl<O: Orbit> Curve for Track<O> {
     type Refusal = OrbitRefusal<O>;
     type End = BranchTermination<O>;
     type Close = Close<O::Inequality>;
-
     const CREEP: (usize, f64) = (40, 1e-5);
 
     fn system(&self) -> &O {
@@ -171,35 +170,6 @@ impl<O: Orbit> Curve for Track<O> {
         Ok(Outcome::Passed(found))
     }
 
-    fn leads_on(&self, node: &Node, examination: &O::Examination) -> Option<Outcome<Track<O>>> {
-        self.change_from_beyond(node, examination)
-    }
-
-    fn stretch(&self, node: &Node) -> f64 {
-        self.orbit.stretch(&node.point)
-    }
-
-    fn renewed(
-        &self,
-        node: &Node,
-        examination: &O::Examination,
-        creeps: bool,
-    ) -> Option<(Track<O>, Node, O::Examination)> {
-        let orbit = self.orbit.renewed(&node.point, examination, creeps)?;
-        let carried = self.orbit.carried(&orbit, node)?;
-        let node = retangent(&orbit, &carried.point, &carried.tangent, node.newton)?;
-        let examination = orbit.examination(&node.point).ok()?;
-        let curve = Track {
-            orbit: Arc::new(orbit),
-            ..self.clone()
-        };
-        Some((curve, node, examination))
-    }
-
-    fn aliases(&self, name: &O::Signature, first: &Node, near: &Node) -> Vec<Node> {
-        self.orbit.aliases(name, first, near)
-    }
-
     fn arrive(
         &mut self,
         node: &mut Node,
@@ -227,12 +197,43 @@ impl<O: Orbit> Curve for Track<O> {
             ..self.point(s, first, &examination)
         }
     }
+}
+
+impl<O: Orbit> Curve for Track<O> {
+    fn stretch(&self, node: &Node) -> f64 {
+        self.orbit.stretch(&node.point)
+    }
+
+    fn renewed(
+        &self,
+        node: &Node,
+        examination: &O::Examination,
+        creeps: bool,
+    ) -> Option<(Track<O>, Node, O::Examination)> {
+        let orbit = self.orbit.renewed(&node.point, examination, creeps)?;
+        let carried = self.orbit.carried(&orbit, node)?;
+        let node = retangent(&orbit, &carried.point, &carried.tangent, node.newton)?;
+        let examination = orbit.examination(&node.point).ok()?;
+        let curve = Track {
+            orbit: Arc::new(orbit),
+            ..self.clone()
+        };
+        Some((curve, node, examination))
+    }
+
+    fn aliases(&self, name: &O::Signature, first: &Node, near: &Node) -> Vec<Node> {
+        self.orbit.aliases(name, first, near)
+    }
 
     fn exhausted(&self, node: &Node) -> Option<BranchTermination<O>> {
         let stop = self
             .orbit
             .termination(Situation::At(node, self.limits.range));
         stop.map(BranchTermination::Own)
+    }
+
+    fn leads_on(&self, node: &Node, examination: &O::Examination) -> Option<Outcome<Track<O>>> {
+        self.change_from_beyond(node, examination)
     }
 
     fn ends_at(&self, node: &Node) -> Option<BranchTermination<O>> {

@@ -6,7 +6,6 @@
 //! begins with and one for every step: a checksum, and a value as RON. A resumed curve goes on after the
 //! last whole line, through the same steps as an uninterrupted one.
 
-use crate::orbit::Zones;
 use serde::de::DeserializeOwned;
 use serde::{Serialize, Serializer};
 
@@ -18,6 +17,7 @@ use crate::curve::{
     CurveEndReason, CurveHead, CurvePoint, CurveRun, CurveStep, ParameterOf, ParameterPlane,
     PointType, WholeCurve,
 };
+use crate::orbit::Zones;
 use crate::problem::Problem;
 use crate::table;
 

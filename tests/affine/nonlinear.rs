@@ -1,7 +1,6 @@
 //! Systems whose rates, guards and resets are not affine: functions in closed form, and branches of orbits against
 //! figures of an independent program in 38 digits.
 
-use brakewave::orbit::Zones;
 use std::f64::consts::TAU;
 
 use brakewave::EventType::{BP, EP, GR, PD};
@@ -10,6 +9,7 @@ use brakewave::affine::motion::{Motion, Step};
 use brakewave::affine::steady::NoEquilibrium;
 use brakewave::affine::system::System;
 use brakewave::linalg::Vector;
+use brakewave::orbit::Zones;
 
 use crate::affine::branches::{follow, meets, settled};
 use crate::affine::systems::{IMPACT, at, place, system};

@@ -1,7 +1,6 @@
 //! Periodic orbits against figures of an independent program in 40 digits: by Newton's method from a guess beside
 //! them, with their multipliers; what is not physical is refused.
 
-use brakewave::orbit::{Examined, MarginFunction, Zones};
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
@@ -11,6 +10,7 @@ use brakewave::affine::orbit::{
 use brakewave::continuation::newton::{self, Equations as _, Fixed, Settings};
 use brakewave::linalg::{Matrix, Vector};
 use brakewave::orbit::sign::SignVerdict;
+use brakewave::orbit::{Examined, MarginFunction, Zones};
 
 use crate::affine::systems::{
     BALL, BUCK, CHUA, FRICTION, IMPACT, RELAY, THERMOSTAT, system, values,

@@ -1,6 +1,5 @@
 //! Orbits of a prescribed period: a wave of the tube, written down as a system, is one whose speed is free.
 
-use brakewave::orbit::Zones;
 use std::f64::consts::TAU;
 use std::fs;
 
@@ -11,6 +10,7 @@ use brakewave::affine::orbit::start::{Beginning, Search, Wanted, first};
 use brakewave::affine::system::System;
 use brakewave::continuation::newton::{self, Equations as _};
 use brakewave::linalg::{Matrix, Vector};
+use brakewave::orbit::Zones;
 use brakewave::tube::model::{Impact, Parameter};
 
 use crate::affine::branches::follow;

@@ -1,6 +1,5 @@
 //! Sliding as a mode of its own: what ends it, its surface, laws that have no value beyond it, and what it comes to.
 
-use brakewave::orbit::{Bifurcations, Examined, Zones};
 use std::f64::consts::TAU;
 
 use brakewave::affine::motion::{Halt, Motion, Step, Switching};
@@ -8,6 +7,7 @@ use brakewave::affine::orbit::AffineOrbit;
 use brakewave::affine::orbit::start::NoStart;
 use brakewave::affine::system::System;
 use brakewave::linalg::Vector;
+use brakewave::orbit::{Bifurcations, Examined, Zones};
 
 use crate::affine::branches::{follow, started};
 use crate::affine::systems::{BRAKE_BY_HAND, TWO_MASSES, at, place, system};

@@ -16,7 +16,6 @@
 //!
 //! With one parameter the systems have a solution, with two a curve of them, where p in E_p is the first.
 
-use crate::orbit::{AtZero, Examined as _, Zones};
 use nalgebra::Complex;
 
 use super::curve::{EquilibriumCurve, EquilibriumFailure, EquilibriumScales, EquilibriumSetting};
@@ -26,6 +25,7 @@ use crate::continuation::Node;
 use crate::continuation::branch_point::PERFECT;
 use crate::continuation::newton::{self, Constraint, Equations};
 use crate::linalg::{self, Matrix, Vector};
+use crate::orbit::{AtZero, Examined as _, Zones};
 
 /// Which special points are asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

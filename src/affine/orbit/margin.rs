@@ -1,18 +1,17 @@
 //! Margins: smooth functions of the unknowns that are positive while a sequence of zones holds.
 
-use crate::orbit::{Examined, Inequalities, MarginFunction, WITHOUT_LENGTH, Zones};
 use serde::{Deserialize, Serialize};
 
+use super::examine::Examination;
 use super::inequality::{Inadmissible, OrbitInequality};
 use super::layout::{AffineOrbit, OrbitAt, ZonePoint};
 use super::passage::{Jet, Passage};
 use super::setting::OrbitFailure;
-
-use super::examine::Examination;
 use super::signature::exit_of;
 use crate::affine::mode::{AffineMode, Exit, Row};
 use crate::linalg::Vector;
 use crate::orbit::located::AT_ZERO;
+use crate::orbit::{Examined, Inequalities, MarginFunction, WITHOUT_LENGTH, Zones};
 
 /// What a margin measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]

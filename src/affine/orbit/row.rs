@@ -1,7 +1,6 @@
 //! What results keep of an orbit: its modes in order of time, its switches, samples of it, and numbers from which it
 //! is found again.
 
-use crate::orbit::Zones;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
@@ -14,6 +13,7 @@ use super::signature::{Sequence, Zone};
 use crate::affine::flow::ModeFlow;
 use crate::affine::mode::AffineSystem;
 use crate::linalg::Vector;
+use crate::orbit::Zones;
 
 /// An orbit in order of time, from the entry of the first mode of the file that occurs: that of the earliest phase in
 /// \[0, 2π) where there are several, or without forcing that with which the names come first in the order of the file.

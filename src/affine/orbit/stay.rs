@@ -1,6 +1,5 @@
 //! Stays of an orbit beside a saddle: where it takes ever longer, it comes to a connection of saddles.
 
-use crate::orbit::Zones;
 use std::f64::consts::PI;
 
 use nalgebra::Complex;
@@ -16,6 +15,7 @@ use crate::affine::equilibrium::{
 use crate::continuation::Node;
 use crate::continuation::locate::node_at;
 use crate::linalg::Vector;
+use crate::orbit::Zones;
 
 /// How near a saddle an orbit comes, in units of its own, that has lost its digits before.
 pub(super) const FAR: f64 = 0.2;

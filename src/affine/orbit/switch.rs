@@ -3,7 +3,6 @@
 //! At a multiplier −1 the orbit traversed twice has the null vector (ξ, −ξ) with (M + 1)ξ = 0; at a multiplier 1 the
 //! orbit itself has one.
 
-use crate::orbit::{CoordinateChanges, Zones};
 use std::sync::Arc;
 
 use super::layout::AffineOrbit;
@@ -13,6 +12,7 @@ use super::start::{NoStart, Wanted, restart, scaled};
 use crate::continuation::Node;
 use crate::linalg::Vector;
 use crate::orbit::switch::other;
+use crate::orbit::{CoordinateChanges, Zones};
 
 /// The same orbit in as many shots as its growth asks for, where these are others: traversed twice the square of it.
 fn parted(orbit: &AffineOrbit, at: &Vector) -> Option<(AffineOrbit, Vector)> {

@@ -8,7 +8,6 @@
 //! the ends of the legs of one, by formulas ([`super::facts`]), makes it a solution of the equations of the other; there it is where these
 //! have one solution only.
 
-use crate::orbit::{Examined, Zones};
 use serde::{Deserialize, Serialize};
 
 use super::carry::SmoothSpan;
@@ -24,6 +23,7 @@ use crate::certify::arc::Moving;
 use crate::certify::krawczyk;
 use crate::interval::{Interval, Number, PI};
 use crate::linalg::Vector;
+use crate::orbit::{Examined, Zones};
 
 /// An orbit in a sequence of zones.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

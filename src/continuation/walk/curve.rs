@@ -9,7 +9,7 @@ use crate::continuation::locate::Place;
 use crate::continuation::newton::Equations;
 
 /// A zero curve of a system, what is watched along it, and what happens where that vanishes.
-pub trait Curve: Sized {
+pub trait WatchedCurve: Sized {
     /// Its equations.
     type System: Equations;
     /// Tells curves apart that have different equations.
@@ -26,7 +26,6 @@ pub trait Curve: Sized {
     type End;
     /// What comes so close to zero that rounding decides whether it vanishes.
     type Close;
-
     /// Creeping steps after which the curve ends, and the length below which a step creeps, in units of the
     /// first one. Steps that short come from rejections: they grow by half from one to the next.
     const CREEP: (usize, f64);
@@ -79,6 +78,16 @@ pub trait Curve: Sized {
     /// other unknowns of the same point.
     fn arrive(&mut self, node: &mut Node, watched: &Self::Watched, passed: &[(Place, Self::Event)]);
 
+    /// A point without an event.
+    fn point(&self, s: f64, node: &Node, watched: &Self::Watched) -> Self::Found;
+
+    /// The point of a step that closes the curve: its first point is at arclength `s` of it, and it
+    /// comes to `reached`.
+    fn closing(&self, s: f64, first: &Node, reached: Self::Found) -> Self::Found;
+}
+
+/// A curve that the walker follows: what it knows of its own steps, unknowns and ends.
+pub trait Curve: WatchedCurve {
     /// How many times longer than elsewhere the longest step from a node may be: more than 1 where unknowns are
     /// much larger than their units.
     fn stretch(&self, _node: &Node) -> f64 {
@@ -95,13 +104,6 @@ pub trait Curve: Sized {
     ) -> Option<(Self, Node, Self::Watched)> {
         None
     }
-
-    /// A point without an event.
-    fn point(&self, s: f64, node: &Node, watched: &Self::Watched) -> Self::Found;
-
-    /// The point of a step that closes the curve: its first point is at arclength `s` of it, and it
-    /// comes to `reached`.
-    fn closing(&self, s: f64, first: &Node, reached: Self::Found) -> Self::Found;
 
     /// The first node of the walk, which is one of the curve of this name, by every set of unknowns of this curve next to
     /// a node that gives the same point: an angle has many, and a cycle may begin at several places. None where no unknowns
@@ -164,7 +166,7 @@ pub enum Refused<F: Error, R: Error> {
 
 /// Why a step of a curve was refused.
 pub(crate) type RefusalOf<C> =
-    Refused<<<C as Curve>::System as Equations>::Failure, <C as Curve>::Refusal>;
+    Refused<<<C as WatchedCurve>::System as Equations>::Failure, <C as WatchedCurve>::Refusal>;
 
 /// How a curve ended.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -197,10 +199,10 @@ pub enum End<R, E> {
 }
 
 /// How a curve of a kind ended.
-pub(crate) type EndOf<C> = End<RefusalOf<C>, <C as Curve>::End>;
+pub(crate) type EndOf<C> = End<RefusalOf<C>, <C as WatchedCurve>::End>;
 
 /// What comes of an event.
-pub enum Outcome<C: Curve> {
+pub enum Outcome<C: WatchedCurve> {
     /// The curve passes it.
     Passed(C::Found),
     /// Another curve goes on, also where two events at one place lead there.
@@ -210,7 +212,7 @@ pub enum Outcome<C: Curve> {
 }
 
 /// The beginning of another curve.
-pub struct CurveBeginning<C: Curve> {
+pub struct CurveBeginning<C: WatchedCurve> {
     /// The curve.
     pub curve: C,
     /// Its first node.

@@ -11,7 +11,7 @@ mod curve;
 #[cfg(test)]
 mod tests;
 
-pub use curve::{Curve, CurveBeginning, End, Outcome, Refused, Segment, Within};
+pub use curve::{Curve, CurveBeginning, End, Outcome, Refused, Segment, WatchedCurve, Within};
 pub(crate) use curve::{EndOf, RefusalOf};
 
 use super::arclength::{self, Node, Steps};

@@ -22,7 +22,7 @@ enum Event {
     Edge,
 }
 
-impl Curve for Watched {
+impl WatchedCurve for Watched {
     type System = UnitCircle;
     type Name = ();
     type Watched = f64;
@@ -31,7 +31,6 @@ impl Curve for Watched {
     type Refusal = TooSmall;
     type End = ();
     type Close = ();
-
     const CREEP: (usize, f64) = (20, 1e-3);
 
     fn system(&self) -> &UnitCircle {
@@ -102,6 +101,8 @@ impl Curve for Watched {
         (true, first.point.clone())
     }
 }
+
+impl Curve for Watched {}
 
 /// Follows the circle from (1, 0) upwards: the special points and the end.
 fn walked(edge: f64, least: f64) -> (Vec<Vector>, EndOf<Watched>) {

@@ -1,6 +1,5 @@
 //! The pipeline from a problem to a branch of equilibria: first equilibrium, legs, points, labels and events.
 
-use crate::orbit::{EventType, Stability, Zones};
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
@@ -13,6 +12,7 @@ use crate::affine::equilibrium::{EquilibriumCurve, EquilibriumScales};
 use crate::orbit::follow::LocatedPoint;
 use crate::orbit::legs::{self, Itemised, Legs, Run};
 use crate::orbit::special::{ResumeMismatch, Special};
+use crate::orbit::{EventType, Stability, Zones};
 use crate::problem::{Continuation, SystemProblem};
 
 /// A row of the branch, with what belongs to it.

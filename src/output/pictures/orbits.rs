@@ -1,6 +1,5 @@
 //! Pictures of a branch of orbits: columns over the parameter, phase planes, time series, multipliers.
 
-use crate::orbit::Zones;
 use std::path::PathBuf;
 
 use super::colours::distinct;
@@ -13,6 +12,7 @@ use super::view::{View, parameter_axis};
 use super::{Named, PlotError, put};
 use crate::affine::system::Source;
 use crate::curve::{self, ParameterPlane, WholeCurve};
+use crate::orbit::Zones;
 use crate::output::curve::CurveFolder;
 use crate::output::layout::{self, MULTIPLIERS, profile_file};
 use crate::output::render::{

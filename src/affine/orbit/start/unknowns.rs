@@ -1,6 +1,5 @@
 //! Zones and places of a guess as the unknowns of an orbit, in units of their own, and the orbit that Newton's method finds there.
 
-use crate::orbit::Zones;
 use std::sync::Arc;
 
 use super::Wanted;
@@ -14,6 +13,7 @@ use crate::affine::orbit::signature::{Sequence, Zone};
 use crate::continuation::newton::{self, Fixed, Settings};
 use crate::linalg::periodic_schur::balance;
 use crate::linalg::{Matrix, Vector};
+use crate::orbit::Zones;
 use crate::orbit::special::NoFollower;
 use crate::orbit::switch::{admitted, is_in_family};
 
