@@ -10,7 +10,7 @@ use super::conditioning::conditioning;
 use super::first_wave::Observer;
 use super::item::{event, row};
 use super::orbit::Found;
-use super::progress::WaveMemory;
+use super::progress::{WaveMemory, plan};
 use super::row::EigenvalueRow;
 use super::saved::SavedWave;
 use super::special::{OfWaves, Special, WaveNote};
@@ -84,8 +84,8 @@ impl WaveRunner {
             family,
             directions,
         } = begin(problem, continuation, restart, observer)?;
-        let beside = WaveMemory::new(&wave, directions);
-        let plan = beside.plan(problem, continuation, model);
+        let beside = WaveMemory::new(&wave);
+        let plan = plan(problem, continuation, model, &directions);
         let legs =
             Legs::begin(wave, &point, plan).map_err(|reason| NoFirstWave::Newton(reason.into()))?;
         Ok(WaveRunner {
@@ -107,15 +107,10 @@ impl WaveRunner {
         let model = saved.model;
         let method = problem.method.unwrap_or(Method::cheapest(model.law));
         let wave = progress.wave(problem, continuation, model, method)?;
-        let plan = progress.beside.plan(problem, continuation, model);
+        let plan = plan(problem, continuation, model, &progress.directions);
         let legs = Legs::resume(&wave, progress.legs, plan)?;
-        Ok(WaveRunner::at(
-            problem,
-            continuation,
-            model,
-            legs,
-            progress.beside,
-        ))
+        let beside = progress.beside;
+        Ok(WaveRunner::at(problem, continuation, model, legs, beside))
     }
 
     fn at(
@@ -133,14 +128,6 @@ impl WaveRunner {
             legs,
             beside,
             notes: Vec::new(),
-        }
-    }
-
-    /// All that is needed to go on from here.
-    pub fn state(&self) -> WaveProgress {
-        WaveProgress {
-            legs: self.legs.progress().clone(),
-            beside: self.beside.clone(),
         }
     }
 
@@ -331,7 +318,7 @@ impl WaveRunner {
                 .collect(),
             _ => Vec::new(),
         };
-        self.beside.eigenvalues += eigenvalues.len();
+        self.legs.count_spectrum(eigenvalues.len());
         let unknowns = found.node.point;
         let saved = point.label;
         let saved = saved.map(|label| SavedWave::new(label, model, &found.orbit, &unknowns));
@@ -436,9 +423,15 @@ impl WaveRunner {
 impl Run for WaveRunner {
     type Orbit = Wave;
     type Item = WaveItem;
+    type Beside = WaveMemory;
 
     fn progress(&self) -> &legs::Progress<Wave> {
         self.legs.progress()
+    }
+
+    fn state(&self) -> WaveProgress {
+        let requested = self.continuation.toward.directions();
+        self.legs.state(requested, self.beside.clone())
     }
 
     fn step(&mut self) -> Vec<WaveItem> {

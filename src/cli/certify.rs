@@ -1,25 +1,23 @@
 //! `brakewave certify`.
 
-use crate::orbit::legs::Run;
 use std::path::Path;
 
 use clap::Args;
 
-use super::equilibria::{self, PreparedEquilibrium};
 use super::failure::{Usage, VerbExit, VerbFailure};
 use super::options::{Task, read_any};
-use super::prepare::{Prepared, PreparedSystem, early_end, follow, ready, ready_system};
+use super::prepare::{Prepared, early_end, follow, ready, ready_equilibrium, ready_system};
 use super::progress::each;
 use super::{stopped, verify};
 use crate::branch::run::WaveItem;
 use crate::certify::{
     self, ArcOutcome, Certificate, CertifiedPoint, Counted, Provable, equilibrium, orbit,
 };
-use crate::hybrid;
-use crate::hybrid::equilibrium::EquilibriumItem;
+use crate::hybrid::runner::{SystemItem, SystemOrbit, SystemRunner};
+use crate::orbit::legs::Run;
 use crate::output::certify::{CertificateFolder, Certified};
 use crate::output::store::FolderKind;
-use crate::problem::{Any, StabilitySection};
+use crate::problem::{Any, StabilitySection, SystemProblem};
 
 #[derive(Debug, Args)]
 #[command(mut_arg("resume", |one| one.help("Compute what was interrupted once more, from its beginning")))]
@@ -47,10 +45,22 @@ pub(crate) fn certify(arguments: &CertifyArguments) -> Result<VerbExit, VerbFail
     match problem {
         Any::Tube(problem) => waves(arguments, ready(*problem, text, &task.problem)?),
         Any::System(problem) if problem.equilibrium.is_some() => {
-            let prepared = equilibria::ready(*problem, text, &task.problem)?;
-            of_equilibria(arguments, &prepared)
+            if arguments.arcs {
+                return Err(Usage::OfOrbits.into());
+            }
+            let prepared = ready_equilibrium(*problem, text, &task.problem)?;
+            let begin = || prepared.begin();
+            of_system(arguments, &prepared.problem, begin, |item| {
+                equilibrium::certify(item, prepared.source.text())
+            })
         }
-        Any::System(problem) => orbits(arguments, ready_system(*problem, text, &task.problem)?),
+        Any::System(problem) => {
+            let prepared = ready_system(*problem, text, &task.problem)?;
+            let begin = || prepared.begin();
+            of_system(arguments, &prepared.problem, begin, |item| {
+                orbit::certify(item, prepared.source.text())
+            })
+        }
     }
 }
 
@@ -85,51 +95,34 @@ fn waves(arguments: &CertifyArguments, prepared: Prepared) -> Result<VerbExit, V
     finish(task, &out, folder, points, &branch)
 }
 
-fn orbits(arguments: &CertifyArguments, prepared: PreparedSystem) -> Result<VerbExit, VerbFailure> {
+/// A branch of a user's system, each of whose special points `prove` proves.
+fn of_system<O: SystemOrbit, P: Certified + Sync>(
+    arguments: &CertifyArguments,
+    problem: &SystemProblem,
+    begin: impl FnOnce() -> Result<SystemRunner<O>, VerbFailure>,
+    prove: impl Fn(&SystemItem<O>) -> Option<CertifiedPoint<P>> + Sync,
+) -> Result<VerbExit, VerbFailure>
+where
+    SystemItem<O>: Sync,
+    CertifiedPoint<P>: Send + Sync,
+{
     let task = &arguments.task;
     if arguments.spectrum {
         return Err(Usage::OfWaves.into());
     }
     let out = task.folder("_certify");
-    let store = task.open_system(&out, FolderKind::Certificate, &prepared.problem)?;
-    let mut branch = prepared.begin()?;
-    let folder = CertificateFolder::create::<orbit::OrbitProof>(store)?;
-    let special = located(task.quiet, &mut branch, |item: &hybrid::OrbitItem| {
+    let store = task.open_system(&out, FolderKind::Certificate, problem)?;
+    let mut branch = begin()?;
+    let folder = CertificateFolder::create::<P>(store)?;
+    let special = located(task.quiet, &mut branch, |item: &SystemItem<O>| {
         item.event.is_some()
     })?;
-    let proofs: Vec<_> = each(task.quiet, &special, "points", |item| {
-        orbit::certify(item, prepared.source.text())
-    });
-    let mut points: Vec<CertifiedPoint<orbit::OrbitProof>> = proofs.into_iter().flatten().collect();
+    let proofs: Vec<_> = each(task.quiet, &special, "points", prove);
+    let mut points: Vec<CertifiedPoint<P>> = proofs.into_iter().flatten().collect();
     if arguments.arcs {
         join(task.quiet, &mut points);
     }
     compare(&mut points);
-    finish(task, &out, folder, points, &branch)
-}
-
-fn of_equilibria(
-    arguments: &CertifyArguments,
-    prepared: &PreparedEquilibrium,
-) -> Result<VerbExit, VerbFailure> {
-    let task = &arguments.task;
-    if arguments.spectrum {
-        return Err(Usage::OfWaves.into());
-    }
-    if arguments.arcs {
-        return Err(Usage::OfOrbits.into());
-    }
-    let out = task.folder("_certify");
-    let store = task.open_system(&out, FolderKind::Certificate, &prepared.problem)?;
-    let mut branch = prepared.begin()?;
-    let folder = CertificateFolder::create::<equilibrium::EquilibriumProof>(store)?;
-    let special = located(task.quiet, &mut branch, |item: &EquilibriumItem| {
-        item.event.is_some()
-    })?;
-    let proofs: Vec<_> = each(task.quiet, &special, "points", |item| {
-        equilibrium::certify(item, prepared.text())
-    });
-    let points = proofs.into_iter().flatten().collect();
     finish(task, &out, folder, points, &branch)
 }
 

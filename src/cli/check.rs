@@ -5,22 +5,22 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::equilibria;
 use super::failure::{VerbExit, VerbFailure};
 use super::junit::{self, CaseVerdict, Suite};
 use super::options::{read_any, spare, write};
-use super::prepare::{early_end, follow, ready, ready_system};
+use super::prepare::{early_end, follow, ready, ready_equilibrium, ready_system};
 use super::{print, warn};
 use crate::branch::Event;
+use crate::branch::run::WaveItem;
 use crate::certify::{CertifiedPoint, certify, equilibrium, orbit};
-use crate::hybrid::OrbitEvent;
-use crate::hybrid::equilibrium::EquilibriumEvent;
+use crate::hybrid::equilibrium::{EquilibriumEvent, EquilibriumItem};
+use crate::hybrid::{OrbitEvent, OrbitItem};
 use crate::messages::figures;
 use crate::orbit::legs::Run;
 use crate::output::certify::Certified;
 use crate::output::store::Offers;
-use crate::problem::compare::{Compared, Comparison, compare};
-use crate::problem::{self, Any, Problem, SystemProblem};
+use crate::problem::compare::{Compared, Comparison, Occurrence, compare};
+use crate::problem::{self, Any, Expectation, Problem, SystemProblem};
 
 #[derive(Debug, Args)]
 pub(crate) struct CheckArguments {
@@ -118,18 +118,15 @@ fn check_file(path: &Path) -> Result<CheckOutcome, VerbFailure> {
     }
     let prepared = ready(problem, text, path)?;
     let (problem, parameter) = (&prepared.problem, prepared.continuation.parameter);
-    let mut branch = prepared.begin(false)?;
-    let mut certified = Vec::new();
-    let events = events(&file, &mut branch, |item| {
-        if problem.certify {
-            certified.extend(certify(&item, prepared.source.text()));
-        }
-        item.event.as_ref().map(Event::occurrence)
-    })?;
-    let compared = compare(&problem.expect, &events);
-    let compared = compared.iter().map(|one| found(one, parameter.column()));
-    let found = compared.chain(certified.iter().map(proven)).collect();
-    Ok(CheckOutcome::of(file, found, &branch))
+    let occurrence = |item: &WaveItem| item.event.as_ref().map(Event::occurrence);
+    let prove = |item: &WaveItem| certify(item, prepared.source.text());
+    checked(
+        file,
+        prepared.begin(false)?,
+        (&problem.expect, parameter.column()),
+        occurrence,
+        problem.certify.then_some(prove),
+    )
 }
 
 /// The same of a problem with a system of one's own.
@@ -143,50 +140,54 @@ fn check_system(
         return Ok(skipped(file));
     }
     if problem.equilibrium.is_some() {
-        let prepared = equilibria::ready(problem, text, path)?;
-        let mut branch = prepared.begin()?;
-        let mut certified = Vec::new();
-        let events = events(&file, &mut branch, |item| {
-            if prepared.problem.certify {
-                certified.extend(equilibrium::certify(&item, prepared.text()));
-            }
-            item.event.as_ref().map(EquilibriumEvent::occurrence)
-        })?;
-        let compared = compare(&prepared.problem.expect, &events);
-        let column = &prepared.continuation.parameter;
-        let compared = compared.iter().map(|one| found(one, column));
-        let found = compared.chain(certified.iter().map(proven)).collect();
-        return Ok(CheckOutcome::of(file, found, &branch));
+        let prepared = ready_equilibrium(problem, text, path)?;
+        let occurrence = |item: &EquilibriumItem| {
+            let event = item.event.as_ref();
+            event.map(EquilibriumEvent::occurrence)
+        };
+        let prove = |item: &EquilibriumItem| equilibrium::certify(item, prepared.source.text());
+        return checked(
+            file,
+            prepared.begin()?,
+            prepared.expected(),
+            occurrence,
+            prepared.problem.certify.then_some(prove),
+        );
     }
     let prepared = ready_system(problem, text, path)?;
-    let mut branch = prepared.begin()?;
-    let mut certified = Vec::new();
-    let events = events(&file, &mut branch, |item| {
-        if prepared.problem.certify {
-            certified.extend(orbit::certify(&item, prepared.source.text()));
-        }
-        item.event.as_ref().map(OrbitEvent::occurrence)
-    })?;
-    let compared = compare(&prepared.problem.expect, &events);
-    let column = &prepared.continuation.parameter;
-    let compared = compared.iter().map(|one| found(one, column));
-    let found = compared.chain(certified.iter().map(proven)).collect();
-    Ok(CheckOutcome::of(file, found, &branch))
+    let occurrence = |item: &OrbitItem| item.event.as_ref().map(OrbitEvent::occurrence);
+    let prove = |item: &OrbitItem| orbit::certify(item, prepared.source.text());
+    checked(
+        file,
+        prepared.begin()?,
+        prepared.expected(),
+        occurrence,
+        prepared.problem.certify.then_some(prove),
+    )
 }
 
-/// The events of a branch that is followed to its end.
-fn events<R: Run, E>(
-    file: &str,
-    branch: &mut R,
-    mut event: impl FnMut(R::Item) -> Option<E>,
-) -> Result<Vec<E>, VerbFailure> {
-    let mut events = Vec::new();
-    follow(false, branch, |items, branch| {
-        events.extend(items.into_iter().filter_map(&mut event));
+/// Follows a branch to its end, compares its events with what is expected of a branch in this parameter, and proves them where that is
+/// asked for.
+fn checked<R: Run, P: Certified>(
+    file: String,
+    mut branch: R,
+    (expect, parameter): (&[Expectation], &str),
+    occurrence: impl Fn(&R::Item) -> Option<Occurrence>,
+    prove: Option<impl Fn(&R::Item) -> Option<CertifiedPoint<P>>>,
+) -> Result<CheckOutcome, VerbFailure> {
+    let (mut events, mut certified) = (Vec::new(), Vec::new());
+    follow(false, &mut branch, |items, branch| {
+        for item in &items {
+            certified.extend(prove.as_ref().and_then(|prove| prove(item)));
+            events.extend(occurrence(item));
+        }
         let (points, events) = (branch.progress().points, events.len());
         Ok(format!("{file}: {points} points, {events} events"))
     })?;
-    Ok(events)
+    let compared = compare(expect, &events);
+    let compared = compared.iter().map(|one| found(one, parameter));
+    let found = compared.chain(certified.iter().map(proven)).collect();
+    Ok(CheckOutcome::of(file, found, &branch))
 }
 
 /// Of a file that has no branch to run, and nothing to compare.

@@ -5,7 +5,9 @@ use serde::Serialize;
 
 use super::failure::{VerbExit, VerbFailure};
 use super::options::{Task, format, read_any};
-use super::prepare::{ProblemSource, named, named_equilibrium, ready, ready_system};
+use super::prepare::{
+    ProblemSource, named, named_equilibrium, ready, ready_equilibrium, ready_system,
+};
 use super::progress::{ProgressLine, drive};
 use super::{interrupt, summary, titled, warn};
 use crate::branch::run::WaveRunner;
@@ -152,7 +154,7 @@ fn of_equilibria(
             let begun = labelled_of_equilibria(problem, &named, section);
             return begun.map_err(&refuse);
         }
-        let prepared = super::equilibria::ready(problem.clone(), text, &task.problem)?;
+        let prepared = ready_equilibrium(problem.clone(), text, &task.problem)?;
         let progress = ProgressLine::new(task.quiet);
         let mut watch = |branch: &EquilibriumRunner| looking(&progress, branch);
         let begun = || prepared.start();

@@ -4,7 +4,6 @@ mod accuracy;
 mod certify;
 mod check;
 mod curve;
-mod equilibria;
 mod failure;
 mod interrupt;
 mod junit;

@@ -1,6 +1,5 @@
 //! A problem made ready to be run: the wave it restarts from, and the ways its branch can go.
 
-use crate::orbit::legs::{Run, RunEnd};
 use std::path::Path;
 
 use super::failure::{VerbExit, VerbFailure};
@@ -8,9 +7,10 @@ use super::options::read;
 use super::progress::{ProgressLine, drive};
 use crate::branch::SavedWave;
 use crate::branch::run::{RunError, WaveRunner};
-use crate::hybrid::equilibrium::NamedEquilibrium;
+use crate::hybrid::equilibrium::{EquilibriumRunner, NamedEquilibrium, NoEquilibriumStart};
 use crate::hybrid::{self, EarlierPoint, NamedOrbit, NoFirstPoint};
 use crate::orbit::EventType;
+use crate::orbit::legs::{Run, RunEnd};
 use crate::output::attractors::SavedAttractors;
 use crate::output::equilibria::Equilibria;
 use crate::output::orbits::{Orbits, kind_of};
@@ -18,7 +18,8 @@ use crate::output::origin;
 use crate::output::store::Checkpoint as _;
 use crate::output::waves::{self, Waves};
 use crate::problem::{
-    self, Any, Continuation, OrbitStart, Problem, ProblemError, Start, SystemProblem, Toward,
+    self, Any, Continuation, EquilibriumStart, Expectation, OrbitStart, Problem, ProblemError,
+    Start, SystemProblem, Toward,
 };
 
 /// A problem read and ready to run.
@@ -86,11 +87,6 @@ impl ProblemSource {
     /// The text of a file.
     pub(crate) fn new(name: String, text: String) -> ProblemSource {
         ProblemSource { name, text }
-    }
-
-    /// The name of the file.
-    pub(crate) fn name(&self) -> &str {
-        &self.name
     }
 
     /// The text of the file.
@@ -230,12 +226,46 @@ pub(crate) fn ready(problem: Problem, text: String, path: &Path) -> Result<Prepa
     })
 }
 
-/// A problem with a system of one's own, read and ready to run.
-pub(crate) struct PreparedSystem {
+/// A problem with a system of one's own, read and ready to run; `N` is a point of an earlier run.
+pub(crate) struct PreparedSystem<N = EarlierPoint> {
     pub problem: SystemProblem,
     pub continuation: Continuation<String>,
-    pub named: Option<EarlierPoint>,
+    pub named: Option<N>,
     pub source: ProblemSource,
+}
+
+impl<N> PreparedSystem<N> {
+    /// A problem that begins at a point of an earlier run, with these values of the parameters, or anew.
+    fn new(
+        problem: SystemProblem,
+        source: ProblemSource,
+        named: Option<N>,
+        values: impl FnOnce(&N) -> &[f64],
+        is_switch: bool,
+    ) -> Result<PreparedSystem<N>, VerbFailure> {
+        let mut continuation = problem.continuation(&source.text, &source.name)?.clone();
+        let values = named
+            .as_ref()
+            .map_or_else(|| problem.values(), |named| values(named).to_vec());
+        let first = problem.parameter();
+        let first = first.and_then(|index| values.get(index).copied());
+        // the other branch at an event goes the way it goes
+        if !is_switch {
+            let column = continuation.parameter.clone();
+            continuation.toward = ways(&continuation, &column, first, &source)?;
+        }
+        Ok(PreparedSystem {
+            problem,
+            continuation,
+            named,
+            source,
+        })
+    }
+
+    /// What is expected of the branch, and the parameter that it is followed in.
+    pub(crate) fn expected(&self) -> (&[Expectation], &str) {
+        (&self.problem.expect, &self.continuation.parameter)
+    }
 }
 
 impl PreparedSystem {
@@ -254,6 +284,22 @@ impl PreparedSystem {
     }
 }
 
+impl PreparedSystem<NamedEquilibrium> {
+    /// The beginning of the branch, or the line of the problem file that keeps it from beginning.
+    pub(crate) fn begin(&self) -> Result<EquilibriumRunner, VerbFailure> {
+        self.start().map_err(|error| {
+            let (path, help) = error.about();
+            let message = error.to_string();
+            self.source.placed(path, message, help, VerbExit::Numerical)
+        })
+    }
+
+    /// The beginning of the branch.
+    pub(crate) fn start(&self) -> Result<EquilibriumRunner, NoEquilibriumStart> {
+        EquilibriumRunner::begin(&self.problem, &self.continuation, self.named.as_ref())
+    }
+}
+
 /// The branch of a problem with a system that was read, and the orbit it restarts from if it does.
 pub(crate) fn ready_system(
     problem: SystemProblem,
@@ -261,7 +307,7 @@ pub(crate) fn ready_system(
     path: &Path,
 ) -> Result<PreparedSystem, VerbFailure> {
     let source = ProblemSource::new(problem::name_of(path), text);
-    let mut continuation = problem.continuation(&source.text, &source.name)?.clone();
+    problem.continuation(&source.text, &source.name)?;
     let start = &problem.orbit.start;
     let named = match start {
         OrbitStart::Restart { dir, label } | OrbitStart::Switch { dir, label } => {
@@ -278,23 +324,30 @@ pub(crate) fn ready_system(
         }
         OrbitStart::Nowhere | OrbitStart::Simulate { .. } | OrbitStart::Given { .. } => None,
     };
-    let values = named
-        .as_ref()
-        .map_or_else(|| problem.values(), |named| named.values().to_vec());
-    let first = problem
-        .parameter()
-        .and_then(|index| values.get(index).copied());
-    let column = continuation.parameter.clone();
-    // the other branch at an event goes the way it goes
-    if !matches!(start, OrbitStart::Switch { .. }) {
-        continuation.toward = ways(&continuation, &column, first, &source)?;
-    }
-    Ok(PreparedSystem {
-        problem,
-        continuation,
-        named,
-        source,
-    })
+    let is_switch = matches!(start, OrbitStart::Switch { .. });
+    PreparedSystem::new(problem, source, named, EarlierPoint::values, is_switch)
+}
+
+/// The branch of a problem with equilibria that was read, and the equilibrium it restarts from if it does.
+pub(crate) fn ready_equilibrium(
+    problem: SystemProblem,
+    text: String,
+    path: &Path,
+) -> Result<PreparedSystem<NamedEquilibrium>, VerbFailure> {
+    let source = ProblemSource::new(problem::name_of(path), text);
+    problem.continuation(&source.text, &source.name)?;
+    let start = problem.equilibrium.as_ref().map(|section| &section.start);
+    let is_switch = matches!(start, Some(EquilibriumStart::Switch { .. }));
+    let named = match start {
+        Some(
+            EquilibriumStart::Restart { dir, label } | EquilibriumStart::Switch { dir, label },
+        ) => {
+            let at = ("equilibrium.start", is_switch);
+            Some(named_equilibrium(&problem, (dir, *label), at, &source)?)
+        }
+        _ => None,
+    };
+    PreparedSystem::new(problem, source, named, NamedEquilibrium::values, is_switch)
 }
 
 /// Whether a folder is that of a branch of equilibria.

@@ -6,11 +6,10 @@ use clap::Args;
 
 use super::failure::{Usage, VerbExit, VerbFailure};
 use super::options::{Task, Threads, read_any};
-use super::prepare::{early_end, follow, ready, ready_system};
+use super::prepare::{PreparedSystem, early_end, follow, ready, ready_equilibrium, ready_system};
 use super::{interrupt, stopped, summary, titled, warn};
 use crate::branch::run::WaveRunner;
-use crate::hybrid;
-use crate::hybrid::equilibrium::EquilibriumRunner;
+use crate::hybrid::runner::{SystemOrbit, SystemRunner};
 use crate::orbit::legs::Run;
 use crate::output::pictures;
 use crate::output::render::Format;
@@ -80,22 +79,11 @@ fn orbits(
     problem: SystemProblem,
     text: String,
 ) -> Result<VerbExit, VerbFailure> {
-    let task = &arguments.task;
-    let prepared = ready_system(problem, text, &task.problem)?;
-    let problem = &prepared.problem;
-    let out = task.folder("");
-    let continuation = &prepared.continuation;
-    let resume = |saved: &Restart<hybrid::OrbitRunner>| {
-        let (first, progress) = (saved.labelled(&out, 1)?, saved.progress.clone());
-        hybrid::OrbitRunner::resume(problem, continuation, first, progress)
-            .map_err(|reason| spoiled(&out, &reason))
-    };
+    let prepared = ready_system(problem, text, &arguments.task.problem)?;
     // with a prescribed period the parameter that is free tells more
-    let free = problem.orbit.free.as_deref();
+    let free = prepared.problem.orbit.free.as_deref();
     let shown = free.map_or(("period", "T"), |free| (free, free));
-    let begin = || prepared.begin();
-    let branch = of_system(arguments, problem, shown, resume, begin)?.branch;
-    branch_end(&branch, branch.notes())
+    of_system(arguments, &prepared, shown, || prepared.begin())
 }
 
 fn equilibria(
@@ -103,49 +91,45 @@ fn equilibria(
     problem: SystemProblem,
     text: String,
 ) -> Result<VerbExit, VerbFailure> {
-    let task = &arguments.task;
-    let prepared = super::equilibria::ready(problem, text, &task.problem)?;
-    let problem = &prepared.problem;
-    let out = task.folder("");
-    let continuation = &prepared.continuation;
-    let resume = |saved: &Restart<EquilibriumRunner>| {
-        let (first, progress) = (saved.labelled(&out, 1)?, saved.progress.clone());
-        EquilibriumRunner::resume(problem, continuation, first, progress)
-            .map_err(|reason| spoiled(&out, &reason))
-    };
-    let state = problem.system.source.states.first();
+    let prepared = ready_equilibrium(problem, text, &arguments.task.problem)?;
+    let state = prepared.problem.system.source.states.first();
     let state = state.map_or("re", String::as_str);
-    let begin = || prepared.begin();
-    let branch = of_system(arguments, problem, (state, state), resume, begin)?.branch;
-    branch_end(&branch, branch.notes())
+    of_system(arguments, &prepared, (state, state), || prepared.begin())
 }
 
 /// Follows a branch of a system into its folder, draws it, and prints what was found with a column of the branch.
-fn of_system<R: Recorded<Problem = SystemProblem>>(
+fn of_system<O: SystemOrbit, N>(
     arguments: &RunArguments,
-    problem: &SystemProblem,
+    prepared: &PreparedSystem<N>,
     shown: (&str, &str),
-    resume: impl FnOnce(&Restart<R>) -> Result<R, VerbFailure>,
-    begin: impl FnOnce() -> Result<R, VerbFailure>,
-) -> Result<Followed<R>, VerbFailure> {
+    begin: impl FnOnce() -> Result<SystemRunner<O>, VerbFailure>,
+) -> Result<VerbExit, VerbFailure>
+where
+    SystemRunner<O>:
+        Recorded<Problem = SystemProblem, Saved = O::Saved, Orbit = O, Beside = O::Scales>,
+{
     let task = &arguments.task;
+    let (problem, continuation) = (&prepared.problem, &prepared.continuation);
     let out = task.folder("");
     let store = task.open_system(&out, FolderKind::Run, problem)?;
+    let resume = |saved: &Restart<SystemRunner<O>>| {
+        let (first, progress) = (saved.labelled(&out, 1)?, saved.progress.clone());
+        SystemRunner::resume(problem, continuation, first, progress)
+            .map_err(|reason| spoiled(&out, &reason))
+    };
     let followed = Followed::new(task, &out, store, problem, resume, begin)?;
     let store = followed.folder.store();
     arguments.threads.install(1, usize::MAX, || {
         Ok(pictures::orbits::draw(store, problem, Format::Svg)?)
     })?;
     if !task.quiet {
-        let parameter = problem.continuation.as_ref();
-        let parameter = parameter.map_or("", |section| section.parameter.as_str());
-        let mut text = summary::of_system(&out, parameter, shown)?;
+        let mut text = summary::of_system(&out, &continuation.parameter, shown)?;
         let system = &problem.system;
         let at = system.at(&problem.values(), &[]).map_err(Usage::NoSystem)?;
         text.push_str(&summary::flows(system, &at));
         followed.say(task, &out, titled(problem.title.as_deref(), &text))?;
     }
-    Ok(followed)
+    branch_end(&followed.branch, followed.branch.notes())
 }
 
 /// What was saved does not go on.

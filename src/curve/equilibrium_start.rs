@@ -12,6 +12,7 @@ use crate::hybrid::equilibrium::{
     EquilibriumItem, EquilibriumRunner, LabelledEquilibrium, NamedEquilibrium, NoEquilibriumStart,
 };
 use crate::linalg::Vector;
+use crate::orbit::legs::Run as _;
 use crate::orbit::{EventType, Zones};
 use crate::problem::{SystemCurve, SystemProblem};
 
@@ -31,13 +32,13 @@ pub fn find_of_equilibria(
     let kept = KeptMonitor::of(problem, curve);
     let wanted = wanted(kind, kept.as_ref());
     let asked = (kind, curve.index);
-    let scales = branch.state().scales;
+    let scales = branch.state().beside;
     let of = |item: &EquilibriumItem| match &kept {
         None => item.point.kind,
-        Some(kept) => kept.event(item.special.as_ref().map(|(_, special)| special)),
+        Some(kept) => kept.event(item.special.as_ref()),
     };
     let item = event::<EquilibriaInPlane, _>(branch, asked, wanted, of, watch)?;
-    let special = item.special.as_ref().map(|(_, special)| special);
+    let special = item.special.as_ref();
     let kept = kept.map(|kept| kept.at::<EquilibriaInPlane>(special, &item.point.monitors));
     let kept = kept.transpose()?;
     let unknown = NoCurve::Run(NoEquilibriumStart::Unknown);

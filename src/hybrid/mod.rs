@@ -7,10 +7,11 @@ pub mod exponents;
 mod point;
 pub mod row;
 pub mod run;
+pub mod runner;
 mod saved;
 pub mod scan;
 
 pub use begin::{NamedOrbit, NoFirstPoint, come_to};
-pub use point::{Note, OrbitEvent, OrbitPoint};
-pub use run::{EarlierPoint, OrbitItem, OrbitRunner};
+pub use point::{OrbitEvent, OrbitPoint};
+pub use run::{EarlierPoint, Note, OrbitItem, OrbitRunner};
 pub use saved::LabelledOrbit;

@@ -3,9 +3,8 @@
 use nalgebra::Complex;
 
 use crate::affine::orbit::multiplier::own;
-use crate::affine::orbit::{AffineOrbit, Multiplier, SlidingBifurcation};
-use crate::orbit::special::Close;
-use crate::orbit::{EventType, Inequalities, Stability};
+use crate::affine::orbit::{Multiplier, SlidingBifurcation};
+use crate::orbit::{EventType, Stability};
 use crate::problem::compare::Occurrence;
 
 /// One accepted point of a branch: a row of `branch.csv`.
@@ -109,18 +108,4 @@ impl OrbitEvent {
             regimes: [self.regimes_before.clone(), self.regimes_after.clone()],
         }
     }
-}
-
-/// What could not be settled in a run.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Note {
-    /// What comes so close to zero at a point, or between it and the one before, that rounding decides.
-    Close {
-        /// Name of the parameter.
-        parameter: String,
-        /// Its value.
-        value: f64,
-        /// What.
-        what: Close<<AffineOrbit as Inequalities>::Inequality>,
-    },
 }

@@ -1,25 +1,33 @@
-//! The pipeline from a problem to a branch of orbits: first orbit, legs, points, labels and events.
+//! A branch of orbits: where it begins, and what its rows tell.
 
-use serde::{Deserialize, Serialize};
-
-use super::begin::{FirstOrbit, NamedOrbit, NoFirstPoint, begin, plan};
+use super::begin::{FirstOrbit, NamedOrbit, NoFirstPoint, begin};
 use super::equilibrium::begin::NamedEquilibrium;
 use super::equilibrium::birth::born;
-use super::point::{Note, OrbitEvent, OrbitPoint};
+use super::point::{OrbitEvent, OrbitPoint};
 use super::row::MultiplierRow;
+use super::runner::{SystemItem, SystemNote, SystemOrbit, SystemRunner};
 use super::saved::LabelledOrbit;
-use crate::affine::orbit::{AffineOrbit, Examination, Multiplier, Scales, SlidingBifurcation};
+use crate::affine::orbit::{
+    AffineOrbit, Examination, Multiplier, OrbitInequality, Scales, SlidingBifurcation,
+};
 use crate::continuation::Node;
 use crate::linalg::Vector;
 use crate::orbit::follow::LocatedPoint;
-use crate::orbit::legs::{self, Itemised, Legs, Run};
-use crate::orbit::special::{ResumeMismatch, Special};
+use crate::orbit::legs::{self, PointNumbers, RunState};
+use crate::orbit::special::Special;
 use crate::orbit::{EventType, Stability, Zones};
-use crate::problem::Continuation;
-use crate::problem::SystemProblem;
+use crate::problem::{Continuation, SystemProblem};
 
 /// How a run of orbits ended.
 pub type End = legs::RunEnd<AffineOrbit>;
+/// A row of a branch of orbits, with the orbit behind it.
+pub type OrbitItem = SystemItem<AffineOrbit>;
+/// The state of a run of orbits between two steps.
+pub type OrbitProgress = RunState<AffineOrbit, Scales>;
+/// A branch of orbits being computed from a problem.
+pub type OrbitRunner = SystemRunner<AffineOrbit>;
+/// What could not be settled in a run of orbits.
+pub type Note = SystemNote<OrbitInequality>;
 
 /// Arclength after which the zones beside an event are where they are from there on.
 const A_LITTLE: f64 = 1e-6;
@@ -41,55 +49,6 @@ impl EarlierPoint {
             EarlierPoint::Equilibrium(named) => &named.saved.values,
         }
     }
-}
-
-/// A row of the branch, with the orbit behind it.
-#[derive(Clone, Debug)]
-pub struct OrbitItem {
-    /// The row.
-    pub point: OrbitPoint,
-    /// The event, at special points.
-    pub event: Option<OrbitEvent>,
-    /// What makes the point special.
-    pub special: Option<Special<AffineOrbit>>,
-    /// Multipliers at labelled points.
-    pub multipliers: Vec<MultiplierRow>,
-    /// The orbit in physical numbers, at labelled points.
-    pub saved: Option<LabelledOrbit>,
-    found: LocatedPoint<AffineOrbit>,
-}
-
-impl OrbitItem {
-    /// The orbit as a boundary-value problem, and its scaled unknowns.
-    pub fn orbit(&self) -> (&AffineOrbit, &Vector) {
-        (&self.found.orbit, &self.found.node.point)
-    }
-}
-
-/// The state of a run of orbits between two steps.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct OrbitProgress {
-    /// The legs.
-    pub legs: legs::Progress<AffineOrbit>,
-    /// Units of the unknowns.
-    pub scales: Scales,
-    /// Rows of `multipliers.csv` handed out so far.
-    pub multipliers: usize,
-    /// Ways of the legs where they are not those of the problem: the other branch at an event has its own.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub directions: Vec<bool>,
-}
-
-/// A branch of orbits being computed from a problem.
-pub struct OrbitRunner {
-    problem: SystemProblem,
-    continuation: Continuation<String>,
-    /// Values of the parameters at the first orbit.
-    values: Vec<f64>,
-    legs: Legs<AffineOrbit>,
-    scales: Scales,
-    multipliers: usize,
-    notes: Vec<Note>,
 }
 
 impl OrbitRunner {
@@ -115,76 +74,84 @@ impl OrbitRunner {
             return Err(NoFirstPoint::NegativeBound(stop));
         }
         let orbit = orbit.with_monitors(problem.monitors());
-        let scales = orbit.setting.scales.clone();
         let values = orbit.setting.values.clone();
-        let plan = plan(problem, continuation).going(&directions);
-        let legs = Legs::begin(orbit, &point, plan).map_err(NoFirstPoint::NoLeg)?;
-        Ok(OrbitRunner {
-            problem: problem.clone(),
-            continuation: continuation.clone(),
-            values,
-            legs,
-            scales,
-            multipliers: 0,
-            notes: Vec::new(),
-        })
+        let first = (orbit, &point);
+        SystemRunner::set_out((problem, continuation), first, values, &directions)
+            .map_err(NoFirstPoint::NoLeg)
+    }
+}
+
+impl SystemOrbit for AffineOrbit {
+    type Scales = Scales;
+    type Point = OrbitPoint;
+    type Event = OrbitEvent;
+    type SpectrumRow = MultiplierRow;
+    type Saved = LabelledOrbit;
+
+    fn scales(&self) -> Scales {
+        self.setting.scales.clone()
     }
 
-    /// Goes on from saved progress; `first` is the orbit of label 1.
-    ///
-    /// # Errors
-    /// When the progress is not one that a run of this problem leaves.
-    pub fn resume(
+    fn parameters(&self, point: &Vector) -> Vec<f64> {
+        self.values_at(point)
+    }
+
+    fn saved_parameters(saved: &LabelledOrbit) -> &[f64] {
+        &saved.orbit.values
+    }
+
+    fn resumed(
         problem: &SystemProblem,
-        continuation: &Continuation<String>,
-        first: &LabelledOrbit,
-        progress: OrbitProgress,
-    ) -> Result<OrbitRunner, ResumeMismatch<AffineOrbit>> {
-        let names = &problem.system.source.parameters;
-        let parameter = names.index(&continuation.parameter);
-        let scales = progress.scales.clone();
-        let posed = parameter.and_then(|index| first.posed(problem, index, scales));
-        let orbit = posed.ok_or(ResumeMismatch::Progress)?;
-        let orbit = orbit.with_monitors(problem.monitors());
-        let plan = plan(problem, continuation).going(&progress.directions);
-        Ok(OrbitRunner {
-            problem: problem.clone(),
-            continuation: continuation.clone(),
-            values: orbit.setting.values.clone(),
-            legs: Legs::resume(&orbit, progress.legs, plan)?,
-            scales: progress.scales,
-            multipliers: progress.multipliers,
-            notes: Vec::new(),
-        })
+        parameter: &str,
+        saved: &LabelledOrbit,
+        scales: Scales,
+    ) -> Option<AffineOrbit> {
+        let index = problem.system.source.parameters.index(parameter)?;
+        let orbit = saved.posed(problem, index, scales)?;
+        Some(orbit.with_monitors(problem.monitors()))
     }
 
-    /// All that is needed to go on from here.
-    pub fn state(&self) -> OrbitProgress {
-        OrbitProgress {
-            legs: self.legs.progress().clone(),
-            scales: self.scales.clone(),
-            multipliers: self.multipliers,
-            directions: if self.legs.plan().directions == self.continuation.toward.directions() {
-                Vec::new()
-            } else {
-                self.legs.plan().directions.clone()
-            },
+    fn point(
+        problem: &SystemProblem,
+        found: &LocatedPoint<AffineOrbit>,
+        numbers: PointNumbers,
+        values: Vec<f64>,
+    ) -> OrbitPoint {
+        let LocatedPoint {
+            orbit,
+            node,
+            examination,
+            ..
+        } = found;
+        let at = (&**orbit, &node.point);
+        let there = point(
+            at,
+            examination,
+            found.kind(),
+            values,
+            problem.stability.is_some(),
+        );
+        let there = match (&found.special, &found.entered) {
+            (Some(Special::Change(_)), Some((orbit, node))) => jumping(there, orbit, &node.point),
+            _ => there,
+        };
+        OrbitPoint {
+            point: numbers.point,
+            label: numbers.label,
+            leg: numbers.leg,
+            newton: node.newton,
+            residual: node.residual,
+            ..there
         }
     }
 
-    /// What could not be settled so far.
-    pub fn notes(&self) -> &[Note] {
-        &self.notes
-    }
-
-    /// The row of an event.
     fn event(
-        &self,
+        problem: &SystemProblem,
         point: &OrbitPoint,
         special: &Special<AffineOrbit>,
         found: &LocatedPoint<AffineOrbit>,
     ) -> OrbitEvent {
-        let names = self.problem.system.source.parameters.names();
+        let names = problem.system.source.parameters.names();
         let parameters = names
             .map(str::to_owned)
             .zip(point.parameters.iter().copied());
@@ -203,7 +170,7 @@ impl OrbitRunner {
         };
         let sliding = match special {
             Special::Change(change) => change.after.as_ref().and_then(|after| {
-                let system = &self.problem.system;
+                let system = &problem.system;
                 SlidingBifurcation::between(system, &change.before, after, &change.margin)
             }),
             _ => None,
@@ -225,100 +192,22 @@ impl OrbitRunner {
             sliding,
         }
     }
-}
 
-impl Run for OrbitRunner {
-    type Orbit = AffineOrbit;
-    type Item = OrbitItem;
-
-    fn progress(&self) -> &legs::Progress<AffineOrbit> {
-        self.legs.progress()
+    fn spectrum(label: usize, point: &OrbitPoint) -> Vec<MultiplierRow> {
+        let rows = point.multipliers.iter().enumerate();
+        rows.map(|(index, one)| MultiplierRow::new(label, index, one))
+            .collect()
     }
 
-    fn step(&mut self) -> Vec<OrbitItem> {
-        legs::step(self)
-    }
-
-    fn position(&self) -> f64 {
-        self.legs.position()
-    }
-}
-
-impl Itemised for OrbitRunner {
-    fn legs(&mut self) -> &mut Legs<AffineOrbit> {
-        &mut self.legs
-    }
-
-    fn first_value(&self) -> Option<f64> {
-        let parameters = &self.problem.system.source.parameters;
-        let index = parameters.index(&self.continuation.parameter)?;
-        self.values.get(index).copied()
-    }
-
-    fn item(&mut self, found: LocatedPoint<AffineOrbit>) -> OrbitItem {
-        let parameter = &self.continuation.parameter;
-        if let Some(what) = found.close.clone() {
-            self.notes.push(Note::Close {
-                parameter: parameter.clone(),
-                value: found.parameter,
-                what,
-            });
-        }
-        let mut values = found.orbit.values_at(&found.node.point);
-        if let Some(index) = self.problem.system.source.parameters.index(parameter) {
-            values[index] = found.parameter;
-        }
-        let numbers = self.legs.number(&found);
-        let asked = self.problem.stability.is_some();
-        let LocatedPoint {
-            orbit,
-            node,
-            examination,
-            ..
-        } = &found;
-        let there = point(
-            (orbit, &node.point),
-            examination,
-            found.kind(),
-            values,
-            asked,
-        );
-        let there = match (&found.special, &found.entered) {
-            (Some(Special::Change(_)), Some((orbit, node))) => jumping(there, orbit, &node.point),
-            _ => there,
-        };
-        let point = OrbitPoint {
-            point: numbers.point,
-            label: numbers.label,
-            leg: numbers.leg,
-            newton: node.newton,
-            residual: node.residual,
-            ..there
-        };
-        let saved = point.label.and_then(|label| {
-            let mut orbit = found.orbit.saved(&found.node.point).ok()?;
-            // the value that was asked for, not the scaled unknown's
-            orbit.values.clone_from(&point.parameters);
-            Some(LabelledOrbit { label, orbit })
-        });
-        let multipliers = point.label.map(|label| {
-            let rows = point.multipliers.iter().enumerate();
-            rows.map(|(index, one)| MultiplierRow::new(label, index, one))
-                .collect()
-        });
-        let multipliers: Vec<MultiplierRow> = multipliers.unwrap_or_default();
-        self.multipliers += multipliers.len();
-        let special = found.special.clone();
-        OrbitItem {
-            event: special
-                .as_ref()
-                .map(|special| self.event(&point, special, &found)),
-            point,
-            special,
-            multipliers,
-            saved,
-            found,
-        }
+    fn saved(
+        label: usize,
+        point: &OrbitPoint,
+        found: &LocatedPoint<AffineOrbit>,
+    ) -> Option<LabelledOrbit> {
+        let mut orbit = AffineOrbit::saved(&found.orbit, &found.node.point).ok()?;
+        // the value that was asked for, not the scaled unknown's
+        orbit.values.clone_from(&point.parameters);
+        Some(LabelledOrbit { label, orbit })
     }
 }
 

@@ -8,8 +8,7 @@ use crate::affine::equilibrium::EquilibriumCurve;
 use crate::affine::motion::Halt;
 use crate::affine::orbit::{self as affine, AffineOrbit};
 use crate::affine::system::System;
-use crate::hybrid;
-use crate::hybrid::equilibrium::EquilibriumNote;
+use crate::hybrid::runner::SystemNote;
 use crate::hybrid::scan::Lack;
 use crate::orbit::{self, EventType};
 
@@ -73,9 +72,9 @@ impl Told for AffineOrbit {
     }
 }
 
-impl Display for hybrid::Note {
+impl<I: Display> Display for SystemNote<I> {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        let hybrid::Note::Close {
+        let SystemNote::Close {
             parameter,
             value,
             what,
@@ -96,16 +95,5 @@ impl Told for EquilibriumCurve {
             }
             Some(after) => format!("persistence: {held} is zero, and it goes on in `{after}`"),
         }
-    }
-}
-
-impl Display for EquilibriumNote {
-    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        let EquilibriumNote::Close {
-            parameter,
-            value,
-            what,
-        } = self;
-        near_zero(f, parameter, *value, what)
     }
 }

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::follow::{BranchState, Follower, Limits, LocatedPoint};
 use super::monitor::MonitorStop;
 use super::special::{BranchFailure, Ending, ResumeMismatch, Special};
-use super::{EventType, Orbit};
+use super::{Data, EventType, Orbit};
 use crate::continuation::walk::End as WalkEnd;
 use crate::continuation::{Node, Steps};
 use crate::linalg::Vector;
@@ -72,6 +72,8 @@ pub struct Progress<O: Orbit> {
     pub labels: usize,
     /// Events handed out so far.
     pub events: usize,
+    /// Rows of the table of multipliers or eigenvalues handed out so far.
+    pub spectrum_rows: usize,
     /// Points handed out before this leg began: the largest number of points counts from there.
     pub before_leg: usize,
     /// How often each type of [`Plan::stop_after`] has been met.
@@ -132,6 +134,7 @@ impl<O: Orbit> Legs<O> {
             points: 0,
             labels: 0,
             events: 0,
+            spectrum_rows: 0,
             before_leg: 0,
             met: vec![0; plan.stop_after.len()],
             passed: vec![false; plan.samples],
@@ -173,9 +176,18 @@ impl<O: Orbit> Legs<O> {
         &self.progress
     }
 
-    /// What is asked for.
-    pub fn plan(&self) -> &Plan {
-        &self.plan
+    /// All that is needed to go on from here with a run that was asked for these directions.
+    pub fn state<B>(&self, requested: &[bool], beside: B) -> RunState<O, B> {
+        let directions = &self.plan.directions;
+        RunState {
+            legs: self.progress.clone(),
+            directions: if directions == requested {
+                Vec::new()
+            } else {
+                directions.clone()
+            },
+            beside,
+        }
     }
 
     /// Whether the next step is the first of a leg.
@@ -224,6 +236,11 @@ impl<O: Orbit> Legs<O> {
             label: labelled.then_some(self.progress.labels),
             leg: self.progress.leg,
         }
+    }
+
+    /// Counts rows of the table of multipliers or eigenvalues that are handed out.
+    pub fn count_spectrum(&mut self, rows: usize) {
+        self.progress.spectrum_rows += rows;
     }
 
     /// Whether a point is the first of its leg in one of the equal parts of the range.
@@ -323,72 +340,39 @@ impl<O: Orbit> Legs<O> {
     }
 }
 
+/// All that is needed to go on with a run between two of its steps.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(bound = "B: Data")]
+pub struct RunState<O: Orbit, B> {
+    /// The legs.
+    pub legs: Progress<O>,
+    /// Directions of the legs where they are not those of the problem: the other branch at an event has its own.
+    #[serde(default = "Vec::new", skip_serializing_if = "Vec::is_empty")]
+    pub directions: Vec<bool>,
+    /// What orbits of this kind add.
+    pub beside: B,
+}
+
 /// A run that is taken step by step, and hands out what it found.
 pub trait Run {
     /// The orbits that it follows.
     type Orbit: Orbit;
     /// A point, with all that is told of it.
     type Item;
+    /// What it has to remember beside its legs.
+    type Beside: Data;
 
     /// The state of the legs after the last step.
     fn progress(&self) -> &Progress<Self::Orbit>;
+
+    /// All that is needed to go on from here.
+    fn state(&self) -> RunState<Self::Orbit, Self::Beside>;
 
     /// Takes one step and returns the points found; empty once the run has ended.
     fn step(&mut self) -> Vec<Self::Item>;
 
     /// Share of the way to the ends of the range behind the branch.
     fn position(&self) -> f64;
-}
-
-/// A run whose points become its items one by one.
-pub trait Itemised: Run {
-    /// Its legs.
-    fn legs(&mut self) -> &mut Legs<Self::Orbit>;
-
-    /// The value of the parameter at the first point as the problem has it, where that is known: not the scaled unknown's.
-    fn first_value(&self) -> Option<f64>;
-
-    /// The item of a point, which is numbered.
-    fn item(&mut self, found: LocatedPoint<Self::Orbit>) -> Self::Item;
-}
-
-/// One step of a run: its points, the end of a leg that has as many as it may among them.
-pub fn step<R: Itemised>(run: &mut R) -> Vec<R::Item> {
-    let mut items = Vec::new();
-    if run.progress().end.is_some() {
-        return items;
-    }
-    if run.legs().at_beginning() {
-        let mut found = run.legs().set_out();
-        found.parameter = run.first_value().unwrap_or(found.parameter);
-        items.push(run.item(found));
-        check_points(run, &mut items);
-        return items;
-    }
-    let LegStep { found, end, .. } = run.legs().step();
-    for found in found {
-        let kind = found.kind();
-        items.push(run.item(found));
-        if run.legs().stops_at(kind) {
-            run.legs().finish(end, true);
-            return items;
-        }
-    }
-    if end.is_some() {
-        run.legs().finish(end, false);
-    } else {
-        check_points(run, &mut items);
-    }
-    items
-}
-
-/// Ends a leg that has as many points as it may, with an item that says so.
-fn check_points<R: Itemised>(run: &mut R, items: &mut Vec<R::Item>) {
-    let Some((found, end)) = run.legs().at_most_points() else {
-        return;
-    };
-    items.push(run.item(found));
-    run.legs().finish(Some(end), false);
 }
 
 /// The branch of a leg where it is.

@@ -11,8 +11,9 @@ use super::store::{self, StoreError, damaged};
 use crate::affine::orbit::AffineOrbit;
 use crate::hybrid::LabelledOrbit;
 use crate::hybrid::row::{MultiplierRow, OrbitEventRow, OrbitRow, SampleRow};
-use crate::hybrid::run::{OrbitItem, OrbitProgress, OrbitRunner};
-use crate::orbit::{EventType, legs};
+use crate::hybrid::runner::SystemOrbit;
+use crate::hybrid::{OrbitItem, OrbitRunner};
+use crate::orbit::EventType;
 use crate::problem::SystemProblem;
 use crate::table;
 
@@ -21,20 +22,7 @@ pub(crate) type Orbits = Restart<OrbitRunner>;
 
 impl Recorded for OrbitRunner {
     type Problem = SystemProblem;
-    type Progress = OrbitProgress;
     type Saved = LabelledOrbit;
-
-    fn saved(&self) -> OrbitProgress {
-        self.state()
-    }
-
-    fn legs(progress: &OrbitProgress) -> &legs::Progress<AffineOrbit> {
-        &progress.legs
-    }
-
-    fn eigenvalues(progress: &OrbitProgress) -> usize {
-        progress.multipliers
-    }
 
     fn headers(problem: &SystemProblem) -> Headers {
         let source = &problem.system.source;
@@ -57,7 +45,7 @@ impl Recorded for OrbitRunner {
         Lines {
             branch: table::line(&OrbitRow::new(source, &item.point)),
             event: event.map(|event| table::line(&OrbitEventRow::new(event))),
-            spectrum: item.multipliers.iter().map(table::line).collect(),
+            spectrum: item.spectrum.iter().map(table::line).collect(),
             kept: saved.map(|saved| (saved.clone(), saved.label, profile(problem, item))),
         }
     }
@@ -66,25 +54,34 @@ impl Recorded for OrbitRunner {
         saved.label
     }
 
-    /// All orbits have the parameters of the problem, but for the one they were followed in and the one that is free for a prescribed
-    /// period.
     fn broken(problem: &SystemProblem, saved: &[LabelledOrbit]) -> Option<usize> {
-        let values = match (problem.orbit.start.dir(), saved.first()) {
-            (Some(_), Some(first)) => first.orbit.values.clone(),
-            _ => problem.values(),
-        };
-        let states = problem.system.source.states.len();
-        let free = problem.orbit.free.as_ref();
-        let free = free.and_then(|name| problem.system.source.parameters.index(name));
-        let own = [problem.parameter(), free];
-        saved.iter().position(|one| {
-            let pairs = one.orbit.values.iter().zip(&values).enumerate();
-            let differs = |(index, (here, known)): (usize, (&f64, &f64))| {
-                !own.contains(&Some(index)) && here != known
-            };
-            !one.is_whole(states, values.len()) || pairs.into_iter().any(differs)
-        })
+        let source = &problem.system.source;
+        let counts = (source.states.len(), source.parameters.0.len());
+        first_broken::<AffineOrbit>(problem, saved, |one| one.is_whole(counts.0, counts.1))
     }
+}
+
+/// The first of the saved points that is not whole or has other parameters than the problem, but for the one that is followed and the
+/// one that is free for a prescribed period.
+pub(super) fn first_broken<O: SystemOrbit>(
+    problem: &SystemProblem,
+    saved: &[O::Saved],
+    is_whole: impl Fn(&O::Saved) -> bool,
+) -> Option<usize> {
+    let values = match (problem.earlier_run(), saved.first()) {
+        (Some(_), Some(first)) => O::saved_parameters(first).to_vec(),
+        _ => problem.values(),
+    };
+    let free = problem.orbit.free.as_ref();
+    let free = free.and_then(|name| problem.system.source.parameters.index(name));
+    let own = [problem.parameter(), free];
+    saved.iter().position(|one| {
+        let pairs = O::saved_parameters(one).iter().zip(&values).enumerate();
+        let differs = |(index, (here, known)): (usize, (&f64, &f64))| {
+            !own.contains(&Some(index)) && here != known
+        };
+        !is_whole(one) || pairs.into_iter().any(differs)
+    })
 }
 
 /// The type of a labelled orbit, from `events.csv`; none where the label is that of a sample.

@@ -8,12 +8,12 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use super::layout::{BRANCH, EVENTS, PROFILES, profile_file};
 use super::store::{Checkpoint, GrowingFile, Store, StoreError, VERSION, refused, unfinished};
-use crate::orbit::legs::{self, Run};
+use crate::orbit::Data;
+use crate::orbit::legs::{Run, RunState};
 
 /// Lines of the tables of a run.
 pub struct Headers {
@@ -42,20 +42,9 @@ pub struct Lines<S> {
 /// A run that a folder keeps.
 pub trait Recorded: Run {
     /// Its problem.
-    type Problem: Clone + std::fmt::Debug + PartialEq + Serialize + DeserializeOwned;
-    /// All that is needed to go on.
-    type Progress: Clone + std::fmt::Debug + PartialEq + Serialize + DeserializeOwned;
+    type Problem: Data;
     /// A labelled point.
-    type Saved: Clone + std::fmt::Debug + PartialEq + Serialize + DeserializeOwned;
-
-    /// All that is needed to go on from here.
-    fn saved(&self) -> Self::Progress;
-
-    /// The legs of that.
-    fn legs(progress: &Self::Progress) -> &legs::Progress<Self::Orbit>;
-
-    /// Rows of the table of eigenvalues or multipliers handed out so far.
-    fn eigenvalues(progress: &Self::Progress) -> usize;
+    type Saved: Data;
 
     /// First lines of the tables.
     fn headers(problem: &Self::Problem) -> Headers;
@@ -79,7 +68,7 @@ pub struct Restart<R: Recorded> {
     /// The problem with all its settings.
     pub problem: R::Problem,
     /// State of the run.
-    pub progress: R::Progress,
+    pub progress: RunState<R::Orbit, R::Beside>,
     /// Every labelled point, in order.
     pub labelled: Vec<R::Saved>,
 }
@@ -102,7 +91,7 @@ impl<R: Recorded> Checkpoint for Restart<R> {
         let broken = misplaced.or_else(|| R::broken(&self.problem, &self.labelled));
         match broken {
             Some(index) => Some(format!("the point in place {} is not whole", index + 1)),
-            None if self.labelled.len() != R::legs(&self.progress).labels => {
+            None if self.labelled.len() != self.progress.legs.labels => {
                 Some("labelled points are missing".into())
             }
             None => None,
@@ -164,7 +153,7 @@ impl<R: Recorded> RunFolder<R> {
         problem: &R::Problem,
     ) -> Result<Option<Restart<R>>, StoreError> {
         let saved: Option<Restart<R>> = store.interrupted(problem, BRANCH, 1)?;
-        Ok(saved.filter(|saved| R::legs(&saved.progress).points > 0))
+        Ok(saved.filter(|saved| saved.progress.legs.points > 0))
     }
 
     /// What a run has saved, to be shown.
@@ -188,8 +177,8 @@ impl<R: Recorded> RunFolder<R> {
         branch: &R,
         saved: Option<Restart<R>>,
     ) -> Result<RunFolder<R>, StoreError> {
-        let progress = branch.saved();
-        let now = R::legs(&progress).clone();
+        let progress = branch.state();
+        let now = progress.legs.clone();
         let resumed = saved.is_some();
         let kept = |rows: usize| resumed.then_some(rows);
         let Headers {
@@ -207,7 +196,7 @@ impl<R: Recorded> RunFolder<R> {
             branch: store.table(BRANCH, &branch, kept(now.points))?,
             events: store.table(EVENTS, &events, kept(now.events))?,
             spectrum: spectrum
-                .map(|(name, header)| store.table(name, &header, kept(R::eigenvalues(&progress))))
+                .map(|(name, header)| store.table(name, &header, kept(now.spectrum_rows)))
                 .transpose()?,
             store,
             profiles: Vec::new(),
@@ -243,7 +232,7 @@ impl<R: Recorded> RunFolder<R> {
         }
         let (then, took) = self.saved;
         if then.elapsed() >= SAVED_EVERY * took || branch.progress().end.is_some() {
-            self.restart.progress = branch.saved();
+            self.restart.progress = branch.state();
             self.save()?;
         }
         Ok(())

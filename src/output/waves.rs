@@ -10,34 +10,19 @@ use super::run::{Headers, Lines, PROFILE_RESOLUTION, Recorded, Restart};
 use super::store::{self, FolderKind, StoreError, damaged, refused};
 use crate::branch::SavedWave;
 use crate::branch::row::{BranchRow, EventRow, SpectrumRow};
-use crate::branch::run::{WaveItem, WaveProgress, WaveRunner};
+use crate::branch::run::{WaveItem, WaveRunner};
 use crate::curve::start::Labelled;
 use crate::orbit::EventType;
-use crate::orbit::legs;
 use crate::problem::Problem;
 use crate::table::{self, Table};
 use crate::tube::model::signature::Regime;
-use crate::tube::wave::Wave;
 
 /// Content of `branch.ron` of a branch of waves.
 pub(crate) type Waves = Restart<WaveRunner>;
 
 impl Recorded for WaveRunner {
     type Problem = Problem;
-    type Progress = WaveProgress;
     type Saved = SavedWave;
-
-    fn saved(&self) -> WaveProgress {
-        self.state()
-    }
-
-    fn legs(progress: &WaveProgress) -> &legs::Progress<Wave> {
-        &progress.legs
-    }
-
-    fn eigenvalues(progress: &WaveProgress) -> usize {
-        progress.beside.eigenvalues
-    }
 
     fn headers(problem: &Problem) -> Headers {
         let rotation = problem.output.rotation;

@@ -632,7 +632,7 @@ fn a_saved_run_goes_on_as_if_it_had_not_been_interrupted() {
         assert_eq!(points(&all), points(&whole));
         // what is not of the problem is refused
         let mut progress = begun.state();
-        progress.scales.units.pop();
+        progress.beside.units.pop();
         let refused = EquilibriumRunner::resume(&problem, section, &first, progress);
         assert!(matches!(
             refused.err(),

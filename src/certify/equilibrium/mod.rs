@@ -150,7 +150,8 @@ impl EquilibriumProof {
 /// Proves a special point of a branch; `None` for points without an event, and for failures. `text` is that of the
 /// problem file, whose decimals are taken as they are written.
 pub fn certify(item: &EquilibriumItem, text: &str) -> Option<CertifiedPoint<EquilibriumProof>> {
-    let (event, (curve, special)) = (item.event.as_ref()?, item.special.as_ref()?);
+    let (event, special) = (item.event.as_ref()?, item.special.as_ref()?);
+    let (curve, _) = item.orbit();
     if event.kind == EventType::MX {
         return None;
     }

@@ -80,6 +80,13 @@ pub struct NamedEquilibrium {
     pub kind: Option<EventType>,
 }
 
+impl NamedEquilibrium {
+    /// Values of its parameters.
+    pub fn values(&self) -> &[f64] {
+        &self.saved.values
+    }
+}
+
 /// The first equilibrium of a branch.
 pub(super) struct FirstEquilibrium {
     pub curve: EquilibriumCurve,

@@ -7,5 +7,5 @@ pub mod row;
 pub mod run;
 
 pub use begin::{NamedEquilibrium, NoEquilibriumStart};
-pub use point::{EquilibriumEvent, EquilibriumNote, EquilibriumPoint, LabelledEquilibrium};
-pub use run::{EquilibriumItem, EquilibriumRunner};
+pub use point::{EquilibriumEvent, EquilibriumPoint, LabelledEquilibrium};
+pub use run::{EquilibriumItem, EquilibriumNote, EquilibriumRunner};

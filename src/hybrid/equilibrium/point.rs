@@ -3,10 +3,8 @@
 use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
 
-use crate::affine::equilibrium::EquilibriumGuard;
 use crate::affine::system::System;
 use crate::linalg::Eigenvalue;
-use crate::orbit::special::Close;
 use crate::orbit::{EventType, Stability};
 use crate::problem::compare::Occurrence;
 
@@ -132,18 +130,4 @@ impl LabelledEquilibrium {
             && all().all(|number| number.is_finite())
             && system.mode(&self.mode).is_some()
     }
-}
-
-/// What could not be settled in a run.
-#[derive(Clone, Debug, PartialEq)]
-pub enum EquilibriumNote {
-    /// What comes so close to zero at a point, or between it and the one before, that rounding decides.
-    Close {
-        /// Name of the parameter.
-        parameter: String,
-        /// Its value.
-        value: f64,
-        /// What.
-        what: Close<EquilibriumGuard>,
-    },
 }
