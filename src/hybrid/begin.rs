@@ -1,6 +1,7 @@
 //! The orbit that the branch of a problem begins with.
 
 use super::saved::LabelledOrbit;
+use crate::affine::contact::place::Contradiction;
 use crate::affine::equilibrium::cycle::NoCycle;
 use crate::affine::motion::Halt;
 use crate::affine::orbit::start::{self, Search, Wanted, first, restart};
@@ -70,6 +71,9 @@ pub enum NoFirstPoint {
         /// Its type.
         kind: String,
     },
+    /// The motion would begin behind a stop.
+    #[error("no start: {0}")]
+    Contradicted(#[from] Contradiction),
     /// The bound of friction is negative on the orbit.
     #[error("no start: {0}")]
     NegativeBound(OrbitTermination),
@@ -300,7 +304,10 @@ pub fn come_to(
     search: Search,
 ) -> Result<(AffineOrbit, Vector), NoFirstPoint> {
     let place = beginning.place(&problem.system);
-    let beginning = place.ok_or(NoFirstPoint::Unknown)?.into();
+    let mut place = place.ok_or(NoFirstPoint::Unknown)?;
     let wanted = wanted(problem, continuation, values)?;
-    Ok(first(&wanted, &beginning, search)?)
+    if let Ok(at) = problem.system.at(&wanted.values, &[]) {
+        place = problem.system.fitting(&at, place)?;
+    }
+    Ok(first(&wanted, &place.into(), search)?)
 }

@@ -7,6 +7,7 @@ use std::f64::consts::TAU;
 use std::ops::Range;
 
 use super::exponents::{Exponent, PerturbedMotion};
+use crate::affine::contact::place::Contradiction;
 use crate::affine::mode::AffineSystem;
 use crate::affine::motion::{Halt, Moment, Motion, Step};
 use crate::affine::system::{Ordered, System, SystemError};
@@ -47,6 +48,8 @@ pub enum Lack {
     },
     /// No random state lies within the mode.
     Outside,
+    /// It begins behind a stop.
+    Contradicted(Contradiction),
 }
 
 /// A scan that is ready to be computed.
@@ -132,6 +135,7 @@ impl<'a> Scanner<'a> {
                             let names = &self.system.source.states;
                             let stream = Stream(seed).apart(number as u64);
                             let inside = |place: Moment| {
+                                let place = self.system.fitting(&system, place).ok()?;
                                 let motion = Motion::new(&system, place.clone(), 1.0);
                                 motion.is_inside().then_some(place)
                             };
@@ -141,8 +145,14 @@ impl<'a> Scanner<'a> {
                         None => Ok(self.start.clone()),
                     };
                     let begun = start.map_or_else(fresh, Ok);
-                    let taken =
-                        begun.and_then(|start| self.settle(&system, start, &mut settled.samples));
+                    // at another value of the parameter contacts may be in other states
+                    let fitting = |start| {
+                        let start = self.system.fitting(&system, start);
+                        start.map_err(Lack::Contradicted)
+                    };
+                    let taken = begun
+                        .and_then(fitting)
+                        .and_then(|start| self.settle(&system, start, &mut settled.samples));
                     match taken {
                         Ok(exponents) => {
                             settled.exponents = exponents;

@@ -71,6 +71,7 @@ impl Settled {
         let reason = match self {
             Settled::Orbit { .. } => return "orbit",
             Settled::Nothing(NoFirstPoint::NoOrbit(reason)) => reason,
+            Settled::Nothing(NoFirstPoint::Contradicted(_)) => return "stuck",
             Settled::Nothing(_) => return UNDECIDED,
         };
         match reason {
@@ -240,7 +241,10 @@ impl<'a> Motions<'a> {
                 }
                 let system = &self.problem.system;
                 let place = beginning.place(system);
-                if let Some((affine, place)) = self.affine.as_ref().zip(place) {
+                // of contacts the motion itself says in which states they begin
+                if system.products.is_none()
+                    && let Some((affine, place)) = self.affine.as_ref().zip(place)
+                {
                     let mode = fitting(system, affine, place).mode;
                     beginning.mode = system.mode_name(mode).into_owned();
                 }
@@ -274,13 +278,11 @@ impl<'a> Motions<'a> {
 /// A place in the mode that its state lies in: its own or, where it does not fit that, the first of the file with which no
 /// `zero` is negative; with contacts their states follow from slips and gaps.
 pub(super) fn fitting(system: &System, affine: &AffineSystem, place: Moment) -> Moment {
-    let of_contacts = system.contradicted(affine, &place);
-    if let Some((_, name)) = of_contacts {
-        let mode = system.mode(&name).unwrap_or(place.mode);
-        return Moment { mode, ..place };
+    if system.products.is_some() {
+        return system.fitting(affine, place.clone()).unwrap_or(place);
     }
     let inside = |place: &Moment| Motion::new(affine, place.clone(), 1.0).is_inside();
-    if !system.source.contacts.is_empty() || inside(&place) {
+    if inside(&place) {
         return place;
     }
     // a sliding mode lies in its surface alone

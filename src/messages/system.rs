@@ -39,6 +39,7 @@ pub(crate) fn lack(system: &System, lack: &Lack) -> String {
         Lack::System(error) => format!("the system makes no sense here: {error}"),
         Lack::Halted(reason) => halt(system, reason),
         Lack::Away { time } => format!("{AWAY} for a time of {time}"),
+        Lack::Contradicted(reason) => reason.to_string(),
         Lack::Outside => "no random state lies within the mode that motions begin in".to_owned(),
     }
 }

@@ -2,7 +2,7 @@
 
 use std::fmt::{Debug, Display};
 
-use super::{Crossed, EventType, Zones};
+use super::{EventType, Zones};
 use crate::continuation::Node;
 use crate::continuation::locate::Place;
 use crate::continuation::walk::Segment;
@@ -17,6 +17,15 @@ pub trait SpecialType<S>: Clone + Debug + PartialEq + Display {
     fn beyond(&self) -> Option<S> {
         None
     }
+}
+
+/// What passes the unit circle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Crossed {
+    /// What makes the function of this place in [`Examined::tests`](super::Examined::tests) vanish.
+    Zero(usize),
+    /// So many multipliers together.
+    Several(usize),
 }
 
 /// Points of a branch at which its orbits bifurcate although the signature holds.

@@ -5,7 +5,8 @@ use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 
-use super::located::{AT_ZERO, BranchEvent, Crossed, LocatedEvent, Step, TURN};
+use super::bifurcation::Crossed;
+use super::located::{AT_ZERO, BranchEvent, LocatedEvent, Step, TURN};
 use super::{Examined, Growth, MarginFunction, Orbit, SpecialType, uncertainty};
 use crate::continuation::Node;
 use crate::continuation::locate::{self, Place};

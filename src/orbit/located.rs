@@ -1,8 +1,7 @@
 //! What is located within a step of a branch.
 
 use super::monitor::MonitorStop;
-use super::{Orbit, Terminations, Zones};
-use crate::continuation::Node;
+use super::{Orbit, Zones};
 use crate::continuation::walk::Segment;
 
 /// A step along a branch, with what is watched at its ends.
@@ -49,15 +48,6 @@ impl<O: Orbit> BranchEvent<O> {
     }
 }
 
-/// What passes the unit circle.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Crossed {
-    /// What makes the function of this place in [`Examined::tests`](super::Examined::tests) vanish.
-    Zero(usize),
-    /// So many multipliers together.
-    Several(usize),
-}
-
 /// An event and the error of the parameter there, in physical units.
 #[derive(Clone, Debug)]
 pub struct LocatedEvent<O: Orbit> {
@@ -83,37 +73,3 @@ pub(super) const TURN: f64 = 1e-3;
 
 /// A scaled margin below this is zero but for rounding.
 pub(crate) const AT_ZERO: f64 = 1e-9;
-
-/// Whether a branch ends within a step: its orbits shrink to an equilibrium, or become those of a family at one value of the
-/// parameter.
-#[derive(Clone, Debug)]
-pub enum EndWithin<O: Terminations> {
-    /// It does not.
-    Not,
-    /// It does, and sets out so far from there that shorter steps are asked for.
-    Far,
-    /// It does.
-    At {
-        /// The arclength of the end from the beginning of the step.
-        s: f64,
-        /// The orbit there, or one of next to no size at the parameter of the equilibrium.
-        node: Box<Node>,
-        /// What it is.
-        special: O::Special,
-        /// Why the branch ends there.
-        stop: O::Termination,
-        /// The error of the parameter, in physical units.
-        uncertainty: f64,
-    },
-}
-
-/// What a branch comes to that it does not reach.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Limit<S> {
-    /// What it is.
-    pub special: S,
-    /// The parameter there, or of the last orbit where that is not known, in physical units.
-    pub parameter: f64,
-    /// Its error.
-    pub uncertainty: f64,
-}

@@ -21,6 +21,7 @@
 //! - [`legs`] goes both ways from a first orbit, and numbers points, labels and events.
 
 mod bifurcation;
+mod candidate;
 pub mod cascade;
 pub mod change;
 mod coordinates;
@@ -53,11 +54,10 @@ use crate::continuation::Node;
 use crate::continuation::locate::Place;
 use crate::continuation::newton::{self, Constraint, Equations, Plane};
 use crate::linalg::{Matrix, Vector};
-pub use bifurcation::{Bifurcations, SpecialType};
-pub use change::{Candidate, Changes};
+pub use bifurcation::{Bifurcations, Crossed, SpecialType};
+pub use candidate::{Candidate, Changes};
 pub use coordinates::CoordinateChanges;
 pub use event::{EventType, UnknownType};
-pub use located::{Crossed, EndWithin, Limit};
 pub(crate) use margin::WITHOUT_LENGTH;
 use margin::paired;
 pub use margin::{AtZero, Inequalities, MarginFunction, find};
@@ -65,7 +65,7 @@ pub use monitor::Monitored;
 pub use retrace::Covers;
 use sign::SignVerdict;
 pub use stability::Stability;
-pub use termination::{Situation, TerminationType, Terminations};
+pub use termination::{EndWithin, Limit, Situation, TerminationType, Terminations};
 
 /// Data that results keep: what is compared, shown and saved.
 pub trait Data: Clone + Debug + PartialEq + Serialize + DeserializeOwned {}

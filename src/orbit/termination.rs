@@ -2,8 +2,8 @@
 
 use std::fmt::Display;
 
-use super::located::{EndWithin, Limit};
-use super::{Bifurcations, Data};
+use super::Data;
+use super::bifurcation::Bifurcations;
 use crate::continuation::Node;
 use crate::continuation::walk::Segment;
 use crate::linalg::Vector;
@@ -30,6 +30,40 @@ pub enum Situation<'a, M> {
     Change(&'a M),
     /// A margin vanishes at a point and no candidate goes on.
     NoCandidate(&'a Vector, &'a M),
+}
+
+/// Whether a branch ends within a step: its orbits shrink to an equilibrium, or become those of a family at one value of the
+/// parameter.
+#[derive(Clone, Debug)]
+pub enum EndWithin<O: Terminations> {
+    /// It does not.
+    Not,
+    /// It does, and sets out so far from there that shorter steps are asked for.
+    Far,
+    /// It does.
+    At {
+        /// The arclength of the end from the beginning of the step.
+        s: f64,
+        /// The orbit there, or one of next to no size at the parameter of the equilibrium.
+        node: Box<Node>,
+        /// What it is.
+        special: O::Special,
+        /// Why the branch ends there.
+        stop: O::Termination,
+        /// The error of the parameter, in physical units.
+        uncertainty: f64,
+    },
+}
+
+/// What a branch comes to that it does not reach.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Limit<S> {
+    /// What it is.
+    pub special: S,
+    /// The parameter there, or of the last orbit where that is not known, in physical units.
+    pub parameter: f64,
+    /// Its error.
+    pub uncertainty: f64,
 }
 
 /// Ends of a branch for reasons of the system itself.

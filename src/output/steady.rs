@@ -57,7 +57,7 @@ pub(crate) fn equilibria(system: &System, values: &[f64]) -> Result<String, Syst
     let names = |list: &[&str]| list.iter().map(|name| (*name).to_owned()).collect();
     let header: [Vec<String>; 3] = [names(&BEFORE_STATES), states.clone(), names(&AFTER_STATES)];
     let mut text = line_of(&header.concat());
-    for mode in 0..at.modes.len() {
+    for mode in (0..at.modes.len()).filter(|mode| system.is_of_its_name(*mode)) {
         if mode % TOGETHER == TOGETHER - 1 && at.modes.written().is_empty() {
             at = system.at(values, &[])?;
         }

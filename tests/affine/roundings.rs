@@ -142,15 +142,16 @@ fn a_slip_of_rounding_sticks() {
         contacts: {"q": Friction(slip: "v", bound: "F")}, rates: {"x": "v", "v": "cos(phase) - x + q"})"#;
     let system = system(text);
     let affine = at(&system, &[]);
-    let contradicted = |slip: f64| {
+    let mode = |slip: f64| {
         let place = place(&system, "stick", &[0.3, slip], 1.0);
-        system.contradicted(&affine, &place).map(|(_, fits)| fits)
+        let fits = system.fitting(&affine, place).unwrap().mode;
+        system.mode_name(fits).into_owned()
     };
     for slip in [0.0, 2.6e-30, -1e-16] {
-        assert_eq!(contradicted(slip), None, "{slip:e}");
+        assert_eq!(mode(slip), "stick", "{slip:e}");
     }
-    assert_eq!(contradicted(1e-3).as_deref(), Some("forward"));
-    assert_eq!(contradicted(-1e-3).as_deref(), Some("backward"));
+    assert_eq!(mode(1e-3), "forward");
+    assert_eq!(mode(-1e-3), "backward");
 }
 
 /// A state that others cancel in, to zero but for rounding all along a cycle, has for its unit what they would make of it: at a = 0 its

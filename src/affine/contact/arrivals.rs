@@ -10,7 +10,7 @@ use std::collections::HashSet;
 
 use super::forms::ContactForms;
 use super::law::{
-    BACKWARD, CLOSED, FORWARD, GIVES_BACKWARD, GIVES_FORWARD, HELD, Law, OPEN, PARTING, STICK,
+    BACKWARD, CLOSED, FORWARD, GIVES_BACKWARD, GIVES_FORWARD, HELD, Law, OPEN, STICK,
 };
 use super::mistake::{ContactMistake, MAX_STATES};
 use crate::affine::dual::{Dual, Measured};
@@ -37,7 +37,7 @@ pub struct Arrival<C = Dual> {
     pub digits: Vec<usize>,
     /// What is not negative where they do.
     pub conditions: Vec<Form<C>>,
-    /// A closed stop on which the impulse of the impact presses: no motion follows.
+    /// A closed stop on which the impulse of the impact presses, or one behind which a reset leads: no motion follows.
     pub pressed: Option<usize>,
 }
 
@@ -108,7 +108,7 @@ impl<C: Measured> Instant<'_, C> {
         let trial = self.first();
         let first = match self.contact {
             Some((contact, _)) => self.turned(contact, trial)?,
-            None => vec![trial],
+            None => self.reset(trial)?,
         };
         let mut ends = Vec::new();
         let mut dead = Vec::new();
@@ -266,16 +266,23 @@ impl<C: Measured> Instant<'_, C> {
         Ok(holds && is_same(&self.forces[contact], &forces[contact])?)
     }
 
-    /// Whether friction has no velocity of slip at the instant: it has just stuck, or comes through zero, or an impact leaves none.
+    /// Whether friction has no velocity of slip at the instant: it has just stuck, or comes through zero, or a jump leaves none.
     ///
     /// # Errors
     /// An operation that has no result there.
     fn is_at_rest(&self, contact: usize) -> Result<bool, Obstacle> {
-        if !self.is_friction(contact) {
+        let Law::Friction { slip, .. } = &self.forms.laws[contact] else {
             return Ok(false);
-        }
+        };
         if self.is_impact() {
             return self.is_stopped(contact);
+        }
+        if !self.jump.is_empty() {
+            let held = self.forms.reduced(self.own, self.before);
+            let slip = self.moved(slip, &held)?;
+            if !slip.stays(self.guard) {
+                return Ok(slip.after.is_zero());
+            }
         }
         Ok(self.ends(contact) || self.before[contact] == STICK)
     }
@@ -505,12 +512,6 @@ impl<C: Measured> Instant<'_, C> {
                 let rate = self.forms.acceleration(self.own, contact, forces)?;
                 vec![(self.after(&rate)?.trimmed(), CLOSED)]
             }
-            (
-                Law::Spring {
-                    damping: Some(_), ..
-                },
-                CLOSED,
-            ) if self.is_impact() => vec![(force()?, PARTING)],
             _ => Vec::new(),
         })
     }

@@ -1,11 +1,13 @@
-//! What an impact of one contact does to others in the same instant: it turns their slip, opens and closes them, or presses on one that
-//! is closed.
+//! What a jump of states does to contacts in the same instant. An impact of one turns the slip of others, opens and closes them, or
+//! presses on one that is closed; a reset of the user's own may move gaps, too.
 
 use super::arrivals::{Instant, Trial, ways};
-use super::law::{CLOSED, GIVES_BACKWARD, GIVES_FORWARD, HELD, Law, OPEN, STICK};
+use super::law::{
+    BACKWARD, CLOSED, FORWARD, GIVES_BACKWARD, GIVES_FORWARD, HELD, Law, OPEN, PARTING, STICK,
+};
 use super::mistake::ContactMistake;
 use crate::affine::dual::Measured;
-use crate::affine::expression::Algebra;
+use crate::affine::expression::{Algebra, Obstacle};
 use crate::affine::form::Form;
 
 /// The trials to which an impact leads a contact from one of them, by its velocity after it; whether that rises, where it is known.
@@ -59,7 +61,186 @@ fn led<C: Measured>(
     next
 }
 
+/// A state of a contact that may follow, and what is not negative where it does.
+type Follower<C> = (usize, Vec<Form<C>>);
+
+impl<C: Measured> Trial<C> {
+    /// The trials in which a contact follows to other states.
+    fn followed(&self, contact: usize, followers: &[Follower<C>]) -> Vec<Trial<C>> {
+        let to = |(to, conditions): &Follower<C>| {
+            let mut trial = self.clone();
+            trial.digits[contact] = *to;
+            trial.conditions.extend(conditions.iter().cloned());
+            trial
+        };
+        followers.iter().map(to).collect()
+    }
+}
+
+/// A slip or a gap before and after a reset, where what contacts hold is zero.
+pub(super) struct Moved<C> {
+    before: Form<C>,
+    /// After it.
+    pub after: Form<C>,
+}
+
+impl<C: Measured> Moved<C> {
+    /// Whether the reset leaves it as it is where a guard is zero.
+    pub fn stays(&self, guard: &Form<C>) -> bool {
+        self.after.is_same_at(&self.before, guard)
+    }
+
+    /// Whether the reset keeps its sign, if that is known.
+    fn keeps_sign(&self) -> Option<bool> {
+        let sign = self.after.sign_of_ratio(&self.before)?;
+        Some(sign > 0.0)
+    }
+}
+
+/// The states that follow by the sign of a form, that of now first.
+fn by_sign<C: Measured>(form: &Form<C>, [up, down]: [usize; 2], now: usize) -> Vec<Follower<C>> {
+    let mut followers = vec![
+        (up, vec![form.clone()]),
+        (down, vec![form.clone().negative()]),
+    ];
+    followers.sort_by_key(|(digit, _)| *digit != now);
+    followers
+}
+
 impl<C: Measured> Instant<'_, C> {
+    /// The trials after a reset of the user's own.
+    pub(super) fn reset(&self, trial: Trial<C>) -> Result<Vec<Trial<C>>, ContactMistake> {
+        let mut trials = vec![trial];
+        if self.jump.is_empty() {
+            return Ok(trials);
+        }
+        let held = self.forms.reduced(self.own, self.before);
+        for (contact, digit) in self.before.iter().enumerate() {
+            let followers = self.followers(contact, *digit, &held);
+            let followers = followers.map_err(|error| self.failed_in(self.before, error))?;
+            let behind = self.behind(contact, &held);
+            let behind = behind.map_err(|error| self.failed_in(self.before, error))?;
+            let refused: Vec<Follower<C>> = behind
+                .into_iter()
+                .map(|behind| (OPEN, vec![behind]))
+                .collect();
+            let led = trials.iter().flat_map(|trial| {
+                if trial.pressed.is_some() {
+                    return vec![trial.clone()];
+                }
+                let mut refused = trial.followed(contact, &refused);
+                for trial in &mut refused {
+                    trial.pressed = Some(contact);
+                }
+                let mut led = trial.followed(contact, &followers);
+                led.extend(refused);
+                led
+            });
+            trials = led.collect();
+        }
+        Ok(trials)
+    }
+
+    /// What is positive where a reset leads behind a stop, if it may.
+    fn behind(&self, contact: usize, held: &[Form<C>]) -> Result<Option<Form<C>>, Obstacle> {
+        let Law::Stop { gap, .. } = &self.forms.laws[contact] else {
+            return Ok(None);
+        };
+        let gap = self.moved(gap, held)?;
+        let may_be = !gap.stays(self.guard) && !gap.after.is_zero();
+        Ok(may_be.then(|| gap.after.negative()))
+    }
+
+    /// A slip or a gap before and after the jump.
+    pub(super) fn moved(&self, form: &Form<C>, held: &[Form<C>]) -> Result<Moved<C>, Obstacle> {
+        Ok(Moved {
+            before: form.clone().where_zero(held),
+            after: self.after(form)?.where_zero(held).trimmed(),
+        })
+    }
+
+    /// The states of a contact that a reset may lead to from one of them: they follow from its slip, its gap, and the force of a
+    /// damped spring.
+    fn followers(
+        &self,
+        contact: usize,
+        digit: usize,
+        held: &[Form<C>],
+    ) -> Result<Vec<Follower<C>>, Obstacle> {
+        let same = || vec![(digit, Vec::new())];
+        let speed = &self.forms.own[self.own].kinematics[contact].speed;
+        Ok(match &self.forms.laws[contact] {
+            Law::Friction { slip, .. } => {
+                let slip = self.moved(slip, held)?;
+                match (digit, slip.keeps_sign()) {
+                    _ if slip.stays(self.guard) => same(),
+                    // no slip is left: it sticks if it holds
+                    _ if slip.after.is_zero() => vec![(STICK, Vec::new())],
+                    (FORWARD | BACKWARD, Some(true)) => same(),
+                    (FORWARD, Some(false)) => vec![(BACKWARD, Vec::new())],
+                    (BACKWARD, Some(false)) => vec![(FORWARD, Vec::new())],
+                    _ => by_sign(&slip.after, [FORWARD, BACKWARD], digit),
+                }
+            }
+            Law::Jenkins { .. } if digit == HELD => same(),
+            Law::Jenkins { slip, .. } => {
+                let slip = self.moved(slip, held)?;
+                match slip.keeps_sign() {
+                    _ if slip.stays(self.guard) => same(),
+                    Some(true) => same(),
+                    Some(false) => vec![(HELD, Vec::new())],
+                    None if digit == GIVES_FORWARD => by_sign(&slip.after, [digit, HELD], digit),
+                    None => by_sign(&slip.after, [HELD, digit], digit),
+                }
+            }
+            Law::Stop { gap, .. } => {
+                let (gap, speed) = (self.moved(gap, held)?, self.moved(speed, held)?);
+                match digit {
+                    _ if !gap.stays(self.guard) && !gap.after.is_zero() => {
+                        vec![(OPEN, vec![gap.after])]
+                    }
+                    // where it is pressed on an impact follows
+                    CLOSED if !speed.stays(self.guard) => vec![(OPEN, Vec::new())],
+                    _ => same(),
+                }
+            }
+            Law::Spring {
+                gap,
+                stiffness,
+                damping,
+            } => {
+                let (gap, speed) = (self.moved(gap, held)?, self.moved(speed, held)?);
+                let stays = gap.stays(self.guard);
+                let Some(damping) = damping else {
+                    return Ok(match stays {
+                        true => same(),
+                        false => by_sign(&gap.after, [OPEN, CLOSED], digit),
+                    });
+                };
+                let lost = || {
+                    let elastic = gap.after.clone().times(stiffness.clone())?;
+                    elastic.plus(speed.after.clone().times(damping.clone())?)
+                };
+                match digit {
+                    OPEN if stays => same(),
+                    _ if stays && speed.stays(self.guard) => same(),
+                    _ if stays => by_sign(&lost()?, [PARTING, CLOSED], digit),
+                    _ => {
+                        let lost = lost()?;
+                        let behind = gap.after.clone().negative();
+                        let mut followers = vec![
+                            (OPEN, vec![gap.after]),
+                            (CLOSED, vec![behind.clone(), lost.clone().negative()]),
+                            (PARTING, vec![behind, lost]),
+                        ];
+                        followers.sort_by_key(|(to, _)| *to != digit);
+                        followers
+                    }
+                }
+            }
+        })
+    }
+
     /// The trials after an impact of a contact, which turns the slip of others and the velocity of their gaps.
     pub(super) fn turned(
         &self,
@@ -71,6 +252,7 @@ impl<C: Measured> Instant<'_, C> {
             return Ok(trials);
         }
         let own = &self.forms.own[self.own];
+        let held = self.forms.reduced(self.own, self.before);
         let failed = |error| self.failed_in(self.before, error);
         for (contact, law) in self.forms.laws.iter().enumerate() {
             if contact == impact {
@@ -87,10 +269,20 @@ impl<C: Measured> Instant<'_, C> {
             // before an impact the velocity of the gap is negative
             let closing = &own.kinematics[impact].speed;
             let rises = change.sign_of_ratio(closing).map(|sign| sign < 0.0);
-            let led = trials.iter().flat_map(|trial| match trial.pressed {
-                Some(_) => vec![trial.clone()],
-                None => led(law, contact, trial, (&after, rises)),
-            });
+            let of_spring = match law {
+                Law::Spring {
+                    damping: Some(_), ..
+                } => Some(self.followers(contact, self.before[contact], &held)),
+                _ => None,
+            };
+            let of_spring = of_spring.transpose().map_err(failed)?;
+            let led = trials
+                .iter()
+                .flat_map(|trial| match (trial.pressed, &of_spring) {
+                    (Some(_), _) => vec![trial.clone()],
+                    (None, Some(followers)) => trial.followed(contact, followers),
+                    (None, None) => led(law, contact, trial, (&after, rises)),
+                });
             trials = led.collect();
         }
         self.open_where_held(impact, &mut trials);

@@ -72,6 +72,9 @@ pub enum ContactMistake {
         /// The stop that is closed.
         closed: String,
     },
+    /// A reset behind a stop.
+    #[error("the reset leads behind the stop `{0}`: its gap is negative there")]
+    Behind(String),
     /// Too many modes that are not affine.
     #[error("{0} modes that are not affine; at most {MAX_PRODUCTS} are possible")]
     Products(usize),

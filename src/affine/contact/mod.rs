@@ -12,7 +12,7 @@ mod impacts;
 pub mod law;
 pub mod mistake;
 mod modes;
-mod place;
+pub mod place;
 
 pub use forms::ContactForms;
 pub use law::{Law, Products};

@@ -334,12 +334,16 @@ impl<C: Measured> ContactForms<C> {
         };
         let of_arrival = |arrival: Arrival<C>| {
             let Arrival {
-                digits, conditions, ..
+                digits,
+                conditions,
+                pressed,
             } = arrival;
+            let behind = |contact: usize| ContactMistake::Behind(self.names[contact].clone());
             let number = |mode: usize| self.products.number(mode, &digits);
             let mut switch = FormSwitch {
                 to: number(switch.to),
                 rest: switch.rest.map(number),
+                refusal: pressed.map(behind),
                 ..switch.clone()
             };
             switch.conditions.extend(conditions);

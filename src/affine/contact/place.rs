@@ -1,13 +1,50 @@
-//! Whether a state is one of the contacts that a mode names.
+//! The states of contacts that a state of the system lies in.
+//!
+//! Slips, gaps and the forces of springs follow from the state of the system, and say of each contact in which states it may
+//! be there. Where a slip or a gap is zero its force decides between these.
 
-use super::law::{BACKWARD, CLOSED, FORWARD, Law, OPEN, STICK};
-use crate::affine::mode::AffineSystem;
-use crate::affine::motion::Moment;
+use super::law::{CLOSED, FORWARD, HELD, Law, OPEN, STICK};
+use crate::affine::mode::{AffineMode, AffineSystem, Row};
+use crate::affine::motion::{Moment, Motion};
 use crate::affine::system::System;
+use crate::linalg::Vector;
 
 /// Part of the terms of a slip or a gap, or of what their rates make of the time in which the forcing turns by 1, below which it is zero:
 /// a state is written in so many digits, and the velocity of what rests is rounding.
 const ZERO: f64 = 1e-9;
+
+/// Most combinations of states of contacts that are tried where slips or gaps are zero.
+const MOST: usize = 4096;
+
+/// Why a place is none of the mode that it names.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Contradiction {
+    /// A contact is in another state there.
+    #[error("the contact `{contact}` is in another state there: the mode that fits is `{fits}`")]
+    Other {
+        /// Its name.
+        contact: String,
+        /// Name of the mode with the states that fit.
+        fits: String,
+    },
+    /// It lies behind a stop: the contact has no state there.
+    #[error("the state lies behind the stop `{contact}`: its gap is {gap:.6} there")]
+    Behind {
+        /// The stop.
+        contact: String,
+        /// Its gap.
+        gap: f64,
+    },
+}
+
+/// A place with modes of contacts.
+struct PlaceOfContacts<'a> {
+    system: &'a System,
+    at: &'a AffineSystem,
+    place: &'a Moment,
+    /// The user's mode.
+    own: usize,
+}
 
 impl System {
     /// Whether a state is that of a Jenkins element.
@@ -16,56 +53,177 @@ impl System {
         state.is_some() && self.stretches.contains(&state)
     }
 
-    /// The first contact that a place contradicts, and the name of the mode with the states that it has instead.
-    pub fn contradicted(&self, at: &AffineSystem, place: &Moment) -> Option<(&str, String)> {
-        let products = self.products.as_ref()?;
-        let (own, digits) = products.digits(place.mode);
-        // every slip and every gap is the first guard of its contact in its first state, but for Jenkins elements
-        let first = vec![0; digits.len()];
-        let mode = products.number(own, &first);
-        let z = at.lift(mode, &place.state, place.phase);
-        let guards = &at.modes[mode].guards;
-        let matrix = at.modes[mode].matrix.at.abs();
-        let moved = match at.omega.value {
-            0.0 => z.map(|_| 0.0),
-            omega => matrix * z.abs() / omega.abs(),
+    /// Refuses a place whose contacts are in other states than its mode names.
+    ///
+    /// # Errors
+    /// The first contact that is, or has no state there.
+    pub fn admits(&self, at: &AffineSystem, place: &Moment) -> Result<(), Contradiction> {
+        let fits = self.fitting(at, place.clone())?.mode;
+        let (Some(products), true) = (&self.products, fits != place.mode) else {
+            return Ok(());
         };
-        let mut fits = digits.clone();
-        let mut wrong = None;
-        let mut index = 0;
-        let contacts = self
-            .source
-            .contacts
-            .0
-            .iter()
-            .zip(&self.contacts)
-            .enumerate();
-        for (contact, ((name, _), law)) in contacts {
-            let row = &guards.get(index)?.row;
-            index += law.guards(0).len();
-            let (value, size) = (row.value(&z), row.size(&z).max(row.size(&moved)));
-            let sign = if value.abs() <= ZERO * size {
-                0.0
-            } else {
-                value.signum()
-            };
-            let digit = digits[contact];
-            let better = match (law, digit) {
-                (Law::Friction { .. }, FORWARD) if sign < 0.0 => Some(BACKWARD),
-                (Law::Friction { .. }, BACKWARD) if sign > 0.0 => Some(FORWARD),
-                (Law::Friction { .. }, STICK) if sign != 0.0 => {
-                    Some(if sign > 0.0 { FORWARD } else { BACKWARD })
-                }
-                (Law::Stop { .. }, CLOSED) if sign > 0.0 => Some(OPEN),
-                (Law::Spring { .. }, OPEN) if sign < 0.0 => Some(CLOSED),
-                (Law::Spring { damping: None, .. }, CLOSED) if sign > 0.0 => Some(OPEN),
-                _ => None,
-            };
-            if let Some(better) = better {
-                fits[contact] = better;
-                wrong = wrong.or(Some(name.as_str()));
-            }
+        let fitting = products.name(fits);
+        if fitting == products.name(place.mode) {
+            return Ok(());
         }
-        wrong.map(|name| (name, products.name(products.number(own, &fits))))
+        let [named, fits] = [place.mode, fits].map(|mode| products.digits(mode).1);
+        let other = named.iter().zip(&fits).position(|(one, two)| one != two);
+        let contact = other.and_then(|contact| self.source.contacts.names().nth(contact));
+        Err(Contradiction::Other {
+            contact: contact.unwrap_or_default().to_owned(),
+            fits: fitting,
+        })
+    }
+
+    /// The place in the mode of the states that its contacts are in: those that it names, unless the state contradicts them.
+    ///
+    /// # Errors
+    /// It lies behind a stop.
+    pub fn fitting(&self, at: &AffineSystem, place: Moment) -> Result<Moment, Contradiction> {
+        let Some(products) = &self.products else {
+            return Ok(place);
+        };
+        let (own, digits) = products.digits(place.mode);
+        let of_contacts = PlaceOfContacts {
+            system: self,
+            at,
+            place: &place,
+            own,
+        };
+        let mut possible = Vec::with_capacity(digits.len());
+        for contact in 0..digits.len() {
+            possible.push(of_contacts.states(contact)?);
+        }
+        let pairs = || possible.iter().zip(&digits);
+        if pairs().all(|(states, digit)| states.contains(digit)) {
+            return Ok(place);
+        }
+        // what is named comes first where it is possible
+        let possible = pairs().map(|(states, digit)| match states.contains(digit) {
+            true => vec![*digit],
+            false => states.clone(),
+        });
+        let mode = of_contacts.mode_among(&possible.collect::<Vec<_>>());
+        Ok(Moment { mode, ..place })
+    }
+}
+
+impl PlaceOfContacts<'_> {
+    /// A mode in which a contact is in one state, and all others are in their first.
+    fn mode(&self, contact: usize, digit: usize) -> (&AffineMode, usize) {
+        let laws = &self.system.contacts;
+        let mut digits = vec![0; laws.len()];
+        digits[contact] = digit;
+        let number = self.number(&digits);
+        let earlier = laws[..contact].iter().map(|law| law.guards(0).len());
+        (&self.at.modes[number], earlier.sum())
+    }
+
+    fn number(&self, digits: &[usize]) -> usize {
+        let products = self.system.products.as_ref();
+        products.map_or(self.place.mode, |products| {
+            products.number(self.own, digits)
+        })
+    }
+
+    fn z(&self, mode: usize) -> Vector {
+        let mut z = self.at.lift(mode, &self.place.state, self.place.phase);
+        self.at.modes[mode].field.complete_at_switch(&mut z);
+        z
+    }
+
+    /// The value of a row, zero where it is nothing but rounding.
+    fn value(&self, mode: &AffineMode, row: &Row) -> f64 {
+        let z = self.z(self.place.mode);
+        let moved = match self.at.omega.value {
+            0.0 => z.map(|_| 0.0),
+            omega => mode.matrix.at.abs() * z.abs() / omega.abs(),
+        };
+        let value = row.value(&z);
+        let size = row.size(&z).max(row.size(&moved));
+        if value.abs() <= ZERO * size {
+            0.0
+        } else {
+            value
+        }
+    }
+
+    /// The values of the guards of a contact in one of its states.
+    fn guards(&self, contact: usize, digit: usize) -> Vec<f64> {
+        let (mode, first) = self.mode(contact, digit);
+        let count = self.system.contacts[contact].guards(digit).len();
+        let own = mode.guards.iter().skip(first).take(count);
+        own.map(|guard| self.value(mode, &guard.row)).collect()
+    }
+
+    /// The states of a contact that the state of the system allows.
+    fn states(&self, contact: usize) -> Result<Vec<usize>, Contradiction> {
+        let law = &self.system.contacts[contact];
+        let none_negative = |digit: &usize| self.guards(contact, *digit).iter().all(|x| *x >= 0.0);
+        let first = || self.guards(contact, 0).first().copied().unwrap_or_default();
+        let possible = |digits: std::ops::Range<usize>| digits.filter(none_negative).collect();
+        Ok(match law {
+            Law::Friction { .. } if first() == 0.0 => vec![STICK, FORWARD, FORWARD + 1],
+            Law::Friction { .. } => possible(FORWARD..STICK),
+            Law::Jenkins { .. } => {
+                let states: Vec<usize> = possible(HELD..law.states().len());
+                // a slider that has not come to its bound holds
+                if states.is_empty() {
+                    vec![HELD]
+                } else {
+                    states
+                }
+            }
+            Law::Stop { .. } => match first() {
+                gap if gap < 0.0 => {
+                    let contact = self.system.source.contacts.names().nth(contact);
+                    let contact = contact.unwrap_or_default().to_owned();
+                    return Err(Contradiction::Behind { contact, gap });
+                }
+                0.0 if self.rests(contact) => vec![CLOSED, OPEN],
+                _ => vec![OPEN],
+            },
+            Law::Spring { damping: None, .. } => possible(OPEN..law.states().len()),
+            Law::Spring { .. } => {
+                let gap = first();
+                let of_force = |digit: &usize| *digit == OPEN || gap <= 0.0;
+                let states: Vec<usize> = possible(OPEN..law.states().len());
+                states.into_iter().filter(of_force).collect()
+            }
+        })
+    }
+
+    /// Whether a gap that is zero has no velocity.
+    fn rests(&self, contact: usize) -> bool {
+        let (mode, _) = self.mode(contact, CLOSED);
+        let mut held = mode.surfaces();
+        held.all(|row| self.value(mode, row) == 0.0)
+    }
+
+    /// The first mode of these states of the contacts in which no guard is negative, or about to be; the first of all where there is
+    /// none.
+    fn mode_among(&self, possible: &[Vec<usize>]) -> usize {
+        let count = possible
+            .iter()
+            .fold(1_usize, |count, states| count.saturating_mul(states.len()));
+        let number = |combination: usize| {
+            let mut left = combination;
+            let digits = possible.iter().map(|states| {
+                let digit = states[left % states.len()];
+                left /= states.len();
+                digit
+            });
+            self.number(&digits.collect::<Vec<_>>())
+        };
+        let is_inside = |mode: &usize| {
+            let place = Moment {
+                mode: *mode,
+                ..self.place.clone()
+            };
+            let obstructed = self.at.modes[*mode].obstruction.is_some();
+            !obstructed && Motion::new(self.at, place, 1.0).is_inside()
+        };
+        let mut numbers = (0..count.min(MOST)).map(number);
+        numbers.find(is_inside).unwrap_or_else(|| number(0))
     }
 }

@@ -2,8 +2,6 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::examine::Examination;
-use super::inequality::{Inadmissible, OrbitInequality};
 use super::layout::{AffineOrbit, OrbitAt, ZonePoint};
 use super::passage::{Jet, Passage};
 use super::setting::OrbitFailure;
@@ -11,7 +9,7 @@ use super::signature::exit_of;
 use crate::affine::mode::{AffineMode, Exit, Row};
 use crate::linalg::Vector;
 use crate::orbit::located::AT_ZERO;
-use crate::orbit::{Examined, Inequalities, MarginFunction, WITHOUT_LENGTH, Zones};
+use crate::orbit::{MarginFunction, WITHOUT_LENGTH};
 
 /// What a margin measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -289,71 +287,5 @@ impl MarginFunction for Margin {
 
     fn grazes(&self) -> bool {
         self.watch == Watch::Speed
-    }
-}
-
-impl Inequalities for AffineOrbit {
-    type Inequality = OrbitInequality;
-    type Inadmissible = Inadmissible;
-
-    fn margin_at(&self, seen: &Margin, point: &Vector) -> Result<Margin, OrbitFailure> {
-        self.at(point)?.again(seen)
-    }
-
-    fn add_gradient(&self, margin: &Margin, gradient: &mut [f64]) {
-        for (index, by) in &margin.gradient {
-            gradient[*index] += by;
-        }
-    }
-
-    fn slope(&self, margin: &Margin, direction: &Vector) -> f64 {
-        let terms = margin.gradient.iter();
-        terms.map(|(index, by)| by * direction[*index]).sum()
-    }
-
-    fn instant(&self, point: &Vector, margin: &Margin) -> f64 {
-        let duration = |zone: usize| point[self.duration_index(zone % self.zones())];
-        let period: f64 = (0..self.zones()).map(duration).sum();
-        let begun: f64 = (0..margin.zone).map(duration).sum();
-        let within = match margin.watch {
-            Watch::Duration | Watch::Onset(_) => 0.0,
-            Watch::Inside(_) => margin.time / self.setting.scales.time,
-            Watch::End(_) | Watch::Speed | Watch::Condition(_) | Watch::Before(_) => {
-                duration(margin.zone)
-            }
-        };
-        (begun + within) / period
-    }
-
-    fn is_alike(&self, margin: &Margin, other: &AffineOrbit, of_other: &Margin) -> bool {
-        self.inequality(margin) == other.inequality(of_other)
-    }
-
-    fn inequality(&self, margin: &Margin) -> OrbitInequality {
-        let zone = self.sequence.zone(margin.zone);
-        let guard = match margin.watch {
-            Watch::Onset(guard) | Watch::Inside(guard) | Watch::End(guard) => Some(guard),
-            _ => zone.way.map(|way| way.guard),
-        };
-        let name = |guard| self.setting.system.guard_name(zone.mode, guard);
-        OrbitInequality {
-            mode: zone.name.clone(),
-            guard: guard.map_or_else(String::new, name),
-            watch: margin.watch,
-        }
-    }
-
-    fn inadmissible(&self, examination: &Examination) -> Inadmissible {
-        let margins = examination.margins().iter();
-        let worst = margins.min_by(|one, other| one.value.total_cmp(&other.value));
-        match worst.filter(|margin| margin.value <= 0.0) {
-            Some(margin) => Inadmissible::Margin {
-                held: self.inequality(margin),
-                value: margin.value,
-                zone: margin.zone,
-                time: margin.time,
-            },
-            None => Inadmissible::Undecided,
-        }
     }
 }

@@ -3,7 +3,7 @@
 //! [`signature`] is the sequence of zones, [`setting`] what the orbits of a branch have in common, [`layout`] the unknowns of one,
 //! `posed` its system at one value of the parameter, [`residual`] the equations, `section` the beginning of an orbit that has none by
 //! itself; [`passage`] is the exact flow through a zone with its derivatives, `shots` what
-//! it is divided into where a motion grows by much, and [`structure`] knows what is zero at its ends
+//! it is divided into where a motion grows by much, `coordinates` other unknowns for the same orbits, and [`structure`] knows what is zero at its ends
 //! whatever the parameter, as [`forms`] tell, or [`generic`] points, and `conserved` which sums never change. [`margin`] measures the
 //! inequalities, [`examine`] decides them, by what [`turning`] tells of smooth functions; [`candidates`] finds what lies beyond an
 //! event, [`ends`] why nothing does, which is a `termination`, by the motions beside it as [`discontinuity`] has them, `family` where others of
@@ -20,6 +20,7 @@ mod bifurcation;
 mod bounds;
 pub mod candidates;
 mod conserved;
+mod coordinates;
 mod critical;
 mod discontinuity;
 mod ends;

@@ -159,7 +159,12 @@ impl Observer<'_> {
     fn switch(&self, name: &str, number: usize) -> Option<usize> {
         let sequence = &self.at.orbit.sequence;
         let count = sequence.len();
+        let system = &self.at.orbit.setting.system;
         let is_named = |zone: &usize| {
+            let modes = [*zone, zone + 1].map(|zone| sequence.zone(zone).mode);
+            if let Some(changes) = system.contact_changes(name, modes) {
+                return changes;
+            }
             let exit = sequence.zone(*zone).way.and_then(|way| {
                 let guard = self.at.mode(*zone).guards.get(way.guard)?;
                 guard.exits.get(way.exit)

@@ -146,19 +146,29 @@ impl AffineOrbit {
         let count = zones.len();
         let mode = |zone: &usize| self.sequence.zone(*zone).mode;
         let least = (0..count).map(|zone| mode(&zone)).min();
+        // two zones that have one name are one
+        let begins = |zone: usize| self.sequence.is_told((zone + count - 1) % count);
+        let beginning = |zone: usize| {
+            let mut before = (0..count).map(|index| (zone + count - index) % count);
+            before.find(|zone| begins(*zone)).unwrap_or(zone)
+        };
         let first = if self.is_forced() {
             let of_first = (0..count).filter(|zone| Some(mode(zone)) == least);
+            let of_first = of_first.map(beginning);
             let phase = |zone: &usize| zones[*zone].phase.rem_euclid(TAU);
             of_first.min_by(|one, other| phase(one).total_cmp(&phase(other)))
         } else {
-            self.sequence.beginnings().first().copied()
+            let first = self.sequence.beginnings().first().copied();
+            first.map(beginning)
         };
         let first = first.unwrap_or(0);
         let order = (0..count).map(|index| (first + index) % count);
         let mut time = 0.0;
         let mut switches = Vec::with_capacity(count);
         for zone in order.clone() {
-            switches.push(time);
+            if begins(zone) {
+                switches.push(time);
+            }
             time += zones[zone].duration;
         }
         switches.truncate(self.sequence.switches());

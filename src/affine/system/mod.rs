@@ -231,6 +231,26 @@ impl System {
         }
     }
 
+    /// Whether a mode is the one of its name: a damped spring that has lost its force is open before its gap is.
+    pub fn is_of_its_name(&self, mode: usize) -> bool {
+        let products = self.products.as_ref();
+        products.is_none_or(|products| products.mode(&products.name(mode)) == Some(mode))
+    }
+
+    /// Whether the contact of a name changes its state, as it is called, from one mode to another; `None` where no contact has the name
+    /// or its state is the same.
+    pub fn contact_changes(&self, name: &str, modes: [usize; 2]) -> Option<bool> {
+        let products = self.products.as_ref()?;
+        let contact = self
+            .source
+            .contacts
+            .names()
+            .position(|known| known == name)?;
+        let [one, other] = modes.map(|mode| products.digits(mode).1[contact]);
+        let states = self.contacts[contact].states();
+        (one != other).then(|| states[one] != states[other])
+    }
+
     /// A guard of a mode as the file has it: its expression; of the conditions of a sliding mode, the field that each is
     /// held against.
     pub fn guard_name(&self, mode: usize, guard: usize) -> String {

@@ -6,6 +6,7 @@ use super::super::rules::{Check, Checks};
 use super::mistake::flaw_at;
 use super::{BeginningSection, OrbitStart, SystemProblem};
 use crate::affine::closure::{PERIOD, Prescribed};
+use crate::affine::contact::place::Contradiction;
 use crate::affine::system::{Ordered, Source};
 
 /// Relative difference of a period that is given from the one that the forcing has: a number of few digits will
@@ -186,13 +187,17 @@ impl Checks<'_, SystemProblem> {
         let Ok(at) = system.at(&self.problem.values(), &[]) else {
             return Ok(());
         };
-        match system.contradicted(&at, &place) {
-            Some((contact, fits)) => {
+        match system.admits(&at, &place) {
+            Ok(()) => Ok(()),
+            Err(Contradiction::Other { contact, fits }) => {
                 let mode = excerpt(&start.mode);
                 let message = format!("`{mode}` contradicts the state, by the contact `{contact}`");
                 self.refuse(&format!("{path}.mode"), message, format!("write `{fits}`"))
             }
-            None => Ok(()),
+            Err(behind @ Contradiction::Behind { .. }) => {
+                let help = "begin where no gap of a `Stop` is negative";
+                self.refuse(&format!("{path}.state"), behind.to_string(), help)
+            }
         }
     }
 }

@@ -110,6 +110,7 @@ fn about_contact(mistake: &ContactMistake) -> String {
             "let two contacts not hold the same velocity, or join them to one".to_owned()
         }
         ContactMistake::Pressed { .. } => "let one of the two be a `Spring`".to_owned(),
+        ContactMistake::Behind(_) => "let the reset end where the gap is positive".to_owned(),
         ContactMistake::Paradox(..) => "lessen the coefficient of friction".to_owned(),
         ContactMistake::Obstacle(..) => "change the parameters that it depends on".to_owned(),
     }
