@@ -15,6 +15,11 @@ pub trait Equations {
     /// begins where the curve bends to, and Newton's method leaves a point where it is once it is known but for rounding.
     const KEEPS: bool = false;
 
+    /// Whether R has kinks, as an absolute value has: the curve may turn at a point then.
+    fn has_kinks(&self) -> bool {
+        false
+    }
+
     /// Number n + 1 of unknowns; the last of them is the continuation parameter.
     fn unknowns(&self) -> usize;
 

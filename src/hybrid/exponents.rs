@@ -28,6 +28,9 @@ struct Span {
 
 /// A motion with as many directions of its perturbations as there are exponents to find.
 pub(super) struct PerturbedMotion<'a> {
+    system: &'a AffineSystem,
+    /// A unit of time.
+    unit: f64,
     motion: Motion<'a>,
     /// How many exponents.
     count: usize,
@@ -47,6 +50,8 @@ impl<'a> PerturbedMotion<'a> {
     ) -> PerturbedMotion<'a> {
         let frame = (count > 0).then(|| TangentFrame::new(system, &start, count, unit).ok());
         PerturbedMotion {
+            system,
+            unit,
             motion: Motion::new(system, start, unit),
             count,
             frame: frame.flatten(),
@@ -90,8 +95,17 @@ impl<'a> PerturbedMotion<'a> {
         Ok(step)
     }
 
-    /// Puts new directions in the place of those that a transient has lost, early enough for them to settle, too.
+    /// Puts new directions in the place of those that a transient has lost, or in the place of all whose growth in it was not resolved,
+    /// early enough for them to settle, too.
     pub fn renew(&mut self) {
+        if self.frame.is_none() && self.count > 0 {
+            let place = self.motion.place();
+            self.frame = TangentFrame::new(self.system, place, self.count, self.unit).ok();
+        }
+        self.measure_anew();
+    }
+
+    fn measure_anew(&mut self) {
         let place = self.motion.place();
         let frame = self.frame.as_mut();
         let known = frame.is_none_or(|frame| frame.measure_anew(place).is_ok());
@@ -104,7 +118,7 @@ impl<'a> PerturbedMotion<'a> {
     pub fn sample(&mut self) {
         let now = self.motion.place().time;
         let Some(before) = self.sampled.replace(now) else {
-            return self.renew();
+            return self.measure_anew();
         };
         let Some(frame) = &mut self.frame else { return };
         match frame.take_growth() {

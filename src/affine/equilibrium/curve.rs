@@ -296,6 +296,10 @@ impl EquilibriumCurve {
 impl Equations for EquilibriumCurve {
     type Failure = EquilibriumFailure;
 
+    fn has_kinks(&self) -> bool {
+        self.lifted.program.has_kinks()
+    }
+
     fn unknowns(&self) -> usize {
         self.setting.scales.units.len()
     }
