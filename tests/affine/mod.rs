@@ -14,6 +14,7 @@ mod cycles;
 mod ending;
 mod equilibria;
 mod exponents;
+mod fits;
 mod growth;
 mod held;
 mod homoclinic;

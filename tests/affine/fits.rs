@@ -1,0 +1,349 @@
+//! The states that contacts are in: where motions begin, where parameters have moved, and after resets of the user's own.
+
+use brakewave::EventType;
+use brakewave::hybrid::OrbitItem;
+use brakewave::hybrid::equilibrium::{EquilibriumItem, EquilibriumRunner};
+use brakewave::hybrid::exponents::Exponent;
+use brakewave::hybrid::scan::{ScannedMotion, Scanner};
+use brakewave::orbit::legs::Run as _;
+use brakewave::problem::{Any, ProblemError, SystemProblem, parse_any};
+
+use super::counts::{events, rows};
+
+fn problem(text: &str) -> Result<SystemProblem, ProblemError> {
+    match parse_any(text, "test.ron")? {
+        Any::System(problem) => Ok(*problem),
+        Any::Tube(_) => panic!("a system"),
+    }
+}
+
+/// A mass with dry friction that bounces off a wall, by a law or by a switch of its own mode; its branch in A has these events.
+fn bouncing(wall: &str, mode: &str) -> Vec<OrbitItem> {
+    rows(&format!(
+        r#"(system: (states: ["x", "v"],
+            parameters: {{"A": 2.0, "w": 1.7, "d": 0.8, "e": 0.6, "N": 0.3, "c": 0.05}}, forcing: "w", {wall}),
+        orbit: (start: Simulate(mode: "{mode}", state: {{"x": 0.1, "v": 0.1}}, settle: 200), periods: 4),
+        continuation: (parameter: "A", range: (0.8, 2.6), toward: Both), stability: (), output: (plots: []))"#
+    ))
+}
+
+/// A reset of the user's own turns slip round as the impact of a `Stop` does: the same orbits with the same events.
+#[test]
+fn a_bounce_of_ones_own_is_the_impact_of_a_stop() {
+    let friction = r#""f": Friction(slip: "v", bound: "N")"#;
+    let force = "A*sin(phase) - c*v - x + f";
+    let own = bouncing(
+        &format!(
+            r#"contacts: {{{friction}}}, modes: {{"m": (rates: {{"x": "v", "v": "{force}"}},
+                until: [(zero: "d - x", to: "m", reset: {{"v": "-e*v"}})])}}"#
+        ),
+        "m.forward",
+    );
+    let stop = bouncing(
+        &format!(
+            r#"contacts: {{{friction}, "s": Stop(gap: "d - x", restitution: "e")}},
+            rates: {{"x": "v", "v": "{force} - s"}}"#
+        ),
+        "forward.open",
+    );
+    let first = |items: &[OrbitItem]| items[0].point.period;
+    assert!((first(&own) - first(&stop)).abs() <= 1e-13);
+    let [own, stop] = [own, stop].map(|items| events(&items, "A"));
+    assert!(own.len() > 1, "{own:?}");
+    assert_eq!(own.len(), stop.len(), "{own:#?}\n{stop:#?}");
+    for ((kind, value, _), (other, other_value, _)) in own.iter().zip(&stop) {
+        assert_eq!(kind, other);
+        assert!(
+            (value - other_value).abs() <= 1e-11,
+            "{kind} {value} {other_value}"
+        );
+    }
+}
+
+/// A block that sticks is kicked by K to either side in turn, and slips against F and a spring k: by its energy it comes to rest at
+/// ±K²/(4F), since ½K² is what friction takes on the way between.
+#[test]
+fn a_kick_sets_a_block_going() {
+    let mode = |to: &str, sign: &str| {
+        format!(
+            r#"(rates: {{"x": "v", "v": "-k*x + f", "s": "1"}},
+            until: [(zero: "P - s", to: "{to}", reset: {{"v": "v {sign} K", "s": "0"}})])"#
+        )
+    };
+    let items = rows(&format!(
+        r#"(system: (states: ["x", "v", "s"], parameters: {{"K": 1.0, "F": 0.4, "P": 4.0, "k": 0.1}},
+            contacts: {{"f": Friction(slip: "v", bound: "F")}}, modes: {{"a": {}, "b": {}}}),
+        orbit: (start: Simulate(mode: "a.stick", state: {{"x": 0.0, "v": 0.0, "s": 0.0}}, settle: 50)),
+        continuation: (parameter: "K", range: (0.5, 1.25), toward: Both), stability: (), output: (plots: []))"#,
+        mode("b", "+"),
+        mode("a", "-"),
+    ));
+    assert!(items.len() > 20);
+    for OrbitItem { point, .. } in &items {
+        let rest = point.parameters[0].powi(2) / (4.0 * point.parameters[1]);
+        let (least, most) = point.extremes[0];
+        let off = (most - rest).abs().max((least + rest).abs());
+        assert!(off <= 1e-13, "{off:e} at K = {}", point.parameters[0]);
+        assert!((point.period - 8.0).abs() <= 1e-13);
+        assert_eq!(
+            point.regimes.matches("stick").count(),
+            2,
+            "{}",
+            point.regimes
+        );
+    }
+}
+
+/// A problem with a mass at d on a contact.
+fn mass(contact: &str, force: &str, mode: &str, state: &str) -> String {
+    format!(
+        r#"(system: (states: ["x", "v"], parameters: {{"A": 1.1, "w": 0.9, "d": 0.4, "e": 0.5, "k": 3.0}}, forcing: "w",
+            contacts: {{"p": {contact}}}, rates: {{"x": "v", "v": "A*cos(phase) - x - 0.1*v {force}"}}),
+        orbit: (start: Simulate(mode: "{mode}", state: {{{state}}}, settle: 20)),
+        continuation: (parameter: "A", range: (0.9, 1.3), toward: Down), stability: ())"#
+    )
+}
+
+/// A start that contradicts a slip, a gap, the velocity of what is closed or the force of a spring is refused with what fits; behind
+/// a stop nothing does.
+#[test]
+fn a_start_that_contradicts_its_state_is_refused() {
+    let stop = r#"Stop(gap: "d - x", restitution: "e")"#;
+    let damped = r#"Spring(gap: "d - x", stiffness: "k", damping: "e")"#;
+    let slider = r#"Jenkins(slip: "v", stiffness: "k", bound: "e")"#;
+    let friction = r#"Friction(slip: "v", bound: "e", static: "1.2*e")"#;
+    for (contact, force, mode, state, fits) in [
+        (stop, "- p", "closed", r#""x": 0.4, "v": 0.3"#, "`open`"),
+        (stop, "- p", "closed", r#""x": 0.4, "v": -0.3"#, "`open`"),
+        (stop, "- p", "closed", r#""x": 0.1, "v": 0.0"#, "`open`"),
+        (
+            stop,
+            "- p",
+            "closed",
+            r#""x": 0.5, "v": 0.0"#,
+            "lies behind the stop `p`: its gap is -0.1",
+        ),
+        (
+            stop,
+            "- p",
+            "open",
+            r#""x": 0.9, "v": 0.1"#,
+            "lies behind the stop `p`: its gap is -0.5",
+        ),
+        // kg + cġ = 1.2: there would be tension
+        (damped, "- p", "closed", r#""x": 0.5, "v": -3.0"#, "`open`"),
+        (damped, "- p", "closed", r#""x": 0.3, "v": 3.0"#, "`open`"),
+        (damped, "- p", "open", r#""x": 0.5, "v": 3.0"#, "`closed`"),
+        (
+            slider,
+            "+ p",
+            "forward",
+            r#""x": 0.3, "v": -3.0"#,
+            "`stick`",
+        ),
+        (
+            slider,
+            "+ p",
+            "stick",
+            r#""x": 0.3, "v": 3.0, "z_p": 1.0"#,
+            "`forward`",
+        ),
+        (
+            friction,
+            "+ p",
+            "stick",
+            r#""x": 0.3, "v": 0.5"#,
+            "`forward`",
+        ),
+        (
+            friction,
+            "+ p",
+            "forward",
+            r#""x": 0.3, "v": -0.5"#,
+            "`backward`",
+        ),
+    ] {
+        let refused = problem(&mass(contact, force, mode, state))
+            .unwrap_err()
+            .to_string();
+        assert!(refused.contains(fits), "{mode} {state}\n{refused}");
+    }
+    // before its gap is, a damped spring is open once it has lost its force
+    for (contact, force, mode, state) in [
+        (damped, "- p", "open", r#""x": 0.5, "v": -3.0"#),
+        (damped, "- p", "closed", r#""x": 0.5, "v": 3.0"#),
+        (stop, "- p", "closed", r#""x": 0.4, "v": 0.0"#),
+        (friction, "+ p", "stick", r#""x": 0.3, "v": 0.0"#),
+        (slider, "+ p", "stick", r#""x": 0.3, "v": 3.0, "z_p": 0.1"#),
+    ] {
+        let admitted = problem(&mass(contact, force, mode, state));
+        admitted.unwrap_or_else(|error| panic!("{mode} {state}\n{error}"));
+    }
+}
+
+/// Every value of a scan, with its lacks in words.
+fn scanned(text: &str) -> Vec<ScannedMotion> {
+    let problem = problem(text).unwrap_or_else(|error| panic!("{error}"));
+    let scan = problem.scan.clone().unwrap();
+    let scanner = Scanner::new(&problem, &scan).unwrap();
+    scan.sweeps()
+        .into_iter()
+        .flat_map(|pieces| {
+            let mut last = None;
+            let mut all = Vec::new();
+            for piece in pieces {
+                let motions = scanner.piece(piece, last.take());
+                last = motions
+                    .last()
+                    .and_then(|motion| motion.samples.last().cloned());
+                all.extend(motions);
+            }
+            all
+        })
+        .collect()
+}
+
+/// A ball that rests on a table falls where the table is lower, and cannot begin within one that is higher.
+#[test]
+fn a_table_that_is_moved_lets_its_ball_fall() {
+    let text = |sweep: &str| {
+        format!(
+            r#"(system: (states: ["y", "v"], parameters: {{"h": 0.0, "e": 0.4, "G": 0.9}}, forcing: "1.0",
+                contacts: {{"p": Stop(gap: "y - h", restitution: "e")}}, rates: {{"y": "v", "v": "-G - 0.1*v + p"}}),
+            orbit: (start: Simulate(mode: "closed", state: {{"y": 0.0, "v": 0.0}}, settle: 20)),
+            scan: (parameter: "h", values: Linear(-0.5, 0.5, 3), sweep: {sweep}, settle: 20, keep: 1,
+                section: Phase(0.0)))"#
+        )
+    };
+    for sweep in ["Fresh", "Up", "Down"] {
+        for motion in scanned(&text(sweep)) {
+            if motion.value > 0.0 && sweep != "Down" {
+                let lacks = motion.lacks.as_ref().map(|lack| format!("{lack:?}"));
+                assert!(
+                    lacks.is_some_and(|lacks| lacks.contains("Behind")),
+                    "{motion:?}"
+                );
+                continue;
+            }
+            // downward the first value is the one that begins within the table, and the next begins anew
+            if motion.value > 0.0 {
+                continue;
+            }
+            assert_eq!(motion.lacks, None, "{sweep} {}", motion.value);
+            let height = motion.samples[0].state[0];
+            assert!((height - motion.value).abs() <= 1e-12, "{sweep} {height}");
+        }
+    }
+}
+
+/// Random starts in a mode that sticks lie in what fits, and so does a motion whose belt has become faster.
+#[test]
+fn scans_begin_in_what_fits() {
+    let text = |scan: &str| {
+        format!(
+            r#"(system: (states: ["x", "v"], parameters: {{"vb": 0.3, "F": 0.5, "Fs": 0.85, "c": 0.12, "k": 1.3}},
+                contacts: {{"q": Friction(slip: "v - vb", bound: "F", static: "Fs")}},
+                rates: {{"x": "v", "v": "-k*x - c*v + q"}}),
+            orbit: (start: Simulate(mode: "stick", state: {{"x": 0.0, "v": 0.3}}, settle: 60)),
+            scan: (parameter: "vb", values: Linear(0.1, 0.5, 3), settle: 60, keep: 2, section: Zero("v"), {scan}))"#
+        )
+    };
+    for scan in ["sweep: Up", "sweep: Down", "sweep: Fresh, seed: 7"] {
+        for motion in scanned(&text(scan)) {
+            let lacks = motion.lacks.as_ref().map(|lack| format!("{lack:?}"));
+            // a motion that rests comes to no section
+            assert!(
+                lacks.as_ref().is_none_or(|lacks| lacks.contains("Away")),
+                "{scan} {lacks:?}"
+            );
+        }
+    }
+}
+
+/// A motion that has come to rest tells nothing of what grows along the next one, which is that of a motion by itself.
+#[test]
+fn exponents_are_found_after_a_motion_that_rests() {
+    let exponents = |sweep: &str| {
+        let all = scanned(&format!(
+            r#"(system: (states: ["x", "v"],
+                parameters: {{"A": 2.2, "M": 0.9, "w": 0.9, "la": 0.7, "d": 0.5, "e": 0.8}}, forcing: "w",
+                contacts: {{"q": Friction(slip: "v + la*x", bound: "M"), "s": Stop(gap: "d - x", restitution: "e")}},
+                rates: {{"x": "v", "v": "A*cos(phase) - x + q - s"}}),
+            orbit: (start: Simulate(mode: "forward.open", state: {{"x": 0.1, "v": 0.1}}, settle: 200), periods: 5),
+            scan: (parameter: "A", values: Linear(0.4, 1.3, 2), sweep: {sweep}, settle: 100, keep: 20,
+                lyapunov: true, section: Phase(0.0)))"#
+        ));
+        all[1].exponents.clone()
+    };
+    let value = |exponents: &[Exponent]| match exponents[0] {
+        Exponent::Finite { value, .. } => value,
+        other => panic!("{other:?}"),
+    };
+    let [after, alone] = ["Up", "Fresh"].map(|sweep| value(&exponents(sweep)));
+    assert!((after - alone).abs() <= 1e-10, "{after} {alone}");
+}
+
+/// Where a damped spring loses its force just as the stop beside it is hit the impact closes it again: the orbit goes on through
+/// without a zone between, and the two states of the spring that are called open are one.
+#[test]
+fn an_impact_closes_a_spring_that_has_lost_its_force() {
+    let items = rows(
+        r#"(system: (states: ["x", "v"],
+            parameters: {"A": 1.3, "w": 0.8, "c": 0.07, "d": 0.4, "kp": 6.0, "cp": 0.9}, forcing: "w",
+            contacts: {"p": Spring(gap: "d - x", stiffness: "kp", damping: "cp")},
+            rates: {"x": "v", "v": "A*cos(phase) - c*v - x - p"}),
+        orbit: (start: Simulate(mode: "open", state: {"x": 0.0, "v": 0.0}, settle: 200)),
+        continuation: (parameter: "A", range: (1.25, 1.35), toward: Up), stability: (), output: (plots: []),
+        monitor: {"opens": Before("p", "-kp*(d - x) + cp*v"), "closes": Before("p", "x", 2), "third": Before("p", "x", 3)})"#,
+    );
+    for OrbitItem { point, .. } in &items {
+        assert_eq!(point.switches.len(), 2);
+        assert_eq!(point.regimes, "open-closed");
+        let monitor = |index: usize| point.monitors[index].1;
+        // the force is zero where it opens, the gap where it closes, and there is no third switch
+        assert!(monitor(0).unwrap().abs() <= 1e-12, "{:?}", point.monitors);
+        assert!((monitor(1).unwrap() - 0.4).abs() <= 1e-12);
+        assert!(monitor(2).is_none());
+    }
+}
+
+/// All points of a branch of equilibria.
+fn equilibria(text: &str) -> Vec<EquilibriumItem> {
+    let problem = problem(text).unwrap_or_else(|error| panic!("{error}"));
+    let section = problem.continuation.as_ref().unwrap();
+    let mut runner = EquilibriumRunner::begin(&problem, section, None).unwrap();
+    let mut items = Vec::new();
+    while runner.progress().end.is_none() {
+        items.extend(runner.step());
+    }
+    items
+}
+
+/// a = x + k|x − 1| − y/10 with y = x/2: a line to either side of x = 1, whatever the angle between them below a right one.
+#[test]
+fn equilibria_go_on_beyond_a_kink() {
+    for k in [0.3, 0.9, -0.9] {
+        for (from, toward) in [(-2.0, "Up"), (2.0, "Down")] {
+            let x0 = match from < 1.0 {
+                true => (from - k) / (0.95 - k),
+                false => (from + k) / (0.95 + k),
+            };
+            let items = equilibria(&format!(
+                r#"(system: (states: ["x", "y"], parameters: {{"a": {from:?}, "k": {k:?}}},
+                    modes: {{"m": (rates: {{"x": "a - x - k*abs(x - 1) + 0.1*y", "y": "x - 2*y"}})}}),
+                equilibrium: (start: Given(mode: "m", state: {{"x": {x0:?}, "y": {:?}}})),
+                continuation: (parameter: "a", range: (-2.0, 2.0), toward: {toward}), output: (plots: []))"#,
+                0.5 * x0
+            ));
+            let last = items.last().unwrap();
+            assert_eq!(last.point.kind, Some(EventType::EP), "{k} {:?}", last.event);
+            let sides = items.iter().map(|item| item.point.state[0] > 1.0);
+            assert_eq!(sides.clone().filter(|above| *above).count() > 2, true);
+            for EquilibriumItem { point, .. } in &items {
+                let (x, a) = (point.state[0], point.parameters[0]);
+                let off = 0.95 * x + k * (x - 1.0).abs() - a;
+                assert!(off.abs() <= 1e-13 * (1.0 + x.abs()), "{off:e} at x = {x}");
+            }
+        }
+    }
+}
