@@ -4,6 +4,7 @@ use super::saved::LabelledOrbit;
 use crate::affine::contact::place::Contradiction;
 use crate::affine::equilibrium::cycle::NoCycle;
 use crate::affine::motion::Halt;
+use crate::affine::orbit::behaviour::Behaviour;
 use crate::affine::orbit::start::{self, Search, Wanted, first, restart};
 use crate::affine::orbit::switch::switch;
 use crate::affine::orbit::{AffineOrbit, OrbitTermination};
@@ -143,6 +144,9 @@ impl NoFirstPoint {
     }
 }
 
+/// How many times as long a motion settles that is not yet periodic, and is seen to be later.
+const LATER: f64 = 4.0;
+
 /// Most returns of a motion without forcing to one switch, before it repeats itself.
 const MOST_RETURNS: u32 = 64;
 
@@ -224,7 +228,8 @@ pub(super) fn begin(
         }
     };
     let beginning = start.beginning().ok_or(NoFirstPoint::Unknown)?;
-    let found = come_to(problem, continuation, problem.values(), &beginning, search);
+    let come_to =
+        |search: Search| come_to(problem, continuation, problem.values(), &beginning, search);
     let explained = |reason: NoFirstPoint| {
         let wanted = wanted(problem, continuation, problem.values());
         match (reason, wanted, beginning.place(&problem.system)) {
@@ -234,7 +239,25 @@ pub(super) fn begin(
             (reason, ..) => reason,
         }
     };
-    Ok(along(found.map_err(explained)?))
+    let reason = match come_to(search).map_err(explained) {
+        Ok(found) => return Ok(along(found)),
+        Err(reason) => reason,
+    };
+    // it has settled in the time in which it was watched
+    let is_periodic = matches!(
+        reason,
+        NoFirstPoint::NoOrbit(start::NoStart::NotPeriodic {
+            looks: Some(Behaviour::Periodic(periods)),
+            ..
+        }) if periods <= problem.orbit.periods as usize
+    );
+    let later = match search {
+        Search::Settles(time) if is_periodic && time > 0.0 => {
+            come_to(Search::Settles(LATER * time)).ok()
+        }
+        _ => None,
+    };
+    later.map(along).ok_or(reason)
 }
 
 /// The first orbit of a branch that goes on from a saved one, or from another branch that passes there.

@@ -23,7 +23,7 @@ use crate::linalg::Vector;
 use approach::Approach;
 use guess::{FROM_A_GUESS, OrbitGuess};
 use rest::lost_in_a_point;
-use unknowns::pose;
+use unknowns::{lasts_by_rounding, pose};
 
 /// Where a motion begins.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -111,7 +111,7 @@ pub fn first(
     beginning: &Beginning,
     search: Search,
 ) -> Result<(AffineOrbit, Vector), NoStart> {
-    found(wanted, beginning, search).map_err(|reason| {
+    settled(wanted, beginning, search).map_err(|reason| {
         let NoStart::Halted(halt) = reason else {
             return reason;
         };
@@ -145,7 +145,32 @@ fn resting(wanted: &Wanted, beginning: &Beginning, search: Search, halt: &Halt) 
         .flatten()
 }
 
-/// The same, with numbers of modes and guards in its failures.
+/// The same, with numbers of modes and guards in its failures. Where what dies out on the way still has a zone that no orbit has, the
+/// motion settles on.
+fn settled(
+    wanted: &Wanted,
+    beginning: &Beginning,
+    search: Search,
+) -> Result<(AffineOrbit, Vector), NoStart> {
+    /// How many times as long it is given.
+    const LONGER: [f64; 2] = [2.0, 4.0];
+    let reason = match found(wanted, beginning, search) {
+        Ok(found) => return Ok(found),
+        Err(reason) => reason,
+    };
+    let Search::Settles(time) = search else {
+        return Err(reason);
+    };
+    let dies_out = matches!(reason, NoStart::Inadmissible(_) | NoStart::Shrinks { .. });
+    let mut further = LONGER.iter().filter(|_| dies_out && time > 0.0);
+    let later = further.find_map(|longer| {
+        let search = Search::Settles(longer * time);
+        found(wanted, beginning, search).ok()
+    });
+    later.ok_or(reason)
+}
+
+/// What a motion comes to in this time, or a guess leads to.
 fn found(
     wanted: &Wanted,
     beginning: &Beginning,
@@ -165,7 +190,12 @@ fn found(
         (Search::Settles(_), None) => approach.over_returns()?,
     };
     approach.admit(&guess)?;
-    guess.attracting(wanted).or_else(|reason| {
+    let attracting = guess.attracting(wanted);
+    let attracting = attracting.and_then(|found| match lasts_by_rounding(&found.0, &found.1) {
+        Some(mode) => Err(NoStart::Shrinks { mode }),
+        None => Ok(found),
+    });
+    attracting.or_else(|reason| {
         // a switch on the way to an orbit within one mode
         let whole = approach
             .forcing

@@ -77,6 +77,26 @@ fn collapsed(orbit: &AffineOrbit, guess: &Vector, point: &Vector) -> Option<Stri
     Some(orbit.sequence.zone(zone).name.clone())
 }
 
+/// The mode of a zone whose duration is nothing but rounding: the equations hold with it and no orbit has it, as where slip that dies out
+/// has become too little to be seen.
+pub(super) fn lasts_by_rounding(orbit: &AffineOrbit, point: &Vector) -> Option<String> {
+    /// Roundings that a duration has at least.
+    const ORDERS: f64 = 10.0;
+    let index = point.len() - 1;
+    let mut fixed = Fixed {
+        index,
+        value: point[index],
+    };
+    let bordered = newton::bordered(orbit, &mut fixed, point).ok()?;
+    let rounding = newton::rounding(&bordered.matrix, &point.abs(), None)?;
+    let is_rounding = |zone: &usize| {
+        let duration = orbit.duration_index(*zone);
+        point[duration].abs() <= ORDERS * rounding[duration]
+    };
+    let zone = (0..orbit.sequence.len()).find(is_rounding)?;
+    Some(orbit.sequence.zone(zone).name.clone())
+}
+
 fn failed(failure: OrbitFailure) -> NoStart {
     NoStart::Newton(newton::Failure::System(failure))
 }
