@@ -388,3 +388,52 @@ fn slip_that_dies_out_leaves_no_zone() {
         );
     }
 }
+
+/// Where a slider slips no more in either direction orbits beyond are a family, of which the one with the offset of the end is not
+/// admissible on either side: one of its bounds comes first. The branch ends there, and nothing is left undone.
+#[test]
+fn a_branch_ends_where_what_slips_becomes_a_family() {
+    let text = |value: f64, range: &str, toward: &str, mode: &str, state: &str| {
+        format!(
+            r#"(system: (states: ["x0", "v0", "x1", "v1"], parameters: {{"w": 1.09, "P": {value:?}}}, forcing: "w",
+                contacts: {{"c0": Friction(slip: "v0 - 0.05", bound: "0.87"),
+                    "c1": Jenkins(slip: "v0 - v1", stiffness: "3.61", bound: "0.92"),
+                    "c2": Friction(slip: "v1 - 0.15", bound: "0.94")}},
+                rates: {{"x0": "v0", "x1": "v1",
+                    "v0": "P*1.65*cos(phase) - 0.11*v0 - 1.24*x0 - 0.93*(x0 - x1) + c0 + c1",
+                    "v1": "P*2.8*sin(phase) - 0.26*v1 - 1.2*x1 - 0.93*(x1 - x0) - c1 + c2"}}),
+            orbit: (start: Simulate(mode: "{mode}", state: {{{state}}}, settle: 200), periods: 4),
+            continuation: (parameter: "P", range: {range}, toward: {toward}), stability: (), output: (plots: []))"#
+        )
+    };
+    let state = r#""x0": -0.21, "v0": 0.2517, "x1": -0.14, "v1": -0.1366"#;
+    let items = rows(&text(
+        1.0,
+        "(0.8, 1.0)",
+        "Down",
+        "forward.stick.backward",
+        state,
+    ));
+    let all = events(&items, "P");
+    let (_, value, what) = all.last().unwrap();
+    assert!(what.contains("orbits are a family"), "{what}");
+    assert!(
+        all.iter().all(|(kind, ..)| *kind != EventType::MX),
+        "{all:?}"
+    );
+    // just below motions come to an orbit along which the slider never slips
+    let beyond = rows(&text(
+        0.8288,
+        "(0.8287, 0.8288)",
+        "Down",
+        "forward.stick.backward",
+        state,
+    ));
+    assert!(*value > 0.8288 && *value < 0.829, "{value}");
+    let slips = |name: &str| {
+        let slider = name.split('-').filter_map(|zone| zone.split('.').nth(1));
+        slider.filter(|state| *state != "stick").count()
+    };
+    assert_eq!(slips(&beyond[0].point.regimes), 0);
+    assert_eq!(slips(&items[items.len() - 2].point.regimes), 2);
+}

@@ -463,6 +463,7 @@ impl AffineOrbit {
             .or_else(misses)
             .or_else(|| self.held_at(point, margin))
             .or_else(|| self.others_remain(point, margin))
+            .or_else(|| self.family_beyond(point, margin))
             .or_else(|| self.jumps(point))
     }
 }

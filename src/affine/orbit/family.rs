@@ -4,15 +4,17 @@
 //! Where that member ends others may go on. Where a law becomes linear, as below a saturation, a branch comes to a family at
 //! one value of the parameter, and ends.
 
+use super::candidates::candidates;
 use super::examine::Examination;
 use super::layout::AffineOrbit;
 use super::multiplier::{Multiplier, own};
-use super::{Critical, Margin, OrbitTermination};
+use super::{Critical, Margin, OrbitTermination, Watch};
 use crate::continuation::Node;
 use crate::continuation::locate::node_at;
 use crate::continuation::newton::{self, Fixed, Settings};
 use crate::continuation::walk::Segment;
 use crate::linalg::Vector;
+use crate::orbit::located::AT_ZERO;
 use crate::orbit::sign::SignVerdict;
 use crate::orbit::{EndWithin, Examined as _, Inequalities, Zones, rounding_at};
 
@@ -87,25 +89,86 @@ impl AffineOrbit {
             return None;
         }
         let units = &self.setting.scales.states;
+        let index = point.len() - 1;
         let remains = |state: &usize| {
-            let moved = |by: f64| self.member(point, *state, by * units[*state]);
+            let moved = |by: f64| self.member(point, (*state, by * units[*state]), point[index]);
             [BESIDE, -BESIDE]
                 .into_iter()
-                .any(|by| moved(by).is_some_and(|verdict| verdict == SignVerdict::Positive))
+                .any(|by| moved(by) == Some(SignVerdict::Positive))
         };
-        let names = &self.setting.system.source.states;
-        let states: Vec<String> = (0..names.len())
-            .filter(remains)
-            .map(|state| names[state].clone())
-            .collect();
+        let states = self.names_of((0..self.states()).filter(remains));
         (!states.is_empty()).then(|| OrbitTermination::OthersRemain {
             held: self.inequality(margin),
             states,
         })
     }
 
-    /// Whether the orbit of the family is admissible that keeps another value of a state, at the same parameter.
-    fn member(&self, point: &Vector, state: usize, by: f64) -> Option<SignVerdict> {
+    fn names_of(&self, states: impl Iterator<Item = usize>) -> Vec<String> {
+        let names = &self.setting.system.source.states;
+        states.map(|state| names[state].clone()).collect()
+    }
+
+    /// Whether the branch ends at the zero of a margin since what slips there and back slips no more beyond, and keeps what it has: next
+    /// to it orbits are a family, of which some are admissible.
+    pub(super) fn family_beyond(
+        &self,
+        point: &Vector,
+        margin: &Margin,
+    ) -> Option<OrbitTermination> {
+        /// Values that are tried, in parts of how far the parameter is moved: bounds of a force that are reached on both sides leave
+        /// room in proportion to that.
+        const PARTS: [f64; 8] = [-4.0, -2.0, -1.0, -0.5, 0.5, 1.0, 2.0, 4.0];
+        if margin.watch != Watch::Duration {
+            return None;
+        }
+        let (orbit, point) = self.without_vanished(point)?;
+        if orbit.conserved.count() <= self.conserved.count() {
+            return None;
+        }
+        let units = &self.setting.scales.states;
+        let index = point.len() - 1;
+        let is_member = |state: &usize| {
+            [BESIDE, -BESIDE].into_iter().any(|side| {
+                PARTS.into_iter().any(|part| {
+                    let by = part * BESIDE * units[*state];
+                    let verdict = orbit.member(&point, (*state, by), point[index] + side);
+                    verdict == Some(SignVerdict::Positive)
+                })
+            })
+        };
+        let states = self.names_of((0..self.states()).filter(is_member));
+        (!states.is_empty()).then(|| OrbitTermination::FamilyBeyond {
+            held: self.inequality(margin),
+            states,
+        })
+    }
+
+    /// The orbit without the zones that last no time at a point, and its unknowns there.
+    fn without_vanished(&self, point: &Vector) -> Option<(AffineOrbit, Vector)> {
+        let (mut orbit, mut point) = (self.clone(), point.clone());
+        while let Some(zone) =
+            (0..orbit.zones()).find(|zone| point[orbit.duration_index(*zone)].abs() <= AT_ZERO)
+        {
+            let examination = orbit.examination(&point).ok()?;
+            let mut margins = examination.margins().iter();
+            let vanished =
+                margins.find(|margin| margin.zone == zone && margin.watch == Watch::Duration)?;
+            let candidates = candidates(&orbit, &point, vanished).ok()?;
+            let shorter = candidates
+                .into_iter()
+                .find(|one| one.nascent.is_empty() && one.orbit.zones() < orbit.zones())?;
+            (orbit, point) = (shorter.orbit, shorter.point);
+        }
+        Some((orbit, point))
+    }
+
+    /// Whether the orbit of the family is admissible that keeps another value of a state, at this scaled parameter.
+    fn member(
+        &self,
+        point: &Vector,
+        (state, by): (usize, f64),
+        parameter: f64,
+    ) -> Option<SignVerdict> {
         let mut kept = self.sequence.kept().to_vec();
         *kept.get_mut(state)? += by;
         let sequence = self.sequence.clone().keeping(&kept);
@@ -113,7 +176,7 @@ impl AffineOrbit {
         let index = point.len() - 1;
         let mut fixed = Fixed {
             index,
-            value: point[index],
+            value: parameter,
         };
         let solved = newton::solve(&orbit, &mut fixed, point, &Settings::default()).ok()?;
         Some(orbit.examination(&solved.point).ok()?.verdict())

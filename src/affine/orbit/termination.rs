@@ -133,6 +133,13 @@ pub enum OrbitTermination {
         /// Names of the states of which the others have other values where they begin.
         states: Vec<String>,
     },
+    /// What slips ends to slip: orbits beyond it are a family, of which the one that keeps what the orbit has here is not admissible.
+    FamilyBeyond {
+        /// What vanishes.
+        held: OrbitInequality,
+        /// Names of the states of which orbits of the family have other values where they begin.
+        states: Vec<String>,
+    },
     /// Beyond it a switch leads to where it is met again at once.
     Held {
         /// The guard, as the file has it.
@@ -289,6 +296,15 @@ impl fmt::Display for OrbitTermination {
                 quoted(states),
                 held.guard,
                 held.mode
+            ),
+            OrbitTermination::FamilyBeyond { held, states } => write!(
+                formatter,
+                "the orbit ends where the zones of `{}` and of the way back shrink to nothing: beyond it nothing moves there \
+                 any more, and orbits are a family that keeps what {} {} at the start. The one that keeps the values of \
+                 this orbit is not admissible, others are",
+                held.mode,
+                quoted(states),
+                if states.len() == 1 { "has" } else { "have" }
             ),
             OrbitTermination::Held { guard, mode } => write!(
                 formatter,
