@@ -249,7 +249,7 @@ pub(super) fn begin(
         NoFirstPoint::NoOrbit(start::NoStart::NotPeriodic {
             looks: Some(Behaviour::Periodic(periods)),
             ..
-        }) if periods <= problem.orbit.periods as usize
+        }) if periods <= problem.orbit.periods
     );
     let later = match search {
         Search::Settles(time) if is_periodic && time > 0.0 => {
