@@ -437,3 +437,62 @@ fn a_branch_ends_where_what_slips_becomes_a_family() {
     assert_eq!(slips(&beyond[0].point.regimes), 0);
     assert_eq!(slips(&items[items.len() - 2].point.regimes), 2);
 }
+
+/// A damped spring that holds a mass opens where the force on it falls to what the gap takes: F = x = d, and the branch of equilibria goes on
+/// in `open` through the state in which the spring has lost its force and its gap is not yet open.
+#[test]
+fn an_equilibrium_lets_a_damped_spring_open() {
+    for (from, toward) in [(1.0, "Down"), (0.0, "Up")] {
+        let (mode, x) = if from > 0.5 {
+            ("closed", 2.0 / 3.0)
+        } else {
+            ("open", 0.0)
+        };
+        let items = equilibria(&format!(
+            r#"(system: (states: ["x", "v"], parameters: {{"F": {from:?}}},
+                contacts: {{"p": Spring(gap: "0.5 - x", stiffness: "2", damping: "0.3")}},
+                rates: {{"x": "v", "v": "F - x - 0.2*v - p"}}),
+            equilibrium: (start: Given(mode: "{mode}", state: {{"x": {x:?}, "v": 0.0}})),
+            continuation: (parameter: "F", range: (0.0, 1.0), toward: {toward}), output: (plots: []))"#
+        ));
+        let kinds: Vec<EventType> = items.iter().filter_map(|item| item.point.kind).collect();
+        assert_eq!(kinds, [EventType::EP, EventType::BE, EventType::EP]);
+        for EquilibriumItem { point, .. } in &items {
+            let (f, x) = (point.parameters[0], point.state[0]);
+            // F = x + 2(x − 1/2) where it is closed
+            let right = if f < 0.5 { f } else { (f + 1.0) / 3.0 };
+            assert!((x - right).abs() <= 1e-13, "{x} at F = {f}");
+            let is_event = point.kind == Some(EventType::BE);
+            let expected = if f < 0.5 { "open" } else { "closed" };
+            assert!(
+                is_event || point.mode == expected,
+                "{} at F = {f}",
+                point.mode
+            );
+        }
+    }
+}
+
+/// A reset to rest leaves a slider that gives to its acceleration: it goes on or holds, in one switch, and the branch passes from the one to
+/// the other both ways.
+#[test]
+fn a_reset_to_rest_leaves_a_slider_to_its_acceleration() {
+    let items = |from: f64, toward: &str| {
+        rows(&format!(
+            r#"(system: (states: ["x", "v"], parameters: {{"A": {from:?}, "w": 1.0, "B": 0.5}}, forcing: "w",
+                contacts: {{"j": Jenkins(slip: "v", stiffness: "3", bound: "B")}},
+                modes: {{"a": (rates: {{"x": "v", "v": "A*sin(phase) - 0.2*v - x + j"}},
+                    until: [(zero: "0.7 - x", to: "a", reset: {{"v": "0", "x": "x - 0.3"}}, name: "catch")])}}),
+            orbit: (start: Simulate(mode: "a.stick", state: {{"x": 0.0, "v": 0.1}}, settle: 100), periods: 3),
+            continuation: (parameter: "A", range: (1.65, 1.8), toward: {toward}), stability: (), output: (plots: []))"#
+        ))
+    };
+    let [up, down] = [(1.65, "Up"), (1.8, "Down")].map(|(from, toward)| {
+        let items = items(from, toward);
+        assert_eq!(items.last().unwrap().point.kind, Some(EventType::EP));
+        events(&items, "A")
+    });
+    assert_eq!([up.len(), down.len()], [1, 1], "{up:?} {down:?}");
+    assert_eq!([up[0].0, down[0].0], [EventType::SL; 2]);
+    assert!((up[0].1 - down[0].1).abs() <= 1e-12, "{up:?} {down:?}");
+}

@@ -251,7 +251,7 @@ impl<C: Measured> Instant<'_, C> {
         digit: usize,
         forces: &[Form<C>],
     ) -> Result<bool, Obstacle> {
-        if digit != self.before[contact] || self.is_impact() {
+        if digit != self.before[contact] || self.is_impact() || self.is_reset_to_rest(contact)? {
             return Ok(false);
         }
         let is_same = |before: &Form<C>, form: &Form<C>| {
@@ -285,6 +285,23 @@ impl<C: Measured> Instant<'_, C> {
             }
         }
         Ok(self.ends(contact) || self.before[contact] == STICK)
+    }
+
+    /// Whether a reset of the user's own leaves a slip that it changes at zero.
+    ///
+    /// # Errors
+    /// An operation that has no result there.
+    fn is_reset_to_rest(&self, contact: usize) -> Result<bool, Obstacle> {
+        if self.contact.is_some() || self.jump.is_empty() {
+            return Ok(false);
+        }
+        let (Law::Friction { slip, .. } | Law::Jenkins { slip, .. }) = &self.forms.laws[contact]
+        else {
+            return Ok(false);
+        };
+        let held = self.forms.reduced(self.own, self.before);
+        let slip = self.moved(slip, &held)?;
+        Ok(!slip.stays(self.guard) && slip.after.is_zero())
     }
 
     /// Whether an impact leaves a contact no velocity, whatever it was.
@@ -502,6 +519,17 @@ impl<C: Measured> Instant<'_, C> {
             (Law::Friction { .. }, BACKWARD) if self.is_at_rest(contact)? => {
                 let rate = self.forms.acceleration(self.own, contact, forces)?;
                 vec![(self.after(&rate)?.negative(), STICK)]
+            }
+            // a slider that a reset has stopped goes on by the sign of its acceleration
+            (Law::Jenkins { .. }, digit @ (GIVES_FORWARD | GIVES_BACKWARD))
+                if self.is_reset_to_rest(contact)? =>
+            {
+                let rate = self.after(&self.forms.acceleration(self.own, contact, forces)?)?;
+                let goes_on = match digit {
+                    GIVES_FORWARD => rate,
+                    _ => rate.negative(),
+                };
+                vec![(goes_on.trimmed(), HELD)]
             }
             (Law::Stop { .. }, CLOSED) => vec![(force()?, OPEN)],
             (Law::Stop { gap, .. }, OPEN) if self.stood_open(contact, digits) => {

@@ -6,7 +6,7 @@ use super::extended::{Condition, locate};
 use super::normal_form::{Lyapunov, normal_form};
 use super::spectrum::{BRANCHING, HOPF, critical_pair};
 use super::{EquilibriumBifurcation, EquilibriumGuard, EquilibriumTermination, VirtualEquilibrium};
-use crate::affine::mode::Exit;
+use crate::affine::mode::{Exit, Guard};
 use crate::continuation::branch_point::branch_point;
 use crate::continuation::locate::{Place, node_at, zero_along};
 use crate::continuation::newton;
@@ -184,26 +184,19 @@ impl Changes for EquilibriumCurve {
         margin: &EquilibriumMargin,
     ) -> Result<Vec<Candidate<EquilibriumCurve>>, EquilibriumFailure> {
         let mode = self.signature.mode;
-        let guards = &self.lifted.modes[mode].guards;
-        let exits = guards
-            .get(margin.guard)
-            .map_or(&[][..], |guard| &guard.exits);
         let mut found: Vec<Candidate<EquilibriumCurve>> = Vec::new();
-        let leads = |exit: &Exit| std::iter::once(exit.to).chain(exit.rest);
-        let z = self.at_switch(point);
-        let ways = taken(exits, &z).into_iter();
-        for (exit, to) in ways.flat_map(|exit| leads(exit).map(move |to| (exit, to))) {
-            let known = |one: &Candidate<EquilibriumCurve>| one.orbit.signature.mode == to;
-            if to == mode || found.iter().any(known) || !self.stays(exit, point, &z) {
-                continue;
+        let guards = &self.lifted.modes[mode].guards;
+        let exits = guards.get(margin.guard).map(|guard| &guard.exits[..]);
+        self.add_candidates((mode, point), exits.unwrap_or_default(), &mut found);
+        // a mode that ends at the event, too, leads on: as a damped spring that has lost its force opens
+        let between: Vec<usize> = found.iter().map(|one| one.orbit.signature.mode).collect();
+        for other in between {
+            let z = self.at_switch_in(other, point);
+            let ends = |guard: &&Guard| guard.row.value(&z).abs() <= SAME * guard.row.size(&z);
+            let ending = self.lifted.modes[other].guards.iter().filter(ends);
+            for guard in ending {
+                self.add_candidates((other, point), &guard.exits, &mut found);
             }
-            // equilibria at this value of the parameter alone are no branch, as where no rate of a mode has some state
-            let single = |orbit: &EquilibriumCurve| !is_in_family(orbit, point);
-            found.extend(self.in_mode(to).filter(single).map(|orbit| Candidate {
-                orbit,
-                point: point.clone(),
-                nascent: Vec::new(),
-            }));
         }
         Ok(found)
     }
@@ -371,6 +364,32 @@ impl Monitored for EquilibriumCurve {
 }
 
 impl EquilibriumCurve {
+    /// Adds the candidates to which exits of a mode lead at a point, of modes that are none of them yet.
+    fn add_candidates(
+        &self,
+        (mode, point): (usize, &Vector),
+        exits: &[Exit],
+        found: &mut Vec<Candidate<EquilibriumCurve>>,
+    ) {
+        let leads = |exit: &Exit| std::iter::once(exit.to).chain(exit.rest);
+        let z = self.at_switch_in(mode, point);
+        let ways = taken(exits, &z).into_iter();
+        for (exit, to) in ways.flat_map(|exit| leads(exit).map(move |to| (exit, to))) {
+            let known = |one: &Candidate<EquilibriumCurve>| one.orbit.signature.mode == to;
+            let is_new = to != self.signature.mode && !found.iter().any(known);
+            if !is_new || !self.stays(exit, point, &z) {
+                continue;
+            }
+            // equilibria at this value of the parameter alone are no branch, as where no rate of a mode has some state
+            let single = |orbit: &EquilibriumCurve| !is_in_family(orbit, point);
+            found.extend(self.in_mode(to).filter(single).map(|orbit| Candidate {
+                orbit,
+                point: point.clone(),
+                nascent: Vec::new(),
+            }));
+        }
+    }
+
     /// Why the branch ends where a margin vanishes and no candidate goes on.
     fn ends_at_change(
         &self,
@@ -399,9 +418,8 @@ impl EquilibriumCurve {
         grows.then_some(EquilibriumTermination::Grows)
     }
 
-    /// z at an equilibrium, with what conditions and resets are made of.
-    fn at_switch(&self, point: &Vector) -> Vector {
-        let mode = self.signature.mode;
+    /// z at an equilibrium, in a mode, with what conditions and resets are made of.
+    fn at_switch_in(&self, mode: usize, point: &Vector) -> Vector {
         let mut z = self.lifted.lift(mode, &self.place(point), 0.0);
         self.lifted.modes[mode].field.complete_at_switch(&mut z);
         z
