@@ -2,6 +2,7 @@
 
 use brakewave::EventType;
 use brakewave::affine::contact::place::Contradiction;
+use brakewave::affine::motion::{Motion, Step};
 use brakewave::hybrid::OrbitItem;
 use brakewave::hybrid::equilibrium::{EquilibriumItem, EquilibriumRunner};
 use brakewave::hybrid::exponents::Exponent;
@@ -342,7 +343,7 @@ fn equilibria_go_on_beyond_a_kink() {
             let last = items.last().unwrap();
             assert_eq!(last.point.kind, Some(EventType::EP), "{k} {:?}", last.event);
             let sides = items.iter().map(|item| item.point.state[0] > 1.0);
-            assert_eq!(sides.clone().filter(|above| *above).count() > 2, true);
+            assert!(sides.clone().filter(|above| *above).count() > 2);
             for EquilibriumItem { point, .. } in &items {
                 let (x, a) = (point.state[0], point.parameters[0]);
                 let off = 0.95 * x + k * (x - 1.0).abs() - a;
@@ -495,4 +496,61 @@ fn a_reset_to_rest_leaves_a_slider_to_its_acceleration() {
     assert_eq!([up.len(), down.len()], [1, 1], "{up:?} {down:?}");
     assert_eq!([up[0].0, down[0].0], [EventType::SL; 2]);
     assert!((up[0].1 - down[0].1).abs() <= 1e-12, "{up:?} {down:?}");
+}
+
+/// The switches and the end of a motion to t = 2.
+fn moved(text: &str, mode: &str, state: &[f64]) -> (Vec<String>, Vec<f64>) {
+    let system = super::systems::system(text);
+    let affine = super::systems::at(&system, &[]);
+    let begin = super::systems::place(&system, mode, state, 0.0);
+    let mut motion = Motion::new(&affine, begin, 10.0);
+    let mut modes = Vec::new();
+    loop {
+        match motion.step(2.0).unwrap_or_else(|halt| panic!("{halt}")) {
+            Step::Reached => return (modes, motion.place().state.clone()),
+            Step::Switched(switching) => modes.push(system.mode_name(switching.to).into_owned()),
+            Step::Section => {}
+        }
+    }
+}
+
+/// The slip between two blocks ends, and the lower one, which has stuck to the floor, gives way: both move as one, with the acceleration
+/// (r + g − 0.51)/2, whatever a stop far away would do, in any order of the contacts.
+#[test]
+fn a_stop_far_away_changes_nothing() {
+    let contacts = [
+        r#""c0": Friction(slip: "u - v", bound: "0.5")"#,
+        r#""c1": Friction(slip: "v", bound: "0.51", static: "0.566")"#,
+        r#""p": Stop(gap: "5 - y", restitution: "0.5")"#,
+    ];
+    let states = ["backward", "stick", "open"];
+    for order in [[0, 1, 2], [2, 1, 0], [1, 2, 0], [2, 0, 1]] {
+        let [contacts, states] = [contacts, states].map(|all| order.map(|index| all[index]));
+        let text = format!(
+            r#"(states: ["y", "v", "x", "u"], parameters: {{"r": 0.62, "g": 0.3}}, contacts: {{{}}},
+            rates: {{"y": "v", "v": "r - c0 + c1 - p", "x": "u", "u": "g + c0"}})"#,
+            contacts.join(", ")
+        );
+        let (modes, end) = moved(&text, &states.join("."), &[0.0, 0.0, 0.0, -0.2]);
+        assert_eq!(modes.len(), 1, "{modes:?}");
+        // u = −0.2 + 0.8 t is zero at t = 1/4
+        let speed = 0.205 * 1.75;
+        assert!(
+            (end[1] - speed).abs() <= 1e-14 && (end[3] - speed).abs() <= 1e-14,
+            "{end:?}"
+        );
+    }
+}
+
+/// A block that is pressed on a stop has friction of a direction, which its force alone tells: what another contact or a switch of the user's
+/// own changes does not let it stick, since both forces together are not determined.
+#[test]
+fn what_is_pressed_on_a_stop_does_not_stick() {
+    let text = r#"(states: ["y", "v", "s"], parameters: {"F": 0.1},
+        contacts: {"c": Friction(slip: "v", bound: "F"), "p": Stop(gap: "-y", restitution: "0")},
+        modes: {"a": (rates: {"y": "v", "v": "1 + c - p", "s": "1"}, until: [(zero: "0.5 - s", to: "b")]),
+            "b": (rates: {"y": "v", "v": "0.8 + c - p", "s": "1"})})"#;
+    let (modes, end) = moved(text, "a.backward.closed", &[0.0; 3]);
+    assert_eq!(modes, ["b.backward.closed"]);
+    assert_eq!(&end[..2], [0.0, 0.0]);
 }

@@ -165,9 +165,11 @@ impl<C: Measured> Instant<'_, C> {
         for (contact, to) in self.together {
             digits[*contact] = *to;
         }
-        // a slip that a closed stop has held is zero: it sticks if it holds
+        // a slip that a closed stop has held is zero: where that holds it no more it sticks if its friction does
+        let beyond = digits.clone();
         for (contact, digit) in digits.iter_mut().enumerate() {
-            if self.forms.is_slip_held(self.own, self.before, contact) {
+            let is_held = |digits: &[usize]| self.forms.is_slip_held(self.own, digits, contact);
+            if is_held(self.before) && !is_held(&beyond) {
                 *digit = STICK;
             }
         }
@@ -418,6 +420,10 @@ impl<C: Measured> Instant<'_, C> {
         trial: &Trial<C>,
         limits: Vec<Limit<C>>,
     ) -> Result<Vec<Form<C>>, Obstacle> {
+        // at no gap it has been tried closed before
+        if self.stood_open(contact, &trial.digits) {
+            return Ok(limits.into_iter().map(|(limit, _)| limit).collect());
+        }
         let [_, _, held] = ways(&self.forms.laws[contact]);
         let holds = trial.digits[contact] == held;
         // a gap that stood open is another condition than the force that closes it

@@ -107,6 +107,18 @@ fn by_sign<C: Measured>(form: &Form<C>, [up, down]: [usize; 2], now: usize) -> V
     followers
 }
 
+/// The states of a damped spring by its gap and by the force that it has lost, kg + cġ, that of now first.
+fn of_damped<C: Measured>(gap: Form<C>, lost: Form<C>, now: usize) -> Vec<Follower<C>> {
+    let behind = gap.clone().negative();
+    let mut followers = vec![
+        (OPEN, vec![gap]),
+        (CLOSED, vec![behind.clone(), lost.clone().negative()]),
+        (PARTING, vec![behind, lost]),
+    ];
+    followers.sort_by_key(|(to, _)| *to != now);
+    followers
+}
+
 impl<C: Measured> Instant<'_, C> {
     /// The trials after a reset of the user's own.
     pub(super) fn reset(&self, trial: Trial<C>) -> Result<Vec<Trial<C>>, ContactMistake> {
@@ -211,30 +223,17 @@ impl<C: Measured> Instant<'_, C> {
             } => {
                 let (gap, speed) = (self.moved(gap, held)?, self.moved(speed, held)?);
                 let stays = gap.stays(self.guard);
-                let Some(damping) = damping else {
-                    return Ok(match stays {
-                        true => same(),
-                        false => by_sign(&gap.after, [OPEN, CLOSED], digit),
-                    });
-                };
-                let lost = || {
-                    let elastic = gap.after.clone().times(stiffness.clone())?;
-                    elastic.plus(speed.after.clone().times(damping.clone())?)
-                };
-                match digit {
-                    OPEN if stays => same(),
-                    _ if stays && speed.stays(self.guard) => same(),
-                    _ if stays => by_sign(&lost()?, [PARTING, CLOSED], digit),
-                    _ => {
-                        let lost = lost()?;
-                        let behind = gap.after.clone().negative();
-                        let mut followers = vec![
-                            (OPEN, vec![gap.after]),
-                            (CLOSED, vec![behind.clone(), lost.clone().negative()]),
-                            (PARTING, vec![behind, lost]),
-                        ];
-                        followers.sort_by_key(|(to, _)| *to != digit);
-                        followers
+                match damping {
+                    None if stays => same(),
+                    None => by_sign(&gap.after, [OPEN, CLOSED], digit),
+                    Some(_) if stays && (digit == OPEN || speed.stays(self.guard)) => same(),
+                    Some(damping) => {
+                        let elastic = gap.after.clone().times(stiffness.clone())?;
+                        let lost = elastic.plus(speed.after.times(damping.clone())?)?;
+                        match stays {
+                            true => by_sign(&lost, [PARTING, CLOSED], digit),
+                            false => of_damped(gap.after, lost, digit),
+                        }
                     }
                 }
             }
