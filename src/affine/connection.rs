@@ -111,7 +111,7 @@ pub struct Connection {
 /// What comes to the second saddle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SaddleArrival {
-    /// CoordinateChanges along its growing directions, as of where it comes near.
+    /// Coordinates along its growing directions, as of where it comes near.
     pub misses: Vector,
     /// What is left out of each.
     pub left_out: f64,

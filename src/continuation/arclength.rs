@@ -69,6 +69,11 @@ pub struct Node {
 }
 
 impl Node {
+    /// The angle between its tangent and that of another one, in radians.
+    pub(crate) fn angle_to(&self, other: &Node) -> f64 {
+        self.tangent.dot(&other.tangent).clamp(-1.0, 1.0).acos()
+    }
+
     /// A point that is known already.
     pub(crate) fn at(point: Vector, tangent: Vector) -> Node {
         Node {
@@ -252,12 +257,9 @@ pub fn advance<S: Equations>(
         ..newton::Settings::default()
     };
     let (node, solution) = correct(system, &mut plane, &predicted, &from.tangent, &settings)?;
-    let angle = angle_between(&node.tangent, &from.tangent);
+    let angle = node.angle_to(from);
     if angle > LARGEST_ANGLE {
-        let beyond = || beyond_kink(system, from, (node, ds), &settings);
-        let beyond = S::has_kinks(system).then(beyond).flatten();
-        let step = beyond.map(|node| ArclengthStep { node, next: ds });
-        return step.ok_or(Refusal::Angle { angle });
+        return Err(Refusal::Angle { angle });
     }
     // the angle is proportional to the step, the contraction to its square
     let by_angle = TARGET_ANGLE / angle.max(1e-12);
@@ -269,36 +271,6 @@ pub fn advance<S: Equations>(
         node,
         next: ds * factor,
     })
-}
-
-fn angle_between(one: &Vector, other: &Vector) -> f64 {
-    one.dot(other).clamp(-1.0, 1.0).acos()
-}
-
-/// The node just beyond a kink of a curve within a step of this length to another node; `None` where the curve turns smoothly. The
-/// part of the step within which it turns is halved; a smooth curve turns by half as much then.
-fn beyond_kink<S: Equations>(
-    system: &S,
-    from: &Node,
-    (to, ds): (Node, f64),
-    settings: &newton::Settings,
-) -> Option<Node> {
-    const HALVINGS: u32 = 8;
-    let (mut low, mut high) = ((0.0, from.clone()), (ds, to));
-    for _ in 0..HALVINGS {
-        let middle = 0.5 * (low.0 + high.0);
-        let through = &from.point + &from.tangent * middle;
-        let mut plane = Plane {
-            normal: &from.tangent,
-            through: &through,
-        };
-        let corrected = correct(system, &mut plane, &through, &from.tangent, settings);
-        let (node, _) = corrected.ok()?;
-        let turns = angle_between(&node.tangent, &from.tangent) > LARGEST_ANGLE;
-        *(if turns { &mut high } else { &mut low }) = (middle, node);
-    }
-    let is_kink = angle_between(&low.1.tangent, &high.1.tangent) > 0.5 * LARGEST_ANGLE;
-    is_kink.then_some(high.1)
 }
 
 /// Puts a node that has been passed before those that were passed earlier, of which few are kept.

@@ -2,7 +2,7 @@
 //!
 //! A step sets out from u₀ with tangent t₀; s = t₀·(u − u₀) orders what lies within it.
 
-use super::arclength::Node;
+use super::arclength::{LARGEST_ANGLE, Node};
 use super::newton::{self, Constraint, Equations, Fixed, Plane};
 use super::zero::{Bracket, zero};
 use crate::linalg::{Factors, Matrix, Vector};
@@ -100,6 +100,27 @@ pub fn node_beside<S: Equations>(
     };
     let solution = newton::solve(system, &mut plane, &predicted, &settings(tolerance)).ok()?;
     retangent(system, &solution.point, &from.tangent, solution.iterations)
+}
+
+/// The node just beyond a kink of a curve within a step of this length; `None` where the curve turns smoothly. The part of the step within
+/// which it turns too far is halved; a smooth curve turns by half as much then.
+pub(crate) fn beyond_kink<S: Equations>(
+    system: &S,
+    from: &Node,
+    ds: f64,
+    tolerance: f64,
+) -> Option<Node> {
+    const HALVINGS: u32 = 8;
+    let at = |s: f64| node_at(system, from, s, tolerance);
+    let (mut low, mut high) = ((0.0, from.clone()), (ds, at(ds)?));
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (low.0 + high.0);
+        let node = at(middle)?;
+        let turns = node.angle_to(from) > LARGEST_ANGLE;
+        *(if turns { &mut high } else { &mut low }) = (middle, node);
+    }
+    let is_kink = low.1.angle_to(&high.1) > 0.5 * LARGEST_ANGLE;
+    is_kink.then_some(high.1)
 }
 
 /// The zero of a function along a step, from places s with values of different signs, and the value

@@ -329,7 +329,9 @@ pub fn come_to(
     let place = beginning.place(&problem.system);
     let mut place = place.ok_or(NoFirstPoint::Unknown)?;
     let wanted = wanted(problem, continuation, values)?;
-    if let Ok(at) = problem.system.at(&wanted.values, &[]) {
+    if problem.system.products.is_some()
+        && let Ok(at) = problem.system.at(&wanted.values, &[])
+    {
         place = problem.system.fitting(&at, place)?;
     }
     Ok(first(&wanted, &place.into(), search)?)

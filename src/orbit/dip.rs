@@ -123,7 +123,7 @@ fn blur<O: Orbit>(orbit: &O, step: &Step<O>, margin: &O::Margin, place: &Place) 
 }
 
 /// What rounding leaves in each unknown of a point that was found across a tangent.
-pub(super) fn rounding_of_unknowns<O: Orbit>(
+pub(crate) fn rounding_of_unknowns<O: Orbit>(
     orbit: &O,
     tangent: &Vector,
     point: &Vector,

@@ -2,15 +2,15 @@
 
 use brakewave::EventType;
 use brakewave::affine::contact::place::Contradiction;
-use brakewave::affine::motion::{Motion, Step};
 use brakewave::hybrid::OrbitItem;
-use brakewave::hybrid::equilibrium::{EquilibriumItem, EquilibriumRunner};
+use brakewave::hybrid::equilibrium::EquilibriumItem;
 use brakewave::hybrid::exponents::Exponent;
 use brakewave::hybrid::scan::{Lack, ScannedMotion, Scanner};
-use brakewave::orbit::legs::Run as _;
 use brakewave::problem::{Any, ProblemError, SystemProblem, parse_any};
 
 use super::counts::{events, rows};
+use super::rests::{followed, runner};
+use super::systems::moved;
 
 fn problem(text: &str) -> Result<SystemProblem, ProblemError> {
     match parse_any(text, "test.ron")? {
@@ -312,16 +312,10 @@ fn an_impact_closes_a_spring_that_has_lost_its_force() {
     }
 }
 
-/// All points of a branch of equilibria.
+/// All points of a branch of equilibria, which comes to its end.
 fn equilibria(text: &str) -> Vec<EquilibriumItem> {
     let problem = problem(text).unwrap_or_else(|error| panic!("{error}"));
-    let section = problem.continuation.as_ref().unwrap();
-    let mut runner = EquilibriumRunner::begin(&problem, section, None).unwrap();
-    let mut items = Vec::new();
-    while runner.progress().end.is_none() {
-        items.extend(runner.step());
-    }
-    items
+    followed(runner(&problem, None))
 }
 
 /// a = x + k|x − 1| − y/10 with y = x/2: a line to either side of x = 1, whatever the angle between them below a right one.
@@ -498,22 +492,6 @@ fn a_reset_to_rest_leaves_a_slider_to_its_acceleration() {
     assert!((up[0].1 - down[0].1).abs() <= 1e-12, "{up:?} {down:?}");
 }
 
-/// The switches and the end of a motion to t = 2.
-fn moved(text: &str, mode: &str, state: &[f64]) -> (Vec<String>, Vec<f64>) {
-    let system = super::systems::system(text);
-    let affine = super::systems::at(&system, &[]);
-    let begin = super::systems::place(&system, mode, state, 0.0);
-    let mut motion = Motion::new(&affine, begin, 10.0);
-    let mut modes = Vec::new();
-    loop {
-        match motion.step(2.0).unwrap_or_else(|halt| panic!("{halt}")) {
-            Step::Reached => return (modes, motion.place().state.clone()),
-            Step::Switched(switching) => modes.push(system.mode_name(switching.to).into_owned()),
-            Step::Section => {}
-        }
-    }
-}
-
 /// The slip between two blocks ends, and the lower one, which has stuck to the floor, gives way: both move as one, with the acceleration
 /// (r + g − 0.51)/2, whatever a stop far away would do, in any order of the contacts.
 #[test]
@@ -531,7 +509,7 @@ fn a_stop_far_away_changes_nothing() {
             rates: {{"y": "v", "v": "r - c0 + c1 - p", "x": "u", "u": "g + c0"}})"#,
             contacts.join(", ")
         );
-        let (modes, end) = moved(&text, &states.join("."), &[0.0, 0.0, 0.0, -0.2]);
+        let (modes, end) = moved(&text, &states.join("."), &[0.0, 0.0, 0.0, -0.2], 2.0).unwrap();
         assert_eq!(modes.len(), 1, "{modes:?}");
         // u = −0.2 + 0.8 t is zero at t = 1/4
         let speed = 0.205 * 1.75;
@@ -550,7 +528,7 @@ fn what_is_pressed_on_a_stop_does_not_stick() {
         contacts: {"c": Friction(slip: "v", bound: "F"), "p": Stop(gap: "-y", restitution: "0")},
         modes: {"a": (rates: {"y": "v", "v": "1 + c - p", "s": "1"}, until: [(zero: "0.5 - s", to: "b")]),
             "b": (rates: {"y": "v", "v": "0.8 + c - p", "s": "1"})})"#;
-    let (modes, end) = moved(text, "a.backward.closed", &[0.0; 3]);
+    let (modes, end) = moved(text, "a.backward.closed", &[0.0; 3], 2.0).unwrap();
     assert_eq!(modes, ["b.backward.closed"]);
     assert_eq!(&end[..2], [0.0, 0.0]);
 }

@@ -2,7 +2,7 @@
 
 use brakewave::affine::motion::{Motion, Step};
 
-use super::systems::{at, place, system};
+use super::systems::{self, at, place, system};
 
 /// A stack of so many blocks on springs, the topmost one driven; the contacts in the order of the stack, or the other way round.
 fn stack(blocks: usize, reversed: bool) -> String {
@@ -45,19 +45,10 @@ fn stack(blocks: usize, reversed: bool) -> String {
 
 /// Where a stack at rest comes to by t = 30, and after how many switches; or the last thing that was said.
 fn moved(blocks: usize, reversed: bool) -> Result<(Vec<f64>, usize), String> {
-    let system = system(&stack(blocks, reversed));
-    let affine = at(&system, &[]);
     let mode = vec!["stick"; blocks].join(".");
-    let begin = place(&system, &mode, &vec![0.0; 2 * blocks], 0.0);
-    let mut motion = Motion::new(&affine, begin, 10.0);
-    let mut switches = 0;
-    loop {
-        match motion.step(30.0) {
-            Ok(Step::Reached) => return Ok((motion.place().state.clone(), switches)),
-            Ok(_) => switches += 1,
-            Err(halt) => return Err(halt.to_string()),
-        }
-    }
+    let begin = vec![0.0; 2 * blocks];
+    let (modes, end) = systems::moved(&stack(blocks, reversed), &mode, &begin, 30.0)?;
+    Ok((end, modes.len()))
 }
 
 /// Positions and velocities by an integration with DOP853 at a tolerance of 1e-13, which tries at every switch all states of the contacts

@@ -1,7 +1,7 @@
 //! Systems of the literature: most of them are those of the repository's problem files.
 
 use brakewave::affine::mode::AffineSystem;
-use brakewave::affine::motion::Moment;
+use brakewave::affine::motion::{Moment, Motion, Step};
 use brakewave::affine::system::{Source, System};
 use ron::extensions::Extensions;
 
@@ -120,3 +120,23 @@ pub const BRAKE_BY_HAND: &str = r#"(
         "Hold": (rates: {"x": "0", "v": "0"}, until: [(zero: "g - s", to: "P"), (zero: "g + s", to: "N"), (zero: "sin(phase) - h", to: "hold")]),
     },
 )"#;
+
+/// The modes that a motion switches to and where it is at a time; or the last thing that was said.
+pub fn moved(
+    text: &str,
+    mode: &str,
+    state: &[f64],
+    until: f64,
+) -> Result<(Vec<String>, Vec<f64>), String> {
+    let system = system(text);
+    let affine = at(&system, &[]);
+    let mut motion = Motion::new(&affine, place(&system, mode, state, 0.0), 10.0);
+    let mut modes = Vec::new();
+    loop {
+        match motion.step(until).map_err(|halt| halt.to_string())? {
+            Step::Reached => return Ok((modes, motion.place().state.clone())),
+            Step::Switched(switching) => modes.push(system.mode_name(switching.to).into_owned()),
+            Step::Section => {}
+        }
+    }
+}

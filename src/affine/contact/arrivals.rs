@@ -273,37 +273,41 @@ impl<C: Measured> Instant<'_, C> {
     /// # Errors
     /// An operation that has no result there.
     fn is_at_rest(&self, contact: usize) -> Result<bool, Obstacle> {
-        let Law::Friction { slip, .. } = &self.forms.laws[contact] else {
+        if !self.is_friction(contact) {
             return Ok(false);
-        };
+        }
         if self.is_impact() {
             return self.is_stopped(contact);
         }
-        if !self.jump.is_empty() {
-            let held = self.forms.reduced(self.own, self.before);
-            let slip = self.moved(slip, &held)?;
-            if !slip.stays(self.guard) {
-                return Ok(slip.after.is_zero());
-            }
-        }
-        Ok(self.ends(contact) || self.before[contact] == STICK)
+        Ok(match self.reset_slip(contact)? {
+            Some(slip) => slip.is_zero(),
+            None => self.ends(contact) || self.before[contact] == STICK,
+        })
     }
 
-    /// Whether a reset of the user's own leaves a slip that it changes at zero.
+    /// The slip of a contact after a reset of the user's own, if that changes it.
+    ///
+    /// # Errors
+    /// An operation that has no result there.
+    fn reset_slip(&self, contact: usize) -> Result<Option<Form<C>>, Obstacle> {
+        let (Law::Friction { slip, .. } | Law::Jenkins { slip, .. }) = &self.forms.laws[contact]
+        else {
+            return Ok(None);
+        };
+        if self.contact.is_some() || self.jump.is_empty() {
+            return Ok(None);
+        }
+        let held = self.forms.reduced(self.own, self.before);
+        let slip = self.moved(slip, &held)?;
+        Ok((!slip.stays(self.guard)).then_some(slip.after))
+    }
+
+    /// Whether that leaves no slip.
     ///
     /// # Errors
     /// An operation that has no result there.
     fn is_reset_to_rest(&self, contact: usize) -> Result<bool, Obstacle> {
-        if self.contact.is_some() || self.jump.is_empty() {
-            return Ok(false);
-        }
-        let (Law::Friction { slip, .. } | Law::Jenkins { slip, .. }) = &self.forms.laws[contact]
-        else {
-            return Ok(false);
-        };
-        let held = self.forms.reduced(self.own, self.before);
-        let slip = self.moved(slip, &held)?;
-        Ok(!slip.stays(self.guard) && slip.after.is_zero())
+        Ok(self.reset_slip(contact)?.is_some_and(|slip| slip.is_zero()))
     }
 
     /// Whether an impact leaves a contact no velocity, whatever it was.
@@ -343,7 +347,12 @@ impl<C: Measured> Instant<'_, C> {
                     false => &mut beyond,
                 };
                 ways.extend(next);
-                conditions.extend(self.conditions(contact, trial, limits).map_err(failed)?);
+                let own = match stood_open {
+                    // at no gap it has been tried closed before
+                    true => Ok(limits.into_iter().map(|(limit, _)| limit).collect()),
+                    false => self.conditions(contact, trial, limits),
+                };
+                conditions.extend(own.map_err(failed)?);
             }
         }
         let end = Arrival {
@@ -420,10 +429,6 @@ impl<C: Measured> Instant<'_, C> {
         trial: &Trial<C>,
         limits: Vec<Limit<C>>,
     ) -> Result<Vec<Form<C>>, Obstacle> {
-        // at no gap it has been tried closed before
-        if self.stood_open(contact, &trial.digits) {
-            return Ok(limits.into_iter().map(|(limit, _)| limit).collect());
-        }
         let [_, _, held] = ways(&self.forms.laws[contact]);
         let holds = trial.digits[contact] == held;
         // a gap that stood open is another condition than the force that closes it

@@ -61,19 +61,38 @@ fn led<C: Measured>(
     next
 }
 
-/// A state of a contact that may follow, and what is not negative where it does.
-type Follower<C> = (usize, Vec<Form<C>>);
+/// A state of a contact that may follow.
+struct Follower<C> {
+    to: usize,
+    /// What is not negative where it does.
+    conditions: Vec<Form<C>>,
+    /// Whether no motion follows.
+    refused: bool,
+}
+
+/// A state that follows where these are not negative.
+fn to<C>(to: usize, conditions: Vec<Form<C>>) -> Follower<C> {
+    Follower {
+        to,
+        conditions,
+        refused: false,
+    }
+}
 
 impl<C: Measured> Trial<C> {
-    /// The trials in which a contact follows to other states.
+    /// The trials in which a contact follows to other states, if motion follows from this one.
     fn followed(&self, contact: usize, followers: &[Follower<C>]) -> Vec<Trial<C>> {
-        let to = |(to, conditions): &Follower<C>| {
+        if self.pressed.is_some() {
+            return vec![self.clone()];
+        }
+        let follow = |follower: &Follower<C>| {
             let mut trial = self.clone();
-            trial.digits[contact] = *to;
-            trial.conditions.extend(conditions.iter().cloned());
+            trial.digits[contact] = follower.to;
+            trial.conditions.extend(follower.conditions.iter().cloned());
+            trial.pressed = follower.refused.then_some(contact);
             trial
         };
-        followers.iter().map(to).collect()
+        followers.iter().map(follow).collect()
     }
 }
 
@@ -100,10 +119,10 @@ impl<C: Measured> Moved<C> {
 /// The states that follow by the sign of a form, that of now first.
 fn by_sign<C: Measured>(form: &Form<C>, [up, down]: [usize; 2], now: usize) -> Vec<Follower<C>> {
     let mut followers = vec![
-        (up, vec![form.clone()]),
-        (down, vec![form.clone().negative()]),
+        to(up, vec![form.clone()]),
+        to(down, vec![form.clone().negative()]),
     ];
-    followers.sort_by_key(|(digit, _)| *digit != now);
+    followers.sort_by_key(|follower| follower.to != now);
     followers
 }
 
@@ -111,11 +130,11 @@ fn by_sign<C: Measured>(form: &Form<C>, [up, down]: [usize; 2], now: usize) -> V
 fn of_damped<C: Measured>(gap: Form<C>, lost: Form<C>, now: usize) -> Vec<Follower<C>> {
     let behind = gap.clone().negative();
     let mut followers = vec![
-        (OPEN, vec![gap]),
-        (CLOSED, vec![behind.clone(), lost.clone().negative()]),
-        (PARTING, vec![behind, lost]),
+        to(OPEN, vec![gap]),
+        to(CLOSED, vec![behind.clone(), lost.clone().negative()]),
+        to(PARTING, vec![behind, lost]),
     ];
-    followers.sort_by_key(|(to, _)| *to != now);
+    followers.sort_by_key(|follower| follower.to != now);
     followers
 }
 
@@ -130,37 +149,12 @@ impl<C: Measured> Instant<'_, C> {
         for (contact, digit) in self.before.iter().enumerate() {
             let followers = self.followers(contact, *digit, &held);
             let followers = followers.map_err(|error| self.failed_in(self.before, error))?;
-            let behind = self.behind(contact, &held);
-            let behind = behind.map_err(|error| self.failed_in(self.before, error))?;
-            let refused: Vec<Follower<C>> = behind
-                .into_iter()
-                .map(|behind| (OPEN, vec![behind]))
-                .collect();
-            let led = trials.iter().flat_map(|trial| {
-                if trial.pressed.is_some() {
-                    return vec![trial.clone()];
-                }
-                let mut refused = trial.followed(contact, &refused);
-                for trial in &mut refused {
-                    trial.pressed = Some(contact);
-                }
-                let mut led = trial.followed(contact, &followers);
-                led.extend(refused);
-                led
-            });
+            let led = trials
+                .iter()
+                .flat_map(|trial| trial.followed(contact, &followers));
             trials = led.collect();
         }
         Ok(trials)
-    }
-
-    /// What is positive where a reset leads behind a stop, if it may.
-    fn behind(&self, contact: usize, held: &[Form<C>]) -> Result<Option<Form<C>>, Obstacle> {
-        let Law::Stop { gap, .. } = &self.forms.laws[contact] else {
-            return Ok(None);
-        };
-        let gap = self.moved(gap, held)?;
-        let may_be = !gap.stays(self.guard) && !gap.after.is_zero();
-        Ok(may_be.then(|| gap.after.negative()))
     }
 
     /// A slip or a gap before and after the jump.
@@ -179,7 +173,7 @@ impl<C: Measured> Instant<'_, C> {
         digit: usize,
         held: &[Form<C>],
     ) -> Result<Vec<Follower<C>>, Obstacle> {
-        let same = || vec![(digit, Vec::new())];
+        let same = || vec![to(digit, Vec::new())];
         let speed = &self.forms.own[self.own].kinematics[contact].speed;
         Ok(match &self.forms.laws[contact] {
             Law::Friction { slip, .. } => {
@@ -187,10 +181,10 @@ impl<C: Measured> Instant<'_, C> {
                 match (digit, slip.keeps_sign()) {
                     _ if slip.stays(self.guard) => same(),
                     // no slip is left: it sticks if it holds
-                    _ if slip.after.is_zero() => vec![(STICK, Vec::new())],
+                    _ if slip.after.is_zero() => vec![to(STICK, Vec::new())],
                     (FORWARD | BACKWARD, Some(true)) => same(),
-                    (FORWARD, Some(false)) => vec![(BACKWARD, Vec::new())],
-                    (BACKWARD, Some(false)) => vec![(FORWARD, Vec::new())],
+                    (FORWARD, Some(false)) => vec![to(BACKWARD, Vec::new())],
+                    (BACKWARD, Some(false)) => vec![to(FORWARD, Vec::new())],
                     _ => by_sign(&slip.after, [FORWARD, BACKWARD], digit),
                 }
             }
@@ -200,7 +194,7 @@ impl<C: Measured> Instant<'_, C> {
                 match slip.keeps_sign() {
                     _ if slip.stays(self.guard) => same(),
                     Some(true) => same(),
-                    Some(false) => vec![(HELD, Vec::new())],
+                    Some(false) => vec![to(HELD, Vec::new())],
                     None if digit == GIVES_FORWARD => by_sign(&slip.after, [digit, HELD], digit),
                     None => by_sign(&slip.after, [HELD, digit], digit),
                 }
@@ -209,10 +203,14 @@ impl<C: Measured> Instant<'_, C> {
                 let (gap, speed) = (self.moved(gap, held)?, self.moved(speed, held)?);
                 match digit {
                     _ if !gap.stays(self.guard) && !gap.after.is_zero() => {
-                        vec![(OPEN, vec![gap.after])]
+                        let behind = Follower {
+                            refused: true,
+                            ..to(OPEN, vec![gap.after.clone().negative()])
+                        };
+                        vec![to(OPEN, vec![gap.after]), behind]
                     }
                     // where it is pressed on an impact follows
-                    CLOSED if !speed.stays(self.guard) => vec![(OPEN, Vec::new())],
+                    CLOSED if !speed.stays(self.guard) => vec![to(OPEN, Vec::new())],
                     _ => same(),
                 }
             }
@@ -275,13 +273,11 @@ impl<C: Measured> Instant<'_, C> {
                 _ => None,
             };
             let of_spring = of_spring.transpose().map_err(failed)?;
-            let led = trials
-                .iter()
-                .flat_map(|trial| match (trial.pressed, &of_spring) {
-                    (Some(_), _) => vec![trial.clone()],
-                    (None, Some(followers)) => trial.followed(contact, followers),
-                    (None, None) => led(law, contact, trial, (&after, rises)),
-                });
+            let led = trials.iter().flat_map(|trial| match &of_spring {
+                Some(followers) => trial.followed(contact, followers),
+                None if trial.pressed.is_some() => vec![trial.clone()],
+                None => led(law, contact, trial, (&after, rises)),
+            });
             trials = led.collect();
         }
         self.open_where_held(impact, &mut trials);

@@ -3,7 +3,7 @@
 //! Slips, gaps and the forces of springs follow from the state of the system, and say of each contact in which states it may
 //! be there. Where a slip or a gap is zero its force decides between these.
 
-use super::law::{CLOSED, FORWARD, HELD, Law, OPEN, STICK};
+use super::law::{BACKWARD, CLOSED, FORWARD, HELD, Law, OPEN, STICK};
 use crate::affine::mode::{AffineMode, AffineSystem, Row};
 use crate::affine::motion::{Moment, Motion};
 use crate::affine::system::System;
@@ -44,6 +44,8 @@ struct PlaceOfContacts<'a> {
     place: &'a Moment,
     /// The user's mode.
     own: usize,
+    /// The state, with what modes are made of.
+    z: Vector,
 }
 
 impl System {
@@ -87,6 +89,7 @@ impl System {
         let of_contacts = PlaceOfContacts {
             system: self,
             at,
+            z: z_at(at, &place),
             place: &place,
             own,
         };
@@ -108,6 +111,12 @@ impl System {
     }
 }
 
+fn z_at(at: &AffineSystem, place: &Moment) -> Vector {
+    let mut z = at.lift(place.mode, &place.state, place.phase);
+    at.modes[place.mode].field.complete_at_switch(&mut z);
+    z
+}
+
 impl PlaceOfContacts<'_> {
     /// A mode in which a contact is in one state, and all others are in their first.
     fn mode(&self, contact: usize, digit: usize) -> (&AffineMode, usize) {
@@ -126,21 +135,15 @@ impl PlaceOfContacts<'_> {
         })
     }
 
-    fn z(&self, mode: usize) -> Vector {
-        let mut z = self.at.lift(mode, &self.place.state, self.place.phase);
-        self.at.modes[mode].field.complete_at_switch(&mut z);
-        z
-    }
-
     /// The value of a row, zero where it is nothing but rounding.
     fn value(&self, mode: &AffineMode, row: &Row) -> f64 {
-        let z = self.z(self.place.mode);
+        let z = &self.z;
         let moved = match self.at.omega.value {
             0.0 => z.map(|_| 0.0),
             omega => mode.matrix.at.abs() * z.abs() / omega.abs(),
         };
-        let value = row.value(&z);
-        let size = row.size(&z).max(row.size(&moved));
+        let value = row.value(z);
+        let size = row.size(z).max(row.size(&moved));
         if value.abs() <= ZERO * size {
             0.0
         } else {
@@ -163,7 +166,7 @@ impl PlaceOfContacts<'_> {
         let first = || self.guards(contact, 0).first().copied().unwrap_or_default();
         let possible = |digits: std::ops::Range<usize>| digits.filter(none_negative).collect();
         Ok(match law {
-            Law::Friction { .. } if first() == 0.0 => vec![STICK, FORWARD, FORWARD + 1],
+            Law::Friction { .. } if first() == 0.0 => vec![STICK, FORWARD, BACKWARD],
             Law::Friction { .. } => possible(FORWARD..STICK),
             Law::Jenkins { .. } => {
                 let states: Vec<usize> = possible(HELD..law.states().len());

@@ -14,8 +14,8 @@ mod tests;
 pub use curve::{Curve, CurveBeginning, End, Outcome, Refused, Segment, WatchedCurve, Within};
 pub(crate) use curve::{EndOf, RefusalOf};
 
-use super::arclength::{self, Node, Steps};
-use super::locate::Place;
+use super::arclength::{self, ArclengthStep, Node, Steps};
+use super::locate::{Place, beyond_kink};
 use super::newton::Equations;
 
 /// A curve being followed.
@@ -172,7 +172,14 @@ impl<C: Curve> Walker<C> {
         pairs: u32,
     ) -> Result<(Vec<C::Found>, Option<EndOf<C>>), RefusalOf<C>> {
         let (system, tolerance) = (self.curve.system(), self.steps.tolerance);
-        let taken = arclength::advance(system, &self.node, &self.before, ds, tolerance)?;
+        let taken = arclength::advance(system, &self.node, &self.before, ds, tolerance);
+        let taken = taken.or_else(|refusal| {
+            let may_be = matches!(refusal, arclength::Refusal::Angle { .. }) && system.has_kinks();
+            let beyond = || beyond_kink(system, &self.node, ds, tolerance);
+            let beyond = may_be.then(beyond).flatten();
+            let step = beyond.map(|node| ArclengthStep { node, next: ds });
+            step.ok_or(refusal)
+        })?;
         let refused = Refused::Curve;
         let watched = self
             .curve

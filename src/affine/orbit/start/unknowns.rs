@@ -13,9 +13,9 @@ use crate::affine::orbit::signature::{Sequence, Zone};
 use crate::continuation::newton::{self, Fixed, Settings};
 use crate::linalg::periodic_schur::balance;
 use crate::linalg::{Matrix, Vector};
-use crate::orbit::Zones;
 use crate::orbit::special::NoFollower;
 use crate::orbit::switch::{admitted, is_in_family};
+use crate::orbit::{Zones, rounding_of_unknowns};
 
 /// The orbit with these zones next to these places.
 pub(super) fn pose(
@@ -82,13 +82,9 @@ fn collapsed(orbit: &AffineOrbit, guess: &Vector, point: &Vector) -> Option<Stri
 pub(super) fn lasts_by_rounding(orbit: &AffineOrbit, point: &Vector) -> Option<String> {
     /// Roundings that a duration has at least.
     const ORDERS: f64 = 10.0;
-    let index = point.len() - 1;
-    let mut fixed = Fixed {
-        index,
-        value: point[index],
-    };
-    let bordered = newton::bordered(orbit, &mut fixed, point).ok()?;
-    let rounding = newton::rounding(&bordered.matrix, &point.abs(), None)?;
+    let mut along = Vector::zeros(point.len());
+    along[point.len() - 1] = 1.0;
+    let rounding = rounding_of_unknowns(orbit, &along, point)?;
     let is_rounding = |zone: &usize| {
         let duration = orbit.duration_index(*zone);
         point[duration].abs() <= ORDERS * rounding[duration]
