@@ -25,7 +25,8 @@ pub(super) fn simulate(
     let section = problem.simulation(text, &name)?;
     let system = &problem.system;
     let affine = system.at(&problem.values(), &[]).map_err(Usage::NoSystem)?;
-    let start = problem.beginning().and_then(|start| start.place(system));
+    let start = problem.beginning();
+    let start = start.and_then(|start| start.place(system, &affine));
     let start = start.ok_or(Usage::NoBeginning)?;
     let out = task.folder("_simulation");
     let store = task.open_system(&out, FolderKind::Simulation, problem)?;

@@ -3,7 +3,7 @@
 use super::saved::LabelledOrbit;
 use crate::affine::contact::place::Contradiction;
 use crate::affine::equilibrium::cycle::NoCycle;
-use crate::affine::motion::Halt;
+use crate::affine::motion::{Halt, Moment};
 use crate::affine::orbit::behaviour::Behaviour;
 use crate::affine::orbit::start::{self, Search, Wanted, first, restart};
 use crate::affine::orbit::switch::switch;
@@ -232,8 +232,9 @@ pub(super) fn begin(
         |search: Search| come_to(problem, continuation, problem.values(), &beginning, search);
     let explained = |reason: NoFirstPoint| {
         let wanted = wanted(problem, continuation, problem.values());
-        match (reason, wanted, beginning.place(&problem.system)) {
-            (NoFirstPoint::NoOrbit(reason), Ok(wanted), Some(place)) => {
+        let place = place(problem, &beginning, &problem.values());
+        match (reason, wanted, place) {
+            (NoFirstPoint::NoOrbit(reason), Ok(wanted), Ok(place)) => {
                 NoFirstPoint::NoOrbit(start::explained(&wanted, &place.into(), search, reason))
             }
             (reason, ..) => reason,
@@ -326,13 +327,19 @@ pub fn come_to(
     beginning: &problem::BeginningSection,
     search: Search,
 ) -> Result<(AffineOrbit, Vector), NoFirstPoint> {
-    let place = beginning.place(&problem.system);
-    let mut place = place.ok_or(NoFirstPoint::Unknown)?;
     let wanted = wanted(problem, continuation, values)?;
-    if problem.system.products.is_some()
-        && let Ok(at) = problem.system.at(&wanted.values, &[])
-    {
-        place = problem.system.fitting(&at, place)?;
-    }
+    let place = place(problem, beginning, &wanted.values)?;
     Ok(first(&wanted, &place.into(), search)?)
+}
+
+/// Where a motion begins at these values of the parameters, in the mode that its contacts are in.
+fn place(
+    problem: &SystemProblem,
+    beginning: &problem::BeginningSection,
+    values: &[f64],
+) -> Result<Moment, NoFirstPoint> {
+    let system = &problem.system;
+    let at = system.at(values, &[]).map_err(start::NoStart::System)?;
+    let place = beginning.place(system, &at);
+    Ok(system.fitting(&at, place.ok_or(NoFirstPoint::Unknown)?)?)
 }

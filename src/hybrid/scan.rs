@@ -101,12 +101,14 @@ impl<'a> Scanner<'a> {
         let (system, section) = scan.system(&problem.system).ok()?;
         let start = scan.start.clone();
         let start = start.or(problem.start_of_motion())?;
+        let values = problem.values();
+        let at = system.at(&values, &[]).ok()?;
         Some(Scanner {
             scan,
             section,
-            values: problem.values(),
+            values,
             parameter: system.source.parameters.index(&scan.parameter)?,
-            start: start.place(&system)?,
+            start: start.place(&system, &at)?,
             system,
         })
     }

@@ -211,7 +211,11 @@ impl<'a> Motions<'a> {
         let names = system.source.states.iter();
         let begun = self.starts.iter().flat_map(|start| {
             let corners = self.plane.corners();
-            corners.map(|corner| self.begun(start, corner).0.place(system))
+            corners.map(|corner| {
+                let (beginning, values) = self.begun(start, corner);
+                let at = system.at(&values, &[]).ok()?;
+                beginning.place(system, &at)
+            })
         });
         let begun: Vec<Moment> = begun.flatten().collect();
         let sizes = names.enumerate().map(|(state, _)| {
@@ -240,10 +244,10 @@ impl<'a> Motions<'a> {
                     }
                 }
                 let system = &self.problem.system;
-                let place = beginning.place(system);
                 // of contacts the motion itself says in which states they begin
                 if system.products.is_none()
-                    && let Some((affine, place)) = self.affine.as_ref().zip(place)
+                    && let Some(affine) = &self.affine
+                    && let Some(place) = beginning.place(system, affine)
                 {
                     let mode = fitting(system, affine, place).mode;
                     beginning.mode = system.mode_name(mode).into_owned();

@@ -81,7 +81,7 @@ impl<'a> Draws<'a> {
         let system = &self.problem.system;
         let affine = system.at(values, &[]).ok()?;
         let names = &system.source.states;
-        let start = self.start.place(system)?;
+        let start = self.start.place(system, &affine)?;
         let stream = Stream(self.shares.seed).apart(draw as u64);
         let within = self.shares.within.as_ref();
         let inside = |place: Moment| {

@@ -115,7 +115,7 @@ impl<O: Orbit> Display for orbit::special::BranchTermination<O> {
                 let between = if refused.is_empty() { "" } else { "; " };
                 write!(
                     f,
-                    "{between}of {} the equations do not hold at the event",
+                    "{between}{}: the equations do not hold at the event",
                     first_of(&signatures, ", ")
                 )
             }

@@ -1007,6 +1007,63 @@ fn a_slider_at_its_bound_rests_at_a_stop() {
     }
 }
 
+/// The same with impacts: they come to an end in `stick.closed`, at rest to rounding, and each of them is one switch, since the impact takes
+/// back what would turn the slider. An orbit and its events are the same in any order of the two.
+#[test]
+fn a_slider_at_its_bound_bounces_off_a_stop() {
+    let slider = r#""j": Jenkins(slip: "v", stiffness: "3", bound: "B")"#;
+    let stop = r#""p": Stop(gap: "0.4 - x", restitution: "e")"#;
+    let system = |contacts: [&str; 2]| {
+        format!(
+            r#"(states: ["x", "v"], parameters: {{"A": 2.2, "w": 1.3, "B": 0.25, "e": 0.6}}, forcing: "w",
+            contacts: {{{}}}, rates: {{"x": "v", "v": "A*sin(phase) + 1.0 - 0.2*v - x + j - p"}})"#,
+            contacts.join(", ")
+        )
+    };
+    for (e, contacts) in [(0.6, [slider, stop]), (0.3, [stop, slider])] {
+        let system = self::system(&system(contacts));
+        let mut values = system.values();
+        (values[0], values[3]) = (0.6, e);
+        let at = system.at(&values, &[]).unwrap();
+        let name = if contacts[0] == slider {
+            "stick.open"
+        } else {
+            "open.stick"
+        };
+        let mut motion = Motion::new(&at, place(&system, name, &[0.0, 0.1, 0.0], 0.0), 10.0);
+        let mut rests = 0;
+        while let Step::Switched(one) = motion.step(60.0).unwrap() {
+            let to = system.mode_name(one.to);
+            if to.contains("closed") {
+                assert!(to.contains("stick"), "{to}");
+                let [v, z] = [one.after[1], one.after[2]];
+                assert!(
+                    v.abs() <= 1e-29 && (z - 0.25 / 3.0).abs() <= 1e-15,
+                    "{v} {z}"
+                );
+                rests += 1;
+            }
+        }
+        assert!(rests > 3, "{rests}");
+    }
+    let branch = |contacts: [&str; 2], mode: &str| {
+        let items = super::counts::rows(&format!(
+            r#"(system: {}, orbit: (start: Simulate(mode: "{mode}", state: {{"x": 0.0, "v": 0.1}}, settle: 400), periods: 3),
+            continuation: (parameter: "A", range: (2.1, 2.4), toward: Both), stability: (), output: (plots: []))"#,
+            system(contacts)
+        ));
+        super::counts::events(&items, "A")
+    };
+    let one = branch([slider, stop], "stick.open");
+    let other = branch([stop, slider], "open.stick");
+    let kinds: Vec<EventType> = one.iter().map(|(kind, ..)| *kind).collect();
+    assert_eq!(kinds, [EventType::PD, EventType::GR, EventType::GR]);
+    assert_eq!(one.len(), other.len());
+    for ((kind, value, _), (_, same, _)) in one.iter().zip(&other) {
+        assert!((value - same).abs() <= 1e-12, "{kind} {value} {same}");
+    }
+}
+
 /// Two masses that friction holds together are one of both, on a belt whose friction falls with the slip: the switches of a motion, the
 /// period of its cycle and its multipliers are those of the one, with the offset that they have at the start.
 #[test]

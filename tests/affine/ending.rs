@@ -135,6 +135,25 @@ fn a_jump_of_the_return_map_is_an_end() {
     );
 }
 
+/// Stick that only just comes to its bound in both halves of a symmetric orbit: what motions beside it are off by is the fourth root of how
+/// far the parameter is, on the side on which they come back; on the other the block is held at a distance. The force is at its greatest there,
+/// 2.21P + 0.46|x| = 1.733.
+#[test]
+fn two_grazes_of_a_bound_in_one_period_are_an_end() {
+    let text = r#"(states: ["x", "v"], parameters: {"P": 0.85}, forcing: "1.89",
+        contacts: {"q": Friction(slip: "v", bound: "1.0", static: "1.733")},
+        rates: {"x": "v", "v": "2.21*P*sin(phase) - 0.12*v - 0.46*x + q"})"#;
+    let (orbit, point) = settled(text, &[], "P", "backward", &[-0.286, -0.1043], 300.0);
+    let (seen, all) = follow(&orbit, &point, false, (0.6, 1.0), 2000);
+    let kinds: Vec<_> = seen.iter().map(|one| one.kind).collect();
+    assert_eq!(kinds, [LP, GR]);
+    let reason = why(&all);
+    assert!(reason.contains("return map is discontinuous"), "{reason}");
+    // by shooting over half a period from the instant of that force
+    let value = seen[1].value;
+    assert!((value - 0.770_416_578_280_611).abs() <= 1e-12, "{value}");
+}
+
 /// Where slip only just stops and goes on, static friction above the kinetic one holds the mass until the pull has grown from
 /// the one to the other: a jump, of 3e-3 here. With both the same the branch goes on through the same graze.
 #[test]

@@ -2,6 +2,7 @@
 
 use brakewave::EventType;
 use brakewave::affine::contact::place::Contradiction;
+use brakewave::affine::motion::{Motion, Step};
 use brakewave::hybrid::OrbitItem;
 use brakewave::hybrid::equilibrium::EquilibriumItem;
 use brakewave::hybrid::exponents::Exponent;
@@ -152,6 +153,20 @@ fn a_start_that_contradicts_its_state_is_refused() {
             "`forward`",
         ),
         (
+            slider,
+            "+ p",
+            "forward",
+            r#""x": 0.3, "v": 3.0, "z_p": 0.05"#,
+            "`stick`",
+        ),
+        (
+            slider,
+            "+ p",
+            "stick",
+            r#""x": 0.3, "v": 3.0, "z_p": -1.0"#,
+            "`z_p` is beyond the bound of its element, -0.166667",
+        ),
+        (
             friction,
             "+ p",
             "stick",
@@ -178,6 +193,7 @@ fn a_start_that_contradicts_its_state_is_refused() {
         (stop, "- p", "closed", r#""x": 0.4, "v": 0.0"#),
         (friction, "+ p", "stick", r#""x": 0.3, "v": 0.0"#),
         (slider, "+ p", "stick", r#""x": 0.3, "v": 3.0, "z_p": 0.1"#),
+        (slider, "+ p", "forward", r#""x": 0.3, "v": 3.0"#),
     ] {
         let admitted = problem(&mass(contact, force, mode, state));
         admitted.unwrap_or_else(|error| panic!("{mode} {state}\n{error}"));
@@ -531,4 +547,125 @@ fn what_is_pressed_on_a_stop_does_not_stick() {
     let (modes, end) = moved(text, "a.backward.closed", &[0.0; 3], 2.0).unwrap();
     assert_eq!(modes, ["b.backward.closed"]);
     assert_eq!(&end[..2], [0.0, 0.0]);
+}
+
+/// The switches of a motion as the file begins it, by the names of their modes, with the states after them.
+fn switched(text: &str, duration: f64) -> Vec<(f64, [String; 2], Vec<f64>)> {
+    let problem = problem(text).unwrap_or_else(|error| panic!("{error}"));
+    let system = &problem.system;
+    let at = system.at(&problem.values(), &[]).unwrap();
+    let start = problem.beginning().unwrap().place(system, &at).unwrap();
+    let mut motion = Motion::new(&at, start, duration);
+    let mut all = Vec::new();
+    while let Step::Switched(one) = motion.step(duration).unwrap() {
+        let names = [one.from, one.to].map(|mode| system.mode_name(mode).into_owned());
+        all.push((one.time, names, one.after));
+    }
+    all
+}
+
+/// A slider that is said to slip is at its bound, B/k = 1/4, and where the mass turns it holds from there: its force is −B before and
+/// after. One that is unloaded by a reset while it slips holds, and slips again once the mass has gone B/k further.
+#[test]
+fn a_slider_that_slips_is_at_its_bound() {
+    let slider = r#"parameters: {"k": 4.0, "B": 1.0}, contacts: {"j": Jenkins(slip: "v", stiffness: "k", bound: "B")}"#;
+    let begun = switched(
+        &format!(
+            r#"(system: (states: ["x", "v"], {slider}, rates: {{"x": "v", "v": "-0.5*x + j"}}),
+            orbit: (start: Simulate(mode: "forward", state: {{"x": 0.0, "v": 1.0}}, settle: 10)))"#
+        ),
+        4.0,
+    );
+    // v = 0 where x² / 4 + x = 1/2
+    let turns = -2.0 + 6.0_f64.sqrt();
+    assert_eq!(begun[0].1, ["forward", "stick"]);
+    let [x, z] = [begun[0].2[0], begun[0].2[2]];
+    assert!((x - turns).abs() <= 1e-15 && z == 0.25, "{x} {z}");
+    // it gives where the mass has come back by 2B/k
+    assert_eq!(begun[1].1, ["stick", "backward"]);
+    assert!((begun[1].2[0] - (turns - 0.5)).abs() <= 1e-15);
+    let unloaded = switched(
+        &format!(
+            r#"(system: (states: ["x", "v", "s"], {slider}, modes: {{
+                "a": (rates: {{"x": "v", "v": "j", "s": "1"}}, until: [(zero: "0.5 - s", to: "b", reset: {{"z_j": "0"}})]),
+                "b": (rates: {{"x": "v", "v": "j", "s": "1"}}, until: [(zero: "10 - s", to: "a", reset: {{"s": "0"}})])}}),
+            orbit: (start: Simulate(mode: "a.stick", state: {{"x": 0.0, "v": 2.0, "s": 0.0}}, settle: 10)))"#
+        ),
+        0.8,
+    );
+    let names: Vec<&str> = unloaded.iter().map(|(_, [_, to], _)| to.as_str()).collect();
+    assert_eq!(names, ["a.forward", "b.stick", "b.forward"]);
+    let [before, after] = [&unloaded[1].2, &unloaded[2].2];
+    assert_eq!(before[3], 0.0);
+    assert!((after[0] - before[0] - 0.25).abs() <= 1e-15, "{after:?}");
+}
+
+/// An impact carries a mass past the `zero` of a mode of its own, which follows in the same instant: the orbit and its events are those of the
+/// modes written out, in which the stop is a switch to the other mode.
+#[test]
+fn an_impact_carries_a_mass_past_a_zero() {
+    let rest = |mode: &str| {
+        format!(
+            r#"orbit: (start: Simulate(mode: "{mode}", state: {{"x": 0.0, "v": 0.5}}, settle: 200)),
+            continuation: (parameter: "F", range: (0.05, 1.0), toward: Both), stability: (), output: (plots: []))"#
+        )
+    };
+    let parameters = r#"parameters: {"F": 0.6, "c": 0.3, "e": 0.8, "h": 0.05, "d": 1.0}"#;
+    let contact = rows(&format!(
+        r#"(system: (states: ["x", "v"], {parameters}, contacts: {{"p": Stop(gap: "d - x", restitution: "e")}},
+            modes: {{
+                "push": (rates: {{"x": "v", "v": "-x - c*v + F - p"}}, until: [(zero: "v + h", to: "pull")]),
+                "pull": (rates: {{"x": "v", "v": "-x - c*v - F - p"}}, until: [(zero: "h - v", to: "push")])}}), {}"#,
+        rest("push.open")
+    ));
+    let written = rows(&format!(
+        r#"(system: (states: ["x", "v"], {parameters}, modes: {{
+            "push": (rates: {{"x": "v", "v": "-x - c*v + F"}}, until: [(zero: "v + h", to: "pull"),
+                (zero: "d - x", to: "push", reset: {{"v": "-e*v"}}, if: ["h - e*v"]),
+                (zero: "d - x", to: "pull", reset: {{"v": "-e*v"}})]),
+            "pull": (rates: {{"x": "v", "v": "-x - c*v - F"}}, until: [(zero: "h - v", to: "push"),
+                (zero: "d - x", to: "pull", reset: {{"v": "-e*v"}})])}}), {}"#,
+        rest("push")
+    ));
+    let [one, other] = [&contact, &written].map(|items| items[0].point.period);
+    assert!((one - other).abs() <= 1e-13, "{one} {other}");
+    assert_eq!(contact[0].point.regimes, "push.open-pull.open");
+    let [contact, written] = [contact, written].map(|items| events(&items, "F"));
+    assert!(!written.is_empty());
+    assert_eq!(contact.len(), written.len(), "{contact:#?}\n{written:#?}");
+    for ((kind, value, _), (other, expected, _)) in contact.iter().zip(&written) {
+        assert_eq!(kind, other);
+        assert!(
+            (value - expected).abs() <= 1e-12,
+            "{kind} {value} {expected}"
+        );
+    }
+}
+
+/// A block is put back to its damped bumper, which touches it without a force for as long as friction holds it there: until the force r s on
+/// it is F.
+#[test]
+fn a_bumper_without_a_force_ends_nothing() {
+    let all = switched(
+        r#"(system: (states: ["x", "v", "s"], parameters: {"r": -0.5, "F": 0.4, "P": 2.0, "d": 0.0},
+            contacts: {"b": Spring(gap: "x - d", stiffness: "5", damping: "0.2"), "f": Friction(slip: "v", bound: "F")},
+            modes: {"a": (rates: {"x": "v", "v": "r*s - 0.1*v + f + b", "s": "1"},
+                until: [(zero: "P - s", to: "a", reset: {"x": "d", "v": "0", "s": "0"}, name: "back")])}),
+        orbit: (start: Simulate(mode: "a.open.stick", state: {"x": 0.02, "v": 0.0, "s": 0.0}, settle: 20)))"#,
+        7.0,
+    );
+    let times = all
+        .iter()
+        .map(|(time, [_, to], _)| (*time, to.ends_with("stick")));
+    let held: Vec<f64> = times
+        .filter(|(_, sticks)| *sticks)
+        .map(|(time, _)| time)
+        .collect();
+    assert_eq!(held, [2.0, 4.0, 6.0]);
+    let slips = all
+        .iter()
+        .filter(|(_, [from, _], _)| from == "a.closed.stick");
+    for ((time, _, _), back) in slips.zip(held) {
+        assert!((time - back - 0.8).abs() <= 1e-14, "{time}");
+    }
 }

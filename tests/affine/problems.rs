@@ -56,7 +56,8 @@ fn the_starts_of_problem_files_are_periodic() {
     for (name, problem) in problems {
         let system = &problem.system;
         let affine = system.at(&problem.values(), &[]).unwrap();
-        let start = problem.beginning().unwrap().place(system).unwrap();
+        let beginning = problem.beginning().unwrap();
+        let start = beginning.place(system, &affine).unwrap();
         let omega = affine.omega.value;
         let forced = omega > 0.0;
         let unit = if forced {

@@ -72,7 +72,7 @@ fn simulated(problem: &SystemProblem) -> usize {
     }
     let Some(start) = problem
         .beginning()
-        .and_then(|start| start.place(&problem.system))
+        .and_then(|start| start.place(&problem.system, &affine))
     else {
         return 0;
     };

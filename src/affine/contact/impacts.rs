@@ -189,7 +189,23 @@ impl<C: Measured> Instant<'_, C> {
                 }
             }
             Law::Jenkins { .. } if digit == HELD => same(),
-            Law::Jenkins { slip, .. } => {
+            Law::Jenkins {
+                slip,
+                stiffness,
+                bound,
+            } => {
+                let stretch = self.forms.own[self.own].kinematics[contact].stretch;
+                let stretch = Form::state(stretch.unwrap_or_default());
+                let stretch = self.moved(&stretch, held)?;
+                if !stretch.stays(self.guard) {
+                    let force = stretch.after.times(stiffness.clone())?;
+                    let force = match digit {
+                        GIVES_FORWARD => force,
+                        _ => force.negative(),
+                    };
+                    let left = bound.clone().minus(force)?.trimmed();
+                    return Ok(by_sign(&left, [HELD, digit], HELD));
+                }
                 let slip = self.moved(slip, held)?;
                 match slip.keeps_sign() {
                     _ if slip.stays(self.guard) => same(),

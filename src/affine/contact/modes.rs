@@ -52,7 +52,9 @@ impl<C: Measured> ContactForms<C> {
                 false => instant.arrivals()?,
             };
             for arrival in arrivals {
-                switches.push(self.switch(&instant, (contact, ending), arrival, group));
+                let beyond = arrival.digits.clone();
+                let switch = self.switch(&instant, (contact, ending), arrival, group);
+                switches.extend(self.carried(&instant, (switch, &beyond))?);
             }
         }
         for switch in &self.switches[own] {
@@ -257,7 +259,7 @@ impl<C: Measured> ContactForms<C> {
             ) => {
                 vec![still(&gap.clone().negative(), OPEN)]
             }
-            (Law::Spring { .. }, CLOSED) => vec![plain(forces[contact].clone(), PARTING)],
+            (Law::Spring { .. }, CLOSED) => vec![still(&forces[contact], PARTING)],
             (
                 Law::Spring {
                     gap,
@@ -268,7 +270,7 @@ impl<C: Measured> ContactForms<C> {
             ) => {
                 let elastic = gap.clone().times(stiffness.clone())?;
                 let force = elastic.plus(speed.clone().times(damping.clone())?)?;
-                vec![plain(gap.clone().negative(), OPEN), plain(force, CLOSED)]
+                vec![still(&gap.clone().negative(), OPEN), still(&force, CLOSED)]
             }
             (Law::Jenkins { slip, bound, .. }, HELD) => {
                 let keeps = self.is_held(own, digits, slip);
@@ -316,7 +318,7 @@ impl<C: Measured> ContactForms<C> {
 
     /// A switch of the user's mode from these states of the contacts with these forces: one for each end of the chain of changes
     /// that it begins.
-    fn own_switches(
+    pub(super) fn own_switches(
         &self,
         switch: &FormSwitch<C>,
         before: &[usize],

@@ -3,7 +3,9 @@
 //! Slips, gaps and the forces of springs follow from the state of the system, and say of each contact in which states it may
 //! be there. Where a slip or a gap is zero its force decides between these.
 
-use super::law::{BACKWARD, CLOSED, FORWARD, HELD, Law, OPEN, STICK};
+use super::law::{
+    BACKWARD, CLOSED, FORWARD, GIVES_BACKWARD, GIVES_FORWARD, HELD, Law, OPEN, STICK,
+};
 use crate::affine::mode::{AffineMode, AffineSystem, Row};
 use crate::affine::motion::{Moment, Motion};
 use crate::affine::system::System;
@@ -26,6 +28,14 @@ pub enum Contradiction {
         contact: String,
         /// Name of the mode with the states that fit.
         fits: String,
+    },
+    /// A Jenkins element is stretched beyond its bound.
+    #[error("`{state}` is beyond the bound of its element, {bound:.6}")]
+    Beyond {
+        /// Its state.
+        state: String,
+        /// The stretch at its bound.
+        bound: f64,
     },
     /// It lies behind a stop: the contact has no state there.
     #[error("the state lies behind the stop `{contact}`: its gap is {gap:.6} there")]
@@ -55,18 +65,49 @@ impl System {
         state.is_some() && self.stretches.contains(&state)
     }
 
+    /// The stretch of a Jenkins element in a mode, where nothing else tells: none where it holds, that at its bound where it
+    /// slips.
+    pub fn stretch(&self, at: &AffineSystem, mode: usize, name: &str) -> f64 {
+        let state = self.source.states.iter().position(|state| state == name);
+        let contact = state.and_then(|_| self.stretches.iter().position(|known| *known == state));
+        let (Some(products), Some(contact)) = (&self.products, contact) else {
+            return 0.0;
+        };
+        let (own, digits) = products.digits(mode);
+        let rest = vec![0.0; self.source.states.len()];
+        let place = Moment {
+            time: 0.0,
+            phase: 0.0,
+            mode,
+            state: rest,
+        };
+        let of_contacts = PlaceOfContacts::new(self, at, &place, own);
+        let bound = of_contacts.bound(contact, digits[contact]);
+        bound.map_or(0.0, |(_, stretch)| stretch)
+    }
+
     /// Refuses a place whose contacts are in other states than its mode names.
     ///
     /// # Errors
     /// The first contact that is, or has no state there.
     pub fn admits(&self, at: &AffineSystem, place: &Moment) -> Result<(), Contradiction> {
-        let fits = self.fitting(at, place.clone())?.mode;
-        let (Some(products), true) = (&self.products, fits != place.mode) else {
+        let Moment {
+            mode: fits, state, ..
+        } = self.fitting(at, place.clone())?;
+        let Some(products) = &self.products else {
             return Ok(());
         };
         let fitting = products.name(fits);
         if fitting == products.name(place.mode) {
-            return Ok(());
+            let mut changed = state.iter().zip(&place.state);
+            let beyond = changed.position(|(fits, given)| fits != given);
+            return match beyond {
+                Some(index) => Err(Contradiction::Beyond {
+                    state: self.source.states[index].clone(),
+                    bound: state[index],
+                }),
+                None => Ok(()),
+            };
         }
         let [named, fits] = [place.mode, fits].map(|mode| products.digits(mode).1);
         let other = named.iter().zip(&fits).position(|(one, two)| one != two);
@@ -77,22 +118,28 @@ impl System {
         })
     }
 
-    /// The place in the mode of the states that its contacts are in: those that it names, unless the state contradicts them.
+    /// The place in the mode of the states that its contacts are in: those that it names, unless the state contradicts them. A Jenkins
+    /// element that is stretched beyond its bound has given.
     ///
     /// # Errors
     /// It lies behind a stop.
-    pub fn fitting(&self, at: &AffineSystem, place: Moment) -> Result<Moment, Contradiction> {
+    pub fn fitting(&self, at: &AffineSystem, mut place: Moment) -> Result<Moment, Contradiction> {
         let Some(products) = &self.products else {
             return Ok(place);
         };
-        let (own, digits) = products.digits(place.mode);
-        let of_contacts = PlaceOfContacts {
-            system: self,
-            at,
-            z: z_at(at, &place),
-            place: &place,
-            own,
-        };
+        let (own, mut digits) = products.digits(place.mode);
+        let given = PlaceOfContacts::new(self, at, &place, own).given();
+        for Given {
+            contact,
+            state,
+            digit,
+            stretch,
+        } in given
+        {
+            (place.state[state], digits[contact]) = (stretch, digit);
+        }
+        place.mode = products.number(own, &digits);
+        let of_contacts = PlaceOfContacts::new(self, at, &place, own);
         let mut possible = Vec::with_capacity(digits.len());
         for contact in 0..digits.len() {
             possible.push(of_contacts.states(contact)?);
@@ -117,7 +164,65 @@ fn z_at(at: &AffineSystem, place: &Moment) -> Vector {
     z
 }
 
-impl PlaceOfContacts<'_> {
+/// A Jenkins element that is stretched beyond its bound: it has given.
+struct Given {
+    contact: usize,
+    /// The state that is its stretch.
+    state: usize,
+    /// The state in which it gives.
+    digit: usize,
+    /// The stretch at its bound.
+    stretch: f64,
+}
+
+impl<'a> PlaceOfContacts<'a> {
+    /// In a mode of the user's.
+    fn new(system: &'a System, at: &'a AffineSystem, place: &'a Moment, own: usize) -> Self {
+        PlaceOfContacts {
+            system,
+            at,
+            z: z_at(at, place),
+            place,
+            own,
+        }
+    }
+
+    /// What the bound of a Jenkins element leaves of its force on the side on which it gives in a state, and its stretch at that bound.
+    fn bound(&self, contact: usize, digit: usize) -> Option<(f64, f64)> {
+        let side = match digit {
+            GIVES_FORWARD => 0,
+            GIVES_BACKWARD => 1,
+            _ => return None,
+        };
+        let stretch = self.system.stretches[contact]?;
+        let (mode, first) = self.mode(contact, HELD);
+        let row = &mode.guards.get(first + side)?.row;
+        let by_stretch = row.at[stretch];
+        let left = self.value(mode, row);
+        let at_bound = self.z[stretch] - row.value(&self.z) / by_stretch;
+        at_bound.is_finite().then_some((left, at_bound))
+    }
+
+    /// The Jenkins elements that are stretched beyond their bounds.
+    fn given(&self) -> Vec<Given> {
+        let elements = self.system.stretches.iter().enumerate();
+        let elements = elements.filter_map(|(contact, state)| Some((contact, (*state)?)));
+        let beyond = elements.filter_map(|(contact, state)| {
+            let mut sides = [GIVES_FORWARD, GIVES_BACKWARD].into_iter();
+            sides.find_map(|digit| {
+                let (left, stretch) = self.bound(contact, digit)?;
+                let given = Given {
+                    contact,
+                    state,
+                    digit,
+                    stretch,
+                };
+                (left < 0.0).then_some(given)
+            })
+        });
+        beyond.collect()
+    }
+
     /// A mode in which a contact is in one state, and all others are in their first.
     fn mode(&self, contact: usize, digit: usize) -> (&AffineMode, usize) {
         let laws = &self.system.contacts;
@@ -169,7 +274,11 @@ impl PlaceOfContacts<'_> {
             Law::Friction { .. } if first() == 0.0 => vec![STICK, FORWARD, BACKWARD],
             Law::Friction { .. } => possible(FORWARD..STICK),
             Law::Jenkins { .. } => {
-                let states: Vec<usize> = possible(HELD..law.states().len());
+                let mut states: Vec<usize> = possible(HELD..law.states().len());
+                states.retain(|digit| {
+                    let bound = self.bound(contact, *digit);
+                    bound.is_none_or(|(left, _)| left == 0.0)
+                });
                 // a slider that has not come to its bound holds
                 if states.is_empty() {
                     vec![HELD]

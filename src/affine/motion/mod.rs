@@ -2,15 +2,17 @@
 //! and what begins there.
 
 mod halt;
+mod zones;
 
 pub use halt::Halt;
 
 use std::sync::Arc;
 
 use super::flow::{FlowPiece, ModeFlow, Onset};
-use super::mode::{AffineSystem, Exit, Row};
+use super::mode::{AffineSystem, Row};
 use super::slots::Slots;
 use crate::linalg::Vector;
+use zones::{ZoneEnd, Zones};
 
 /// Where a motion is.
 #[derive(Clone, Debug, PartialEq)]
@@ -64,42 +66,8 @@ const PATIENCE: u32 = 100_000;
 /// hundreds of times as long. Either is a minute at least. What is fast at the beginning only has died out before.
 const HOPELESS: [f64; 2] = [1e8, 1e6];
 
-/// Zones shorter than this, in units of a piece of their mode, are those of a chattering that ends: the next
-/// digits of the state are rounding.
-const CHATTER: f64 = 1e-12;
-
 /// A form that is zero is so within this many units of its terms: the state at a switch is known to a few roundings.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
-
-/// So many of them in a row are a chattering, and so many switches without time a livelock.
-const IN_A_ROW: usize = 8;
-
-/// So many zones in a row that are shorter than the last but one are sliding of second order, where each is shorter than
-/// this part of a piece of its mode: their lengths fall in proportion to themselves, and no end of them comes.
-const EVER_FASTER: usize = 64;
-const FAST: f64 = 0.05;
-
-/// The ratio of successive durations that fall geometrically. The last of them are rounding, as differences of times, or
-/// zero: the earlier half tells. Where they fall at once to rounding, in one zone, there is none.
-fn ratio(durations: &[f64]) -> Option<f64> {
-    /// The least that would be told, while zones last longer than this part of the first.
-    const LEAST: f64 = 1e-8;
-    const LONG: f64 = 1e-3;
-    let long = LONG * durations.first()?;
-    let mut pairs = durations.windows(2);
-    if pairs.any(|pair| pair[0] >= long && pair[1] < LEAST * pair[0]) {
-        return None;
-    }
-    let lasting: Vec<f64> = durations
-        .iter()
-        .copied()
-        .take_while(|time| *time > 0.0)
-        .collect();
-    let middle = lasting.len() / 2;
-    let (first, later) = (lasting.first()?, lasting.get(middle)?);
-    let ratio = (later / first).powf(1.0 / middle.max(1) as f64);
-    (ratio < 1.0).then_some(ratio)
-}
 
 /// A motion of a system.
 #[derive(Clone, Debug)]
@@ -113,19 +81,12 @@ pub struct Motion<'a> {
     fresh: bool,
     /// Time at which the zone began.
     entered: f64,
-    /// Durations of the last zones, each shorter than the one before but for rounding.
-    falling: Vec<f64>,
-    /// How many of the last zones were short.
-    short: usize,
-    /// How many of the last zones were fast, and shorter than the last but one; how long the last two were.
-    faster: usize,
-    lasted: [f64; 2],
     /// A guard that is zero where the zone begins, and of how many orders.
     tangent: Option<(usize, usize)>,
     /// Guards that are zero all along in the zone and end nothing.
     still: Vec<usize>,
-    /// The sliding mode that has ended at a guard of one of its sides, if the mode that is just beginning begins there.
-    left: Option<(usize, usize)>,
+    /// The last zones.
+    zones: Zones,
     /// Length of the piece it is in.
     unit: f64,
     section: Option<WatchedSection>,
@@ -151,13 +112,9 @@ impl<'a> Motion<'a> {
             system,
             fresh: true,
             entered: place.time,
-            falling: Vec::new(),
-            short: 0,
-            faster: 0,
-            lasted: [f64::INFINITY; 2],
             tangent: None,
             still: Vec::new(),
-            left: None,
+            zones: Zones::default(),
             section: None,
             unit: longest,
             place,
@@ -268,7 +225,7 @@ impl<'a> Motion<'a> {
             let part = (rest / piece.length).min(1.0);
             let own = (0..count).filter(|guard| !self.still.contains(guard));
             let guards = watched.into_iter().chain(own);
-            let crossing = first_crossing(flow, &piece, guards, &mut orders, part);
+            let crossing = self.first_crossing(flow, &piece, guards, (&mut orders, part));
             let lasts = crossing.map_or(part, |(after, _)| after / piece.length);
             self.check_bounds(flow, (&piece, lasts), start + begun)?;
             if let Some((after, guard)) = crossing {
@@ -294,6 +251,52 @@ impl<'a> Motion<'a> {
         let phase = phase + self.system.omega.value * (until - start);
         self.come(until, phase, &piece.z);
         Ok(Some(Step::Reached))
+    }
+
+    /// When the first of these guards becomes negative within a part of a piece, and which; zeros of these orders at its beginning
+    /// are none. At one instant their order decides, but an impact comes before what it takes back: a slider that has given at
+    /// a stop comes to its bound where the stop is reached, and turns there.
+    fn first_crossing(
+        &self,
+        flow: &ModeFlow,
+        piece: &FlowPiece,
+        guards: impl Iterator<Item = usize>,
+        (orders, part): (&mut [usize], f64),
+    ) -> Option<(f64, usize)> {
+        let mut first: Option<(f64, usize)> = None;
+        let mut impacts = Vec::new();
+        for guard in guards {
+            let crossing = flow.crossing(guard, piece, orders[guard], part);
+            orders[guard] = 0;
+            let Some(after) = crossing else { continue };
+            if first.is_none_or(|(known, _)| after < known) {
+                first = Some((after, guard));
+            }
+            if self.is_impact(guard) {
+                impacts.push(guard);
+            }
+        }
+        let (after, guard) = first?;
+        impacts.retain(|impact| *impact != guard);
+        if impacts.is_empty() || self.is_impact(guard) {
+            return first;
+        }
+        let z = flow.within(piece, after);
+        let mode = &self.system.modes[self.place.mode];
+        let is_zero = |impact: &usize| {
+            let row = &mode.guards[*impact].row;
+            let approaches = flow.slopes(&row.at, &z)[1] < 0.0;
+            approaches && row.value(&z).abs() <= ROUNDING * row.size(&z)
+        };
+        let impact = impacts.into_iter().find(is_zero);
+        Some((after, impact.unwrap_or(guard)))
+    }
+
+    /// Whether a contact has an impact at a guard of the mode.
+    fn is_impact(&self, guard: usize) -> bool {
+        let guards = &self.system.modes[self.place.mode].guards;
+        let exit = guards.get(guard).and_then(|guard| guard.exits.first());
+        exit.is_some_and(|exit| exit.of_contact && !exit.is_continuous())
     }
 
     /// Goes over a guard, or the section, which is reached so long after the zone began.
@@ -479,15 +482,27 @@ impl<'a> Motion<'a> {
             });
         }
         let lasted = time - self.entered;
-        self.count_zone(guard, exit.to, time)?;
-        let to = match self.short > IN_A_ROW {
-            true => self.rest_of_chattering((guard, exit), time, &z)?,
-            false => exit.to,
+        let end = ZoneEnd {
+            mode,
+            guard,
+            exit,
+            time,
+            lasted,
+            unit: self.unit,
+            z: &z,
         };
+        let rest = self.zones.ended(self.system, &end)?;
         let states = 0..self.system.states;
-        let after: Vec<f64> = states.map(|state| exit.reset.value(state, &z)).collect();
-        let before = z.rows(0, self.system.states).iter().copied().collect();
+        let (to, reset) = match &rest {
+            Some((rest, reset)) => (*rest, reset),
+            None => (exit.to, &exit.reset),
+        };
+        let mut after: Vec<f64> = states.map(|state| reset.value(state, &z)).collect();
+        let before: Vec<f64> = z.rows(0, self.system.states).iter().copied().collect();
         let phase = phase + self.system.omega.value * elapsed;
+        if rest.is_some() {
+            zones::stop(self.system, to, (&before, &mut after), phase);
+        }
         self.tangent = exit.tangent.filter(|_| lasted > 0.0);
         self.place = Moment {
             time,
@@ -507,93 +522,4 @@ impl<'a> Motion<'a> {
             after,
         }))
     }
-
-    /// Takes note of how long the zone has lasted that a guard ends, towards another mode.
-    ///
-    /// # Errors
-    /// Zones that become shorter and shorter, or that lead back and forth.
-    fn count_zone(&mut self, guard: usize, to: usize, time: f64) -> Result<(), Halt> {
-        let mode = self.place.mode;
-        let known = &self.system.modes[mode];
-        let lasted = time - self.entered;
-        let is_short = lasted <= CHATTER * self.unit;
-        self.short = if is_short { self.short + 1 } else { 0 };
-        if !is_short && self.falling.last().is_some_and(|before| lasted >= *before) {
-            self.falling.clear();
-        }
-        self.falling.push(lasted);
-        // sliding in one surface that leaves at a guard into sliding which comes back at once
-        let leaves = known.sides.is_some() && known.guards[guard].written.is_some();
-        if let Some((before, guard)) = self.left.filter(|(before, _)| leaves && *before == to)
-            && lasted == 0.0
-        {
-            let mode = before;
-            return Err(Halt::TwoSurfaces { time, mode, guard });
-        }
-        self.left = leaves.then_some((mode, guard));
-        let faster = !is_short && lasted < self.lasted[0] && lasted < FAST * self.unit;
-        self.faster = match faster && self.system.is_of_second_order(mode, guard, to) {
-            true => self.faster + 1,
-            false => 0,
-        };
-        self.lasted = [self.lasted[1], lasted];
-        if self.faster > EVER_FASTER {
-            return Err(Halt::SecondOrder {
-                time,
-                mode,
-                guard,
-                duration: lasted,
-            });
-        }
-        Ok(())
-    }
-
-    /// The mode that begins where infinitely many switches at a guard end.
-    ///
-    /// # Errors
-    /// There is none.
-    fn rest_of_chattering(
-        &mut self,
-        (guard, exit): (usize, &Exit),
-        time: f64,
-        z: &Vector,
-    ) -> Result<usize, Halt> {
-        let mode = self.place.mode;
-        let rest = exit.rest.ok_or_else(|| {
-            if let Some(ratio) = ratio(&self.falling) {
-                return Halt::Chattering { time, ratio };
-            }
-            let lasted = self.falling.iter().any(|lasted| *lasted > 0.0);
-            let value = self.system.modes[mode].guards[guard].row.at.dot(z);
-            match exit.to == mode {
-                _ if !lasted && value < 0.0 => Halt::Outside { mode, guard, value },
-                true if lasted => Halt::Outward { time, mode, guard },
-                _ => Halt::Livelock { time, mode, guard },
-            }
-        })?;
-        (self.short, self.falling) = (0, Vec::new());
-        Ok(rest)
-    }
-}
-
-/// When the first of these guards becomes negative within a part of a piece, and which; zeros of these orders at its beginning
-/// are none. At one instant their order decides.
-fn first_crossing(
-    flow: &ModeFlow,
-    piece: &FlowPiece,
-    guards: impl Iterator<Item = usize>,
-    orders: &mut [usize],
-    part: f64,
-) -> Option<(f64, usize)> {
-    let mut first: Option<(f64, usize)> = None;
-    for guard in guards {
-        let crossing = flow.crossing(guard, piece, orders[guard], part);
-        if let Some(after) = crossing
-            && first.is_none_or(|(known, _)| after < known)
-        {
-            first = Some((after, guard));
-        }
-        orders[guard] = 0;
-    }
-    first
 }

@@ -21,10 +21,12 @@ const BESIDE: [f64; 3] = [1e-5, 1e-7, 1e-9];
 
 /// A motion has come back where it is off by less than this at the least δ, as a part of the range of each state, and by
 /// less than the second part of what it is off at the δ before, or by nothing but rounding: √δ falls to a tenth from one δ
-/// to the next, and its third root to a fifth.
+/// to the next, its third root to a fifth, and its fourth, of two that graze in one period, to a third. Where it falls so from each
+/// to the next it may be off by the last of these parts still.
 const NEAR: f64 = 1e-3;
-const FALLS: f64 = 0.3;
+const FALLS: f64 = 0.4;
 const ROUNDING: f64 = 1e-8;
+const FALLING: f64 = 0.1;
 
 /// It has gone elsewhere where it is off by more than this whatever δ is, and at the least by this much of what it is off
 /// at the δ before: what grows with δ from there on is a hundredth of 1e-7 by then.
@@ -113,7 +115,9 @@ impl AffineOrbit {
                 let modes = [first.stays, before.stays, last.stays];
                 let [first, before, last] = [first.off, before.off, last.off];
                 let least = first.min(before).min(last);
-                if last <= NEAR && last <= (FALLS * before).max(ROUNDING) {
+                let falls = last <= (FALLS * before).max(ROUNDING);
+                let falling = before <= FALLS * first && last <= FALLING;
+                if falls && (last <= NEAR || falling) {
                     Some(match modes {
                         [Some(mode), Some(_), Some(_)] => Fate::Stays(mode),
                         _ => Fate::Returns,

@@ -118,7 +118,9 @@ pub(super) fn begin(
     let (request, guess) = match &section.start {
         EquilibriumStart::Given { mode, .. } => {
             let beginning = section.start.beginning();
-            let place = beginning.and_then(|beginning| beginning.place(&problem.system));
+            let at = problem.system.at(&problem.values(), &[]);
+            let at = at.map_err(NoFirstEquilibrium::System)?;
+            let place = beginning.and_then(|beginning| beginning.place(&problem.system, &at));
             let state = place.ok_or_else(unknown)?.state;
             let request = request(problem.values(), mode);
             (request, EquilibriumGuess::State(state.as_slice().to_vec()))

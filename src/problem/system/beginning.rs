@@ -181,10 +181,10 @@ impl Checks<'_, SystemProblem> {
     /// Refuses a mode whose contacts contradict the state.
     fn fits(&self, path: &str, start: &BeginningSection) -> Check {
         let system = &self.problem.system;
-        let Some(place) = start.place(system) else {
+        let Ok(at) = system.at(&self.problem.values(), &[]) else {
             return Ok(());
         };
-        let Ok(at) = system.at(&self.problem.values(), &[]) else {
+        let Some(place) = start.place(system, &at) else {
             return Ok(());
         };
         match system.admits(&at, &place) {
@@ -193,6 +193,10 @@ impl Checks<'_, SystemProblem> {
                 let mode = excerpt(&start.mode);
                 let message = format!("`{mode}` contradicts the state, by the contact `{contact}`");
                 self.refuse(&format!("{path}.mode"), message, format!("write `{fits}`"))
+            }
+            Err(beyond @ Contradiction::Beyond { .. }) => {
+                let help = "begin with a stretch that the element holds";
+                self.refuse(&format!("{path}.state"), beyond.to_string(), help)
             }
             Err(behind @ Contradiction::Behind { .. }) => {
                 let help = "begin where no gap of a `Stop` is negative";

@@ -22,6 +22,7 @@ use super::{
     refuse_at,
 };
 use crate::affine::closure::Prescribed;
+use crate::affine::mode::AffineSystem;
 use crate::affine::monitor::{Monitor, MonitorSource};
 use crate::affine::monitored;
 use crate::affine::motion::Moment;
@@ -294,19 +295,21 @@ impl OrbitStart {
 }
 
 impl BeginningSection {
-    /// The place at time zero with the states in the order of the system; `None` where the system has no such
-    /// mode, or another state.
-    pub fn place(&self, system: &System) -> Option<Moment> {
+    /// The place at time zero with the states in the order of the system, which is that at these parameters; `None` where the
+    /// system has no such mode, or another state.
+    pub fn place(&self, system: &System, at: &AffineSystem) -> Option<Moment> {
+        let mode = system.mode(&self.mode)?;
         let states = system.source.states.iter();
-        // the spring of a Jenkins element is at rest unless it is said not to be
         let state = states.map(|name| match self.state.index(name) {
             Some(index) => Some(self.state.0[index].1),
-            None => system.is_stretch(name).then_some(0.0),
+            None => system
+                .is_stretch(name)
+                .then(|| system.stretch(at, mode, name)),
         });
         Some(Moment {
             time: 0.0,
             phase: self.phase,
-            mode: system.mode(&self.mode)?,
+            mode,
             state: state.collect::<Option<_>>()?,
         })
     }

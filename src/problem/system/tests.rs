@@ -104,7 +104,9 @@ fn every_field_is_read() {
     assert_eq!(problem.values(), [0.1, 2.0, 1.5, 1.0, 0.8, 0.2]);
     assert_eq!(problem.parameter(), Some(1));
     assert_eq!(problem.system.flow_tolerance(), 1e-13);
-    let place = problem.beginning().unwrap().place(&problem.system).unwrap();
+    let at = problem.system.at(&problem.values(), &[]).unwrap();
+    let beginning = problem.beginning().unwrap();
+    let place = beginning.place(&problem.system, &at).unwrap();
     assert_eq!(
         (place.mode, place.state, place.phase),
         (3, vec![0.1, 0.0], 0.0)
