@@ -10,7 +10,9 @@ use nalgebra::Complex;
 use super::mode::{AffineMode, AffineSystem, Row};
 use super::surfaces::Surfaces;
 use crate::interval::Interval;
-use crate::linalg::{Factors, Matrix, Vector, known_eigenvalues, pseudo_inverse, radius, solve};
+use crate::linalg::{
+    Factors, Matrix, Vector, even, known_eigenvalues, pseudo_inverse, radius, solve,
+};
 
 /// An equilibrium of a mode: f(x) = 0, also on the surfaces that the mode does not leave.
 #[derive(Clone, Debug, PartialEq)]
@@ -82,6 +84,10 @@ pub enum NoEquilibrium {
 const STARTS: usize = 400;
 const FARTHEST: f64 = 10.0;
 const SMALLEST: f64 = 1e-12;
+
+/// Places are gone on with until there are so many times as many as the last new equilibrium took, and no more than these.
+const FURTHER: usize = 4;
+const MOST_STARTS: usize = 16 * STARTS;
 
 /// States whose sizes differ from 1 by no more than this have all of these places within reach; others are looked for from as many more
 /// in their own units.
@@ -206,19 +212,24 @@ impl AffineSystem {
             .all(|size| (1.0 / ALIKE..=ALIKE).contains(size));
         let scaled = (!is_alike).then(|| sizes * BEYOND);
         let farthest = scaled.as_ref().unwrap_or(&plain).sup(&plain) * FARTHEST;
-        let units = std::iter::once(&plain).chain(&scaled);
-        let starts =
-            units.flat_map(|units| (0..STARTS).map(|start| place(start, n).component_mul(units)));
-        for state in starts {
-            let rest = self
-                .settle(mode, &state)
-                .or_else(|| self.settle_degenerate(mode, &state));
-            if let Some(rest) = rest.filter(|rest| self.is_told(mode, rest, usual.as_ref())) {
-                let mut within = rest.state.iter().zip(&farthest);
-                let near = within.all(|(x, farthest)| x.abs() <= *farthest);
-                let list = if near { &mut found } else { &mut far };
-                if !list.iter().any(|known| known.is_same(&rest)) {
-                    list.push(rest);
+        for units in std::iter::once(&plain).chain(&scaled) {
+            let (mut start, mut last) = (0, STARTS);
+            while start < last {
+                let state = place(start, n).component_mul(units);
+                start += 1;
+                let rest = self
+                    .settle(mode, &state)
+                    .or_else(|| self.settle_degenerate(mode, &state));
+                if let Some(rest) = rest.filter(|rest| self.is_told(mode, rest, usual.as_ref())) {
+                    let mut within = rest.state.iter().zip(&farthest);
+                    let near = within.all(|(x, farthest)| x.abs() <= *farthest);
+                    let list = if near { &mut found } else { &mut far };
+                    if !list.iter().any(|known| known.is_same(&rest)) {
+                        if near && rest.isolation == Isolation::Simple {
+                            last = last.max(FURTHER * start).min(MOST_STARTS);
+                        }
+                        list.push(rest);
+                    }
                 }
             }
         }
@@ -473,13 +484,12 @@ fn known_to(step: &NewtonStep) -> Option<Vector> {
 
 /// The places from which equilibria are looked for: as many of every size, first 0, then the golden sequence of every state.
 fn place(start: usize, states: usize) -> Vector {
-    let of_all = start as f64 / STARTS as f64;
+    let of_all = (start % STARTS) as f64 / STARTS as f64;
     let size = match of_all < 0.75 {
         true => FARTHEST.powf(2.0 * of_all / 0.75 - 1.0),
         false => SMALLEST.powf(4.0 * of_all - 3.0),
     };
-    let share = |state: usize| (start as f64 * ((state + 2) as f64).sqrt()).fract() - 0.5;
-    let mut place = Vector::from_fn(states, |state, _| 2.0 * size * share(state));
+    let mut place = Vector::from_fn(states, |state, _| size * (2.0 * even(start, state) - 1.0));
     if start == 0 {
         place.fill(0.0);
     }

@@ -20,7 +20,7 @@ use super::arclength::Node;
 use super::branching::Branching;
 use super::locate::{Place, node_at};
 use super::newton::{self, Equations};
-use crate::linalg::{self, Factors, Matrix, Vector};
+use crate::linalg::{self, Factors, Matrix, Vector, even};
 
 /// Newton's iterates at most, of the reduced equations and of the bordered ones: both are quadratic.
 const MOST: usize = 12;
@@ -158,12 +158,12 @@ impl<'a, S: Equations> Reduction<'a, S> {
 
     /// What ∇μ changes by, at most, where every unknown of a point does by some roundings.
     fn noise(&self, at: &BorderedSolution) -> Option<Vector> {
-        const SAMPLES: u32 = 8;
+        const SAMPLES: usize = 8;
         const ROUNDINGS: f64 = 16.0;
         let mut noise = Vector::zeros(at.gradient.len());
         for sample in 1..=SAMPLES {
             let beside = Vector::from_fn(at.point.len(), |unknown, _| {
-                let place = (f64::from(sample) * (unknown as f64 + 1.0).sqrt()).fract();
+                let place = even(sample, unknown);
                 at.point[unknown] * (1.0 + ROUNDINGS * f64::EPSILON * (place - 0.5))
             });
             let (_, matrix) = self.at(&beside)?;

@@ -4,7 +4,7 @@ use std::cell::Cell;
 
 use serde::{Deserialize, Serialize};
 
-use crate::linalg::{Factors, Matrix, Vector, pseudo_inverse};
+use crate::linalg::{Factors, Matrix, Vector, even, pseudo_inverse};
 
 /// n equations R(u) = 0 in n + 1 unknowns, scaled so that unknowns and residuals are of order one.
 pub trait Equations {
@@ -194,7 +194,7 @@ const MOST_ROUNDED: f64 = 1e-6;
 /// from the linear ones. Cancellation inside an equation shows here, not in its derivatives.
 /// `None` where it cannot be evaluated.
 pub fn noise<S: Equations>(system: &S, matrix: &Matrix, point: &Vector) -> Option<Vector> {
-    const SAMPLES: u32 = 8;
+    const SAMPLES: usize = 8;
     let n = system.unknowns();
     let value = |point: &Vector| {
         let evaluated = evaluated(system, point).ok();
@@ -203,9 +203,8 @@ pub fn noise<S: Equations>(system: &S, matrix: &Matrix, point: &Vector) -> Optio
     let here = value(point)?;
     let mut noise = Vector::zeros(n);
     for sample in 1..=SAMPLES {
-        // places that fill an interval evenly, another one for each unknown
         let beside = Vector::from_fn(n, |unknown, _| {
-            let place = (f64::from(sample) * (unknown as f64 + 1.0).sqrt()).fract();
+            let place = even(sample, unknown);
             point[unknown] * (1.0 + 1024.0 * f64::EPSILON * (place - 0.5))
         });
         let moved = value(&beside)? - &here - matrix.rows(0, n - 1) * (&beside - point);

@@ -49,6 +49,14 @@ pub fn product(matrix: &Matrix, vector: &Vector) -> Vector {
     sum
 }
 
+/// Numbers in [0, 1) that fill it evenly, one for each place and coordinate: multiples of the root of a prime, so that no coordinate
+/// keeps to a few values and no two go together.
+pub fn even(place: usize, coordinate: usize) -> f64 {
+    let is_prime = |number: &usize| (2..*number).all(|other| !number.is_multiple_of(other));
+    let prime = (2..).filter(is_prime).nth(coordinate);
+    (place as f64 * (prime.unwrap_or(2) as f64).sqrt()).fract()
+}
+
 /// Singular values of an n × (n+1) matrix and its null vector.
 #[derive(Clone, Debug)]
 pub struct Kernel {

@@ -332,3 +332,35 @@ fn equilibria_on_invariant_planes_are_listed_once() {
         assert_eq!(found.iter().filter(near).count(), 1);
     }
 }
+
+/// Three cubic cells that drive one another in a ring have 3³ equilibria, no fewer where they are nearly apart and no more by Bézout: nine of
+/// each size of the symmetry x → y → z, and their mirror images.
+#[test]
+fn a_ring_of_cubic_cells_has_all_its_equilibria() {
+    for k in ["0.01", "0.1"] {
+        let system = system(&format!(
+            r#"(states: ["x", "y", "z"], parameters: {{"k": {k}}}, modes: {{"f": (rates: {{
+                "x": "x - x^3 + k*y", "y": "y - y^3 + k*z", "z": "z - z^3 + k*x"}})}})"#
+        ));
+        let at = system.at(&system.values(), &[]).unwrap();
+        let all = at.equilibria(0).unwrap();
+        assert_eq!(all.len(), 27, "k = {k}");
+        for one in &all {
+            let [x, y, z] = [0, 1, 2].map(|state| one.state[state]);
+            let images = [[y, z, x], [-x, -y, -z]];
+            for image in images {
+                let is_image = |other: &&Equilibrium| {
+                    other
+                        .state
+                        .iter()
+                        .zip(image)
+                        .all(|(x, y)| (x - y).abs() <= 1e-13)
+                };
+                let image = all.iter().find(is_image);
+                assert_eq!(image.map(|image| image.stable), Some(one.stable), "{one:?}");
+            }
+        }
+        // the signs of the three cells
+        assert_eq!(all.iter().filter(|one| one.stable == Some(true)).count(), 8);
+    }
+}

@@ -9,7 +9,7 @@ use super::forms::{Forms, Units};
 use crate::affine::mode::{AffineSystem, Row};
 use crate::affine::recurrence::Series;
 use crate::affine::series::ORDER;
-use crate::linalg::{Matrix, Vector, pseudo_inverse};
+use crate::linalg::{Matrix, Vector, even, pseudo_inverse};
 
 /// Points that are tried.
 const POINTS: usize = 3;
@@ -50,11 +50,7 @@ impl Points {
         forms: &Forms,
         (units, distances): (&Units, &[f64]),
     ) -> Points {
-        let shares = |point: usize, index: usize| {
-            // the golden sequence of every unknown
-            let share = ((point + 1) as f64 * ((index + 2) as f64).sqrt()).fract();
-            MOVED * (2.0 * share - 1.0)
-        };
+        let shares = |point: usize, index: usize| MOVED * (2.0 * even(point + 1, index) - 1.0);
         let forms: Vec<Row> = forms.rows().collect();
         let moved = (0..POINTS).filter_map(|point| {
             let states = state.iter().enumerate();
