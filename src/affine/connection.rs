@@ -257,9 +257,16 @@ impl Connection {
         &self.ends
     }
 
-    /// The same whose saddle, or saddles, have moved to where they are in this system; the first one is near a state.
-    pub fn renewed(&self, system: &AffineSystem, state: &[f64]) -> Option<Connection> {
+    /// The same whose saddle, or saddles, have moved to where they are in this system, in units of the motion there; the first one is near
+    /// a state, and left as `turns` say.
+    pub fn renewed(
+        &self,
+        system: &AffineSystem,
+        state: &[f64],
+        turns: &[f64],
+    ) -> Option<Connection> {
         let mut next = self.clone();
+        next.scales = self.measured(system, state, turns)?;
         next.ends = self.ends_near(state);
         for (rest, growing) in next.ends.iter_mut().zip(&mut next.growing) {
             let saddle = Saddle::new(system, rest, &self.scales.states)?;
@@ -274,6 +281,50 @@ impl Connection {
             rest.state = saddle.state;
         }
         Some(next)
+    }
+
+    /// What measures the motion as this one is: along a curve it becomes smaller and slower, as beside a Bogdanov-Takens point. Units of the
+    /// states remain in proportion.
+    fn measured(
+        &self,
+        system: &AffineSystem,
+        state: &[f64],
+        turns: &[f64],
+    ) -> Option<ConnectionScales> {
+        let units = &self.scales.states;
+        let [from, to] = &self.ends_near(state);
+        let [from, to] = [
+            Saddle::new(system, from, units)?,
+            Saddle::new(system, to, units)?,
+        ];
+        let far = |saddle: &Saddle, state: &[f64]| saddle.off(state, units).amax();
+        let mut motion = self.way_out(system, &from, turns);
+        let part = (SAMPLES * (from.growth + from.decay)).recip();
+        let last = self.longest(&from) * (1 + self.way.len()) as f64;
+        let (mut largest, mut left, mut away) = (0.0_f64, false, 0.0);
+        let mut sample = 0.0;
+        while part * sample < last {
+            match motion.step(part * sample).ok()? {
+                Step::Reached => {
+                    let state = &motion.place().state;
+                    let size = far(&from, state);
+                    largest = largest.max(size);
+                    left |= size >= NEAR;
+                    if left && far(&to, state) < 0.5 * NEAR {
+                        break;
+                    }
+                    away += if left { part } else { 0.0 };
+                    sample += 1.0;
+                }
+                Step::Switched(_) | Step::Section => {}
+            }
+        }
+        let mut scales = self.scales.clone();
+        if left && largest.is_finite() {
+            scales.states.iter_mut().for_each(|unit| *unit *= largest);
+            scales.time = away.max(part);
+        }
+        Some(scales)
     }
 
     /// The saddles where the first one, which may be the second as well, is near a state.

@@ -102,6 +102,12 @@ const STEPS: usize = 60;
 const PLAIN_STEPS: usize = 24;
 const LONG_STEPS: usize = 30;
 
+/// Steps of Newton's method that are smaller than this part of every state, or so many times what it is known to, would be nothing after one
+/// or two more; where so many follow one another they are rounding.
+const JITTER: f64 = 1e-11;
+const JITTERS: f64 = 1e3;
+const STALLED: usize = 4;
+
 /// Part of the usual terms of a rate that their rounding may hide.
 const HIDDEN: f64 = 1e-3;
 
@@ -285,6 +291,7 @@ impl AffineSystem {
     /// Newton's method for an equilibrium of a mode, until what is left is rounding.
     fn settle(&self, mode: usize, start: &Vector) -> Option<RestState> {
         let mut state = start.clone();
+        let mut small = 0;
         for _ in 0..STEPS {
             let step = self.newton_step(mode, &state)?;
             if !step.regular {
@@ -301,6 +308,17 @@ impl AffineSystem {
             });
             if settled && step.rests {
                 return Some(self.cleared_rest(mode, &state, step));
+            }
+            // rounding within the terms may be more than that of the terms: what is left of a step then is that, and no less next time
+            let moved = (&step.next - &state).abs();
+            let mut each = moved.iter().zip(&state).zip(&error);
+            let is_small =
+                each.all(|((moved, x), error)| *moved <= (JITTER * x.abs()).max(JITTERS * error));
+            small = if is_small { small + 1 } else { 0 };
+            if small == STALLED {
+                let rest = self.cleared_rest(mode, &state, step);
+                let error = rest.error.sup(&moved);
+                return Some(RestState { error, ..rest });
             }
             state = step.next;
             if !state.iter().all(|x| x.is_finite()) {

@@ -259,7 +259,7 @@ impl SpectralEvents for EquilibriaInPlane {
         match spectral {
             CriticalEquilibrium::Connection(connection) => {
                 let system = self.system.at(&curve.values_at(point), &[]);
-                let renewed = |system| connection.renewed(&system, &curve.state(point));
+                let renewed = |system| connection.renewed(&system, &curve.state(point), further);
                 if let Some(renewed) = system.ok().and_then(renewed) {
                     **connection = renewed;
                 }

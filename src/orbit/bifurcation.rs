@@ -88,10 +88,10 @@ pub trait Bifurcations: Zones {
         None
     }
 
-    /// Whether the parameter may turn within a step along which it nearly stands still: rounding, which decides about its slope
-    /// there, makes no fold where what an orbit has at a fold is far off.
-    fn may_turn(&self, _step: &Segment<Self::Examination>) -> bool {
-        true
+    /// Whether the parameter turns within a step along which it nearly stands still, by what an orbit has at a fold, where that tells:
+    /// rounding decides about its slope there.
+    fn turns(&self, _step: &Segment<Self::Examination>) -> Option<bool> {
+        None
     }
 
     /// What makes an edge of the range special for the system itself.

@@ -173,7 +173,7 @@ fn signs<O: Orbit>(
     let tolerance = step.steps.tolerance;
     // a slope of the parameter whose sign rounding changes makes a function across folds change its own
     let slopes = [step.from, step.to].map(|node| node.tangent[node.tangent.len() - 1]);
-    let by_rounding = slopes[0] * slopes[1] < 0.0 && fold.is_none();
+    let by_rounding = (slopes[0] * slopes[1] < 0.0) != fold.is_some();
     let mut located = Vec::new();
     for (index, (&before, &after)) in low.tests.iter().zip(&high.tests).enumerate() {
         let ends = [step.before, step.after];
@@ -181,7 +181,12 @@ fn signs<O: Orbit>(
         let differ = before * after < 0.0 && told();
         // nor where one of them is no number
         let own = ends[0].tests()[index] * ends[1].tests()[index];
-        if !differ || by_rounding && own > 0.0 {
+        // and one that does not change makes it change at a fold
+        let by_slope = match fold {
+            Some(_) => orbit.across_folds(index, own, step.from).to_bits() != own.to_bits(),
+            None => own > 0.0,
+        };
+        if !differ || by_rounding && by_slope {
             continue;
         }
         let value = |node: &Node| {

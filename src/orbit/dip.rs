@@ -140,7 +140,7 @@ pub(crate) fn rounding_of_unknowns<O: Orbit>(
 fn folds<O: Orbit>(orbit: &O, step: &Step<O>) -> LeastWithin {
     let last = step.from.tangent.len() - 1;
     let (t0, t1) = (step.from.tangent[last], step.to.tangent[last]);
-    if !events::may_turn(orbit, step) {
+    if events::turns(orbit, step) == Some(false) {
         return LeastWithin::Far;
     }
     // the tangent turns little in a step: a component is not lost and found again that is larger

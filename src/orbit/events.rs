@@ -240,14 +240,50 @@ fn ends<O: Orbit>(
     }
 }
 
-/// Whether a fold within a step is to be believed. Where the slope of the parameter is not much more than rounding, as beside a
-/// homoclinic orbit, the orbits tell.
-pub(super) fn may_turn<O: Orbit>(orbit: &O, step: &Step<O>) -> bool {
+/// Whether there is a fold within a step, where the slope of the parameter is not much more than rounding, as beside a homoclinic
+/// orbit or along a canard: the orbits tell, if they do.
+pub(super) fn turns<O: Orbit>(orbit: &O, step: &Step<O>) -> Option<bool> {
     /// The slope at both ends, where it is not much more: rounding is magnified by what grows along an orbit.
     const LITTLE: f64 = 1e-5;
     let last = step.from.tangent.len() - 1;
     let slopes = [step.from, step.to].map(|node| node.tangent[last].abs());
-    slopes.iter().any(|slope| *slope > LITTLE) || orbit.may_turn(step)
+    let is_little = slopes.iter().all(|slope| *slope <= LITTLE);
+    is_little.then(|| orbit.turns(step)).flatten()
+}
+
+/// The place of a fold within a step along which the slope of the parameter is rounding, as what an orbit has there tells, and that
+/// slope.
+fn told_fold<O: Orbit>(orbit: &O, step: &Step<O>) -> Option<(Place, f64)> {
+    /// The place is known to this part of the step: the parameter is to rounding all along it.
+    const HALVINGS: usize = 12;
+    let (mut low, mut high) = (0.0, step.ds);
+    let mut node = step.to.clone();
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (low + high);
+        let to = locate::node_at(orbit, step.from, middle, step.steps.tolerance)?;
+        let after = orbit.examination(&to.point).ok()?;
+        let first = Step::<O> {
+            to: &to,
+            after: &after,
+            ds: middle,
+            ..*step
+        };
+        match orbit.turns(&first) {
+            Some(false) => low = middle,
+            Some(true) => (high, node) = (middle, to),
+            None => {
+                (high, node) = (middle, to);
+                break;
+            }
+        }
+    }
+    let slope = node.tangent[node.tangent.len() - 1];
+    let place = Place {
+        s: high,
+        node,
+        blur: 0.0,
+    };
+    Some((place, slope))
 }
 
 /// Whether a step at whose beginning the parameter is stationary, but for next to nothing, may begin beside a fold: neither does a zone
@@ -289,10 +325,11 @@ fn fold<O: Orbit>(orbit: &O, step: &Step<O>) -> Option<Option<(Place, LocatedEve
             false => low = near,
         }
     }
-    if low.1 * high.1 >= 0.0 || !may_turn(orbit, step) {
-        return Some(None);
-    }
-    let (place, slope) = locate::fold(orbit, step.from, (low, high), tolerance)?;
+    let (place, slope) = match (turns(orbit, step), low.1 * high.1 < 0.0) {
+        (Some(false), _) | (None, false) => return Some(None),
+        (Some(true), false) => told_fold(orbit, step)?,
+        (_, true) => locate::fold(orbit, step.from, (low, high), tolerance)?,
+    };
     let mut plane = Plane {
         normal: &step.from.tangent,
         through: &place.node.point,
@@ -303,7 +340,7 @@ fn fold<O: Orbit>(orbit: &O, step: &Step<O>) -> Option<Option<(Place, LocatedEve
     // where branches cross the equations are singular
     let rounding = rounding.or(image.as_ref().map(|_| f64::INFINITY))?;
     // the parameter is off by ½·slope²/curvature, the curvature being the mean one of the step
-    let curvature = (high.1 - low.1).abs() / (high.0 - low.0);
+    let curvature = (high.1 - low.1).abs().max(f64::MIN_POSITIVE) / (high.0 - low.0);
     let uncertainty = rounding + 0.5 * slope.abs() * slope.abs() / curvature;
     let located = LocatedEvent {
         event: image.map_or(BranchEvent::Fold, |(special, stop)| {

@@ -607,6 +607,36 @@ fn cycles_are_born_at_hopf_points() {
     }
 }
 
+/// Beside a Hopf point of what is slow and fast the cycle that is born there repels, and a relaxation oscillation of five times its period lies
+/// about it: the branch begins with the former.
+#[test]
+fn the_cycle_that_is_born_is_no_other_one() {
+    let course = Course {
+        system: r#"(states: ["v", "w"], parameters: {"I": 0.2, "e": 0.02, "g": 0.5}, modes: {"flow": (rates: {
+            "v": "3*v - v^3 + 2 - w + I", "w": "e*(6*(1 + tanh(v/g)) - w)"})})"#,
+        mode: "flow",
+        state: &[-1.0, 0.2],
+        parameter: "I",
+        range: (0.15, 0.3),
+    };
+    let all = course.all(&[1.0; 2], false);
+    let at = all.iter().find(|item| item.point.kind == Some(HB)).unwrap();
+    let event = at.event.as_ref().unwrap();
+    let turn = std::f64::consts::TAU / number(event, "omega");
+    let named = EarlierPoint::Equilibrium(NamedEquilibrium {
+        saved: at.saved.clone().unwrap(),
+        kind: Some(HB),
+    });
+    let mut problem = course.problem(&[1.0; 2], false, "stability: ()");
+    problem.equilibrium = None;
+    problem.orbit = ron::from_str(r#"(start: Switch(dir: "earlier", label: 2))"#).unwrap();
+    let section = problem.continuation.clone().unwrap();
+    let mut runner = OrbitRunner::begin(&problem, &section, Some(&named)).unwrap();
+    let first = runner.step().remove(0).point;
+    assert_eq!(first.stable, Some(Stability::No));
+    assert!((first.period / turn - 1.0).abs() < 0.1, "{}", first.period);
+}
+
 /// A run that goes on from its saved state finds the same points.
 #[test]
 fn a_saved_run_goes_on_as_if_it_had_not_been_interrupted() {

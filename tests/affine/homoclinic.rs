@@ -115,6 +115,27 @@ fn the_period_of_a_canard_is_bounded() {
     assert_eq!(last.special.as_ref().map(Special::kind), Some(BP));
 }
 
+/// The same where time scales are farther apart: for a hundred steps the current stands still to rounding, which makes no fold; the multiplier
+/// tells of the one. Growth of e⁴⁰ in a small part of the cycle takes more shots than in all of it.
+#[test]
+fn a_canard_turns_once() {
+    let text = r#"(states: ["v", "w"], parameters: {"I": 0.3, "b": 0.8, "eps": 0.02, "a": 0.7},
+        modes: {"flow": (rates: {"v": "v - v^3/3 - w + I", "w": "eps*(v + a - b*w)"})})"#;
+    let range = (0.2, 0.4);
+    let (orbit, point) = started(text, ("I", range), &[0.0, 2.0], Search::Settles(2000.0));
+    let (seen, all) = follow(&orbit, &point, false, range, 250);
+    let folds = seen.iter().filter(|one| one.kind == LP).count();
+    assert!(folds <= 1, "{folds}");
+    let last = all.last().unwrap();
+    let period = last.orbit.cycle(&last.node.point).unwrap().period;
+    assert!(all.len() > 200 && period > 180.0, "{} {period}", all.len());
+    assert!(
+        (last.parameter - 0.299_791_212_290_81).abs() < 1e-12,
+        "{}",
+        last.parameter
+    );
+}
+
 /// Whether a branch ends at a cycle of connections of several saddles.
 fn is_heteroclinic(one: &LocatedPoint<AffineOrbit>) -> bool {
     let special = one.special.as_ref().map(ToString::to_string);

@@ -161,10 +161,20 @@ const PENDULUM: &str = r#"(
     continuation: (parameter: "I", range: (0.2, 2), toward: Down),
 )"#;
 
+/// Bazykin's predator and prey: the cycle spends most of its time beside the saddle-node, and passes two saddles near by at any value.
+const BAZYKIN: &str = r#"(
+    system: (states: ["x", "y"], parameters: {"al": 0.5589, "g": 1.0, "e": 0.01, "D": 0.05}, modes: {"flow": (rates: {
+        "x": "x - x*y/(1 + al*x) - e*x^2", "y": "-g*y + x*y/(1 + al*x) - D*y^2"})}),
+    orbit: (start: Simulate(mode: "flow", state: {"x": 10.0, "y": 1.5}, settle: 1000)),
+    continuation: (parameter: "al", range: (0.05, 1.2), toward: Up),
+)"#;
+
 /// Folds are known to rounding.
 #[test]
 fn a_saddle_node_on_a_cycle_is_its_fold() {
-    for (text, truth) in [(CIRCLE, 1.0), (NEURON, 0.0), (PENDULUM, 1.0)] {
+    // that of Bazykin's equilibria by a program of its own
+    let bazykin = (BAZYKIN, 0.559_131_472_077_958);
+    for (text, truth) in [(CIRCLE, 1.0), (NEURON, 0.0), (PENDULUM, 1.0), bazykin] {
         located(text, 0, truth, 1e-13);
     }
     let saddle = PENDULUM.replace("\"a\": 2.0", "\"a\": 0.5");
@@ -298,5 +308,32 @@ fn derivatives() {
                 "{row} {column} {slope} {off:e}"
             );
         }
+    }
+}
+
+/// ẋ = y, ẏ = b₁ + b₂y + x² + xy: towards the Bogdanov-Takens point at 0 the homoclinic orbit becomes a thousand times smaller, and slower. Figures
+/// are zeros of what the manifolds of the saddle are apart, as an independent program integrates them to 13 digits; to leading order
+/// b₁ = −(49/25)b₂².
+#[test]
+fn a_homoclinic_orbit_shrinks_to_a_bogdanov_takens_point() {
+    for (least, expected) in [
+        (-0.01, 0.071_727_763_016_25),
+        (-0.000_1, 0.007_145_855_228_41),
+    ] {
+        let points = curve(&problem(&format!(
+            r#"(system: (states: ["x", "y"], parameters: {{"b1": -0.25, "b2": 0.49994375}}, modes: {{"flow": (rates: {{
+                "x": "y", "y": "b1 + b2*y + x^2 + x*y"}})}}),
+            orbit: (start: Given(mode: "flow", state: {{"x": -0.485, "y": 0.0}}, period: 6.2838)),
+            continuation: (parameter: "b2", range: (-0.5, 1), toward: Down),
+            curve: (event: HC, parameters: ("b2", "b1"), range: ((0.0, 1.0), (-0.3, {least:?}))))"#
+        )))
+        .points;
+        let ends = [points.first().unwrap(), points.last().unwrap()];
+        let small = ends
+            .into_iter()
+            .find(|end| end.parameters[1] == least)
+            .unwrap();
+        let off = small.parameters[0] / expected - 1.0;
+        assert!(off.abs() <= 1e-10, "{off:e}");
     }
 }

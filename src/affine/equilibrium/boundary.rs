@@ -241,6 +241,7 @@ impl EquilibriumCurve {
                     value: place[2] + shift,
                     state: returned.place.state,
                     period: returned.time,
+                    ranges: None,
                     up: shift > 0.0,
                 }));
             }

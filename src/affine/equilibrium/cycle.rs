@@ -55,8 +55,29 @@ pub struct CycleGuess {
     pub value: f64,
     /// Its period.
     pub period: f64,
+    /// The range of every state, where that is told.
+    pub ranges: Option<Vec<f64>>,
     /// Whether cycles of larger amplitude have larger values of the parameter.
     pub up: bool,
+}
+
+impl CycleGuess {
+    /// Whether a cycle of this period and with these ranges of the states, in these units, is the one of the guess and no other that lies
+    /// about it: next to a Hopf point of what is slow and fast Newton's method may come to a relaxation oscillation.
+    pub fn is_like(&self, period: f64, ranges: &[f64], units: &[f64]) -> bool {
+        /// By this factor at most: of third order the guess leaves out a small part.
+        const LIKE: f64 = 2.0;
+        let Some(guessed) = &self.ranges else {
+            return true;
+        };
+        let most = |ranges: &[f64]| {
+            let ranges = ranges.iter().zip(units);
+            ranges.fold(0.0_f64, |most, (range, unit)| most.max(range / unit))
+        };
+        let pairs = [(period, self.period), (most(ranges), most(guessed))];
+        let like = |(one, other): &(f64, f64)| (LIKE.recip()..=LIKE).contains(&(one / other));
+        pairs.iter().all(like)
+    }
 }
 
 /// Amplitudes that are tried, relative to the units of the states, then to the amplitude of the cycle that the normal form has at
@@ -111,6 +132,7 @@ impl EquilibriumCurve {
                     .collect(),
                 value: place[n] + shift,
                 period: std::f64::consts::TAU / omega,
+                ranges: Some(form.ranges(amplitude)),
                 up: shift > 0.0,
             }
         };

@@ -233,6 +233,12 @@ impl NormalForm {
         1.0 / largest
     }
 
+    /// The range of every state on a cycle of amplitude |z|, to first order.
+    pub fn ranges(&self, amplitude: f64) -> Vec<f64> {
+        let ranges = self.q.iter().map(|q| 4.0 * amplitude * q.norm());
+        ranges.collect()
+    }
+
     /// What a cycle of amplitude |z| differs from the equilibrium by at phase 0.
     pub fn displacement(&self, amplitude: f64) -> Vector {
         let square = amplitude * amplitude;

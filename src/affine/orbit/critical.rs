@@ -194,10 +194,17 @@ impl Bifurcations for AffineOrbit {
         }
     }
 
-    fn may_turn(&self, step: &Segment<Examination>) -> bool {
-        multiplier::may_turn(
-            [step.before, step.after].map(|examination| &examination.multipliers[..]),
-        )
+    fn turns(&self, step: &Segment<Examination>) -> Option<bool> {
+        // where stability is not asked for they are found here
+        let ends = [(step.before, step.from), (step.after, step.to)];
+        let [before, after] =
+            ends.map(
+                |(examination, node)| match examination.multipliers.is_empty() {
+                    true => self.multipliers(&node.point).unwrap_or_default(),
+                    false => examination.multipliers.clone(),
+                },
+            );
+        multiplier::turns([&before, &after])
     }
 }
 

@@ -26,6 +26,8 @@ use crate::orbit::{
 const STATIONARY: f64 = 1e-11;
 /// The same where no step succeeds any more: a long stay beside a saddle has taken the digits.
 const NEARLY_STATIONARY: f64 = 1e-5;
+/// The same where it may come to a saddle-node of equilibria, which is looked for from there on.
+const SLOWLY: f64 = 1e-2;
 const GROWING: f64 = 0.9;
 
 /// An orbit whose parameter still changes by more than this part of its unit in a turn beside a saddle need not come to a
@@ -81,11 +83,19 @@ impl AffineOrbit {
             .map(|zone| tangent[self.duration_index(zone)])
             .sum();
         let free = self.has_own_period() && !self.opens(&node.point);
-        if !free || along >= NEARLY_STATIONARY || growth <= GROWING {
+        if !free || growth <= GROWING {
+            return None;
+        }
+        // the period grows like the inverse root of what is left beside a saddle-node: hundreds of times before that is rounding
+        let saddle_node = || self.comes_to_a_saddle_node(node);
+        if let Some(stop) = (along < SLOWLY).then(saddle_node).flatten() {
+            return Some(stop);
+        }
+        if along >= NEARLY_STATIONARY {
             return None;
         }
         let Some(stay) = self.longest_stay(&node.point) else {
-            return self.comes_to_an_equilibrium(node).or_else(|| {
+            return self.comes_to_a_boundary(node).or_else(|| {
                 let is_unbounded = along < stationary && self.nearly_rests(&node.point);
                 is_unbounded.then_some(OrbitTermination::Unbounded)
             });

@@ -56,7 +56,7 @@ enum Earlier {
 
 impl OrbitAt<'_> {
     /// How long the orbit is.
-    pub(super) fn period(&self) -> f64 {
+    pub(crate) fn period(&self) -> f64 {
         self.zones.iter().map(|zone| zone.duration).sum()
     }
 

@@ -93,24 +93,21 @@ pub(super) fn is_told(multipliers: &[Multiplier], test: usize) -> bool {
     }
 }
 
-/// Whether there may be a fold between two orbits next to one another, with these multipliers: one that is not trivial is 1 at a
-/// fold. There is none where none is near that, and none of them moves by much.
-pub(super) fn may_turn(multipliers: [&[Multiplier]; 2]) -> bool {
-    /// A multiplier that is farther from 1, and of which the logarithm moves by less: along a canard it moves by many times that.
-    const NEAR: f64 = 0.2;
-    const MOVES: f64 = 0.1;
+/// Whether there is a fold between two orbits next to one another, with these multipliers: one of those that are not trivial passes 1 at
+/// a fold, so that the number of those beyond it is even before and odd after it, or the other way round. Not known where one is near 1, or
+/// badly known.
+pub(super) fn turns(multipliers: [&[Multiplier]; 2]) -> Option<bool> {
+    /// A multiplier that is farther from 1: of one that is nearer neither side is told.
+    const NEAR: f64 = 1e-6;
     let [before, after] = multipliers.map(|all| own(all).collect::<Vec<_>>());
     let is_far =
         |one: &&Multiplier| one.is_known() && (one.value - 1.0).norm() > NEAR.max(2.0 * one.error);
-    let sizes = |one: &Multiplier| one.value.norm().max(f64::MIN_POSITIVE).ln();
-    let stays = |(one, other): (&&Multiplier, &&Multiplier)| {
-        // what is next to nothing may be anything below that
-        let [one, other] = [one, other].map(|each| sizes(each).max(NEAR.ln() - 1.0));
-        (one - other).abs() < MOVES
+    let beyond = |all: &[&Multiplier]| {
+        let real = all.iter().filter(|one| one.value.im == 0.0);
+        real.filter(|one| one.value.re > 1.0).count()
     };
     let is_clear = !before.is_empty()
         && before.len() == after.len()
-        && before.iter().chain(&after).all(is_far)
-        && before.iter().zip(&after).all(stays);
-    !is_clear
+        && before.iter().chain(&after).all(is_far);
+    is_clear.then(|| (beyond(&before) + beyond(&after)) % 2 == 1)
 }

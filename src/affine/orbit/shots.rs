@@ -167,7 +167,9 @@ impl AffineOrbit {
         let wanted = |zone: usize| {
             let (shots, ZoneGrowth { of_shot, of_zone }) = (self.shots(zone), all[zone]);
             let most = if creeps { GROWS_AND_CREEPS } else { GROWS };
-            let few = (of_zone / OF_A_SHOT).ceil().clamp(1.0, MOST as f64) as usize;
+            // what grows in a small part of the zone takes more of them than its growth alone
+            let few = (of_zone / OF_A_SHOT).max(shots as f64 * of_shot / OF_A_SHOT);
+            let few = few.ceil().clamp(1.0, MOST as f64) as usize;
             match () {
                 () if of_shot > most && few > shots => few,
                 // that which is short again does not grow

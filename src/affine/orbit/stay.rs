@@ -234,55 +234,74 @@ impl AffineOrbit {
         })
     }
 
-    /// The special equilibrium beside the longest zone of an orbit to which the parameter comes while the period T grows without
-    /// bound: what is left of it is dp/dT times a time of the passage.
-    pub(super) fn comes_to_an_equilibrium(&self, node: &Node) -> Option<OrbitTermination> {
-        /// What is left is told by that to this factor: the time elsewhere does not grow, and other rates have decayed more.
-        const LIKE: f64 = 1.5;
-        let Node { point, tangent, .. } = node;
-        let zone = self.longest(point)?;
-        let at = self.at(point).ok()?;
+    /// The special equilibrium to which the parameter comes while the period T grows without bound, where what is left of it is like
+    /// dp/dT times a time of the passage, to this factor.
+    fn comes_to_an_equilibrium(
+        &self,
+        Node { point, tangent, .. }: &Node,
+        zone: usize,
+        (found, time, like): (SpecialEquilibrium, f64, f64),
+        special: Critical,
+    ) -> Option<OrbitTermination> {
         let (index, last) = (self.duration_index(zone), point.len() - 1);
-        let Scales {
-            parameter, time, ..
-        } = &self.setting.scales;
-        let slope = tangent[last] / tangent[index] * parameter / time;
-        let mode = || self.sequence.zone(zone).name.clone();
-        let told = |(found, time): (SpecialEquilibrium, f64), special: Critical| {
-            let like = (found.parameter - self.parameter_at(point)) / (slope * time);
-            let comes = (LIKE.recip()..=LIKE).contains(&like);
-            comes.then_some(OrbitTermination::Equilibrium {
-                special,
-                limit: found.parameter,
-                error: found.error,
-            })
-        };
-        let saddle_node = self.saddle_node_beside(&at, point, zone);
-        saddle_node
-            .and_then(|found| told(found, Critical::SaddleNode { mode: mode() }))
-            .or_else(|| {
-                let found = self.boundary_beside(&at, point, zone)?;
-                told(found, Critical::RestOnBoundary { mode: mode() })
-            })
+        let scales = &self.setting.scales;
+        let slope = tangent[last] / tangent[index] * scales.parameter / scales.time;
+        let left = (found.parameter - self.parameter_at(point)) / (slope * time);
+        let comes = (like.recip()..=like).contains(&left);
+        comes.then_some(OrbitTermination::Equilibrium {
+            special,
+            limit: found.parameter,
+            error: found.error,
+        })
     }
 
-    /// The saddle-node of equilibria beside which a zone is slowest: the passage takes a time T = C/√|p − p₀|, so that half of it
-    /// times dp/dT is left.
-    fn saddle_node_beside(
-        &self,
-        at: &OrbitAt,
-        point: &Vector,
-        zone: usize,
-    ) -> Option<(SpecialEquilibrium, f64)> {
-        /// It passes as near, in units of the states: about as the root of what is left of its parameter.
+    /// The saddle-node of equilibria beside the longest zone of an orbit to which the parameter comes: the passage takes a time
+    /// T = C/√|p − p₀|, so that half of it times dp/dT is left.
+    pub(super) fn comes_to_a_saddle_node(&self, node: &Node) -> Option<OrbitTermination> {
+        /// It passes as near, in units of the orbit's own: about as the root of what is left of its parameter.
         const NEAR: f64 = 0.1;
-        let states = &self.setting.scales.states;
-        let way = way(at, zone)?;
-        let slow = &slowest(&way, states)?.as_slice()[..states.len()];
-        let mode = self.sequence.zone(zone).mode;
-        let fold = fold_near(self.equilibria_beside(point, slow), mode)?;
-        let passes = apart(&fold.state, slow, states) <= NEAR;
-        passes.then(|| (fold, 0.5 * at.zones[zone].duration))
+        /// The passage is this part of the zone at least.
+        const MOST: f64 = 0.75;
+        /// What is left is like that to this factor: the passage has an end on either side.
+        const LIKE: f64 = 1.25;
+        let point = &node.point;
+        let zone = self.longest(point)?;
+        let at = self.at(point).ok()?;
+        let units = &self.extents(point)[..];
+        let way = way(&at, zone)?;
+        let place = |z: &Vector| z.rows(0, units.len()).as_slice().to_vec();
+        let slow = place(slowest(&way, units)?);
+        let beside = |rest: &[f64]| {
+            let near = way
+                .iter()
+                .filter(|z| apart(&place(z), rest, units) <= BESIDE);
+            near.count() as f64 / way.len() as f64
+        };
+        // most of the time it is near where it is slowest
+        if beside(&slow) < MOST {
+            return None;
+        }
+        let Zone { mode, name, .. } = self.sequence.zone(zone);
+        let fold = fold_near(self.equilibria_beside(point, &slow), *mode)?;
+        let part = beside(&fold.state);
+        if part < MOST || apart(&fold.state, &slow, units) > NEAR {
+            return None;
+        }
+        let time = 0.5 * part * at.zones[zone].duration;
+        let special = Critical::SaddleNode { mode: name.clone() };
+        self.comes_to_an_equilibrium(node, zone, (fold, time, LIKE), special)
+    }
+
+    /// The equilibrium on a guard beside the longest zone of an orbit to which the parameter comes.
+    pub(super) fn comes_to_a_boundary(&self, node: &Node) -> Option<OrbitTermination> {
+        /// What is left is told to this factor: the time elsewhere does not grow, and other rates have decayed more.
+        const LIKE: f64 = 1.5;
+        let zone = self.longest(&node.point)?;
+        let at = self.at(&node.point).ok()?;
+        let (found, time) = self.boundary_beside(&at, &node.point, zone)?;
+        let mode = self.sequence.zone(zone).name.clone();
+        let special = Critical::RestOnBoundary { mode };
+        self.comes_to_an_equilibrium(node, zone, (found, time, LIKE), special)
     }
 
     /// The equilibrium to which a zone comes on the guard that ends it: what the motion is off falls like e^(−λT) with the slowest

@@ -98,12 +98,8 @@ impl<C: Curve> Walker<C> {
     /// Takes one step, shorter if need be. Returns the points found, in order, and how the curve ended
     /// if it did.
     pub fn step(&mut self) -> (Vec<C::Found>, Option<EndOf<C>>) {
-        let creeps = self.ds < SHORT * self.steps.ds;
-        if let Some((curve, node, watched)) = self.curve.renewed(&self.node, &self.watched, creeps)
-        {
-            (self.curve, self.node, self.watched) = (curve, node, watched);
-            self.before.clear();
-        }
+        let mut creeps = self.ds < SHORT * self.steps.ds;
+        self.renew(creeps);
         let Steps { ds_min, ds_max, .. } = self.steps;
         let longest = ds_max * self.curve.stretch(&self.node);
         let mut ds = self.ds.clamp(ds_min, longest);
@@ -113,6 +109,14 @@ impl<C: Curve> Walker<C> {
                 Ok(taken) => return taken,
                 Err(refusal) => refusal,
             };
+            // a step that was long before may fail for unknowns that suit short ones
+            if !creeps && ds < SHORT * self.steps.ds {
+                creeps = true;
+                if self.renew(creeps) {
+                    ds = self.ds.clamp(ds_min, longest);
+                    continue;
+                }
+            }
             if ds <= ds_min {
                 if let Some(outcome) = self.curve.leads_on(&self.node, &self.watched) {
                     return self.taken(outcome);
@@ -135,6 +139,17 @@ impl<C: Curve> Walker<C> {
             halvings += u32::from(matches!(refusal, Refused::Pair));
             ds = (0.5 * ds).max(ds_min);
         }
+    }
+
+    /// Takes the unknowns that suit the node, where they are others; `creeps` where steps are short.
+    fn renew(&mut self, creeps: bool) -> bool {
+        let renewed = self.curve.renewed(&self.node, &self.watched, creeps);
+        let Some((curve, node, watched)) = renewed else {
+            return false;
+        };
+        (self.curve, self.node, self.watched) = (curve, node, watched);
+        self.before.clear();
+        true
     }
 
     /// Goes on beyond an event at the node itself.

@@ -4,11 +4,22 @@ use super::super::begin::{FirstOrbit, NoFirstPoint, wanted};
 use super::begin::NamedEquilibrium;
 use super::point::LabelledEquilibrium;
 use crate::affine::equilibrium::EquilibriumCurve;
-use crate::affine::equilibrium::cycle::NoCycle;
+use crate::affine::equilibrium::cycle::{CycleGuess, NoCycle};
 use crate::affine::equilibrium::start::EquilibriumRequest;
+use crate::affine::orbit::AffineOrbit;
 use crate::affine::orbit::start::{Beginning, Search, Wanted, first};
+use crate::linalg::Vector;
 use crate::orbit::EventType;
 use crate::problem::{Continuation, SystemProblem};
+
+/// Whether an orbit is the cycle of a guess.
+fn is_born(guess: &CycleGuess, orbit: &AffineOrbit, point: &Vector) -> bool {
+    let (Ok(at), Ok(extremes)) = (orbit.at(point), orbit.extremes(point)) else {
+        return false;
+    };
+    let ranges: Vec<f64> = extremes.iter().map(|(low, high)| high - low).collect();
+    guess.is_like(at.period(), &ranges, &orbit.setting.scales.states)
+}
 
 /// The first cycle on the side of an event on which cycles lie; the branch leads away from it.
 pub(in crate::hybrid) fn born(
@@ -63,7 +74,10 @@ pub(in crate::hybrid) fn born(
             values,
             ..wanted.clone()
         };
-        if let Ok((orbit, point)) = first(&asked, &beginning, Search::Guess(guess.period)) {
+        let found = first(&asked, &beginning, Search::Guess(guess.period));
+        if let Ok((orbit, point)) = found
+            && is_born(guess, &orbit, &point)
+        {
             return Ok(FirstOrbit {
                 orbit,
                 point,
