@@ -189,32 +189,7 @@ impl<C: Measured> Instant<'_, C> {
                 }
             }
             Law::Jenkins { .. } if digit == HELD => same(),
-            Law::Jenkins {
-                slip,
-                stiffness,
-                bound,
-            } => {
-                let stretch = self.forms.own[self.own].kinematics[contact].stretch;
-                let stretch = Form::state(stretch.unwrap_or_default());
-                let stretch = self.moved(&stretch, held)?;
-                if !stretch.stays(self.guard) {
-                    let force = stretch.after.times(stiffness.clone())?;
-                    let force = match digit {
-                        GIVES_FORWARD => force,
-                        _ => force.negative(),
-                    };
-                    let left = bound.clone().minus(force)?.trimmed();
-                    return Ok(by_sign(&left, [HELD, digit], HELD));
-                }
-                let slip = self.moved(slip, held)?;
-                match slip.keeps_sign() {
-                    _ if slip.stays(self.guard) => same(),
-                    Some(true) => same(),
-                    Some(false) => vec![to(HELD, Vec::new())],
-                    None if digit == GIVES_FORWARD => by_sign(&slip.after, [digit, HELD], digit),
-                    None => by_sign(&slip.after, [HELD, digit], digit),
-                }
-            }
+            Law::Jenkins { .. } => self.slider_followers(contact, digit, held)?,
             Law::Stop { gap, .. } => {
                 let (gap, speed) = (self.moved(gap, held)?, self.moved(speed, held)?);
                 match digit {
@@ -251,6 +226,44 @@ impl<C: Measured> Instant<'_, C> {
                     }
                 }
             }
+        })
+    }
+
+    /// Those of a Jenkins element that slips: it holds where its slip has turned, or its stretch is no more that of its bound.
+    fn slider_followers(
+        &self,
+        contact: usize,
+        digit: usize,
+        held: &[Form<C>],
+    ) -> Result<Vec<Follower<C>>, Obstacle> {
+        let same = || vec![to(digit, Vec::new())];
+        let Law::Jenkins {
+            slip,
+            stiffness,
+            bound,
+        } = &self.forms.laws[contact]
+        else {
+            return Ok(same());
+        };
+        let stretch = self.forms.own[self.own].kinematics[contact].stretch;
+        let stretch = Form::state(stretch.unwrap_or_default());
+        let stretch = self.moved(&stretch, held)?;
+        if !stretch.stays(self.guard) {
+            let force = stretch.after.times(stiffness.clone())?;
+            let force = match digit {
+                GIVES_FORWARD => force,
+                _ => force.negative(),
+            };
+            let left = bound.clone().minus(force)?.trimmed();
+            return Ok(by_sign(&left, [HELD, digit], HELD));
+        }
+        let slip = self.moved(slip, held)?;
+        Ok(match slip.keeps_sign() {
+            _ if slip.stays(self.guard) => same(),
+            Some(true) => same(),
+            Some(false) => vec![to(HELD, Vec::new())],
+            None if digit == GIVES_FORWARD => by_sign(&slip.after, [digit, HELD], digit),
+            None => by_sign(&slip.after, [HELD, digit], digit),
         })
     }
 

@@ -1,18 +1,18 @@
 //! The motion of a hybrid system from a state: the first zero of every guard, found by bounds and not by samples,
 //! and what begins there.
 
+mod accumulation;
 mod halt;
-mod zones;
 
 pub use halt::Halt;
 
 use std::sync::Arc;
 
 use super::flow::{FlowPiece, ModeFlow, Onset};
-use super::mode::{AffineSystem, Row};
+use super::mode::{AffineSystem, Exit, Row};
 use super::slots::Slots;
 use crate::linalg::Vector;
-use zones::{ZoneEnd, Zones};
+use accumulation::{Accumulation, EndedZone};
 
 /// Where a motion is.
 #[derive(Clone, Debug, PartialEq)]
@@ -85,8 +85,8 @@ pub struct Motion<'a> {
     tangent: Option<(usize, usize)>,
     /// Guards that are zero all along in the zone and end nothing.
     still: Vec<usize>,
-    /// The last zones.
-    zones: Zones,
+    /// What is known of the last zones.
+    accumulation: Accumulation,
     /// Length of the piece it is in.
     unit: f64,
     section: Option<WatchedSection>,
@@ -114,7 +114,7 @@ impl<'a> Motion<'a> {
             entered: place.time,
             tangent: None,
             still: Vec::new(),
-            zones: Zones::default(),
+            accumulation: Accumulation::default(),
             section: None,
             unit: longest,
             place,
@@ -444,6 +444,26 @@ impl<'a> Motion<'a> {
         self.fresh = false;
     }
 
+    /// The exit that is taken where a guard is zero, and its number.
+    fn exit(&self, guard: usize, time: f64, z: &Vector) -> Result<(usize, &'a Exit), Halt> {
+        let mode = self.place.mode;
+        let exits = &self.system.modes[mode].guards[guard].exits;
+        // a condition that is zero holds; so it does where rounding alone makes it negative
+        let holds = |row: &Row| row.value(z) >= -ROUNDING * row.size(z);
+        let mut numbered = exits.iter().enumerate();
+        let exit = numbered.find(|(_, exit)| exit.conditions.iter().all(holds));
+        exit.ok_or_else(|| {
+            let mut conditions = exits.iter().flat_map(|exit| &exit.conditions);
+            if exits.is_empty() {
+                Halt::Parted { time, mode, guard }
+            } else if conditions.any(|row| !row.value(z).is_finite()) {
+                Halt::Unbounded { time }
+            } else {
+                Halt::NoExit { time, mode, guard }
+            }
+        })
+    }
+
     /// Goes over to the mode that a guard leads to, so long after the last place.
     fn switch(&mut self, guard: usize, elapsed: f64, z: &Vector) -> Result<Step, Halt> {
         let Moment {
@@ -456,21 +476,7 @@ impl<'a> Motion<'a> {
         let known = &self.system.modes[mode];
         let mut z = z.clone();
         known.field.complete_at_switch(&mut z);
-        let exits = &known.guards[guard].exits;
-        // a condition that is zero holds; so it does where rounding alone makes it negative
-        let holds = |row: &Row| row.value(&z) >= -ROUNDING * row.size(&z);
-        let mut numbered = exits.iter().enumerate();
-        let exit = numbered.find(|(_, exit)| exit.conditions.iter().all(holds));
-        let (number, exit) = exit.ok_or_else(|| {
-            let mut conditions = exits.iter().flat_map(|exit| &exit.conditions);
-            if exits.is_empty() {
-                Halt::Parted { time, mode, guard }
-            } else if conditions.any(|row| !row.value(&z).is_finite()) {
-                Halt::Unbounded { time }
-            } else {
-                Halt::NoExit { time, mode, guard }
-            }
-        })?;
+        let (number, exit) = self.exit(guard, time, &z)?;
         if let Some(mistake) = exit.refusal.clone() {
             let phase = phase + self.system.omega.value * elapsed;
             self.come(time, phase, &z);
@@ -482,7 +488,7 @@ impl<'a> Motion<'a> {
             });
         }
         let lasted = time - self.entered;
-        let end = ZoneEnd {
+        let ended = EndedZone {
             mode,
             guard,
             exit,
@@ -491,7 +497,7 @@ impl<'a> Motion<'a> {
             unit: self.unit,
             z: &z,
         };
-        let rest = self.zones.ended(self.system, &end)?;
+        let rest = self.accumulation.ended(self.system, &ended)?;
         let states = 0..self.system.states;
         let (to, reset) = match &rest {
             Some((rest, reset)) => (*rest, reset),
@@ -501,7 +507,7 @@ impl<'a> Motion<'a> {
         let before: Vec<f64> = z.rows(0, self.system.states).iter().copied().collect();
         let phase = phase + self.system.omega.value * elapsed;
         if rest.is_some() {
-            zones::stop(self.system, to, (&before, &mut after), phase);
+            accumulation::stop(self.system, to, (&before, &mut after), phase);
         }
         self.tangent = exit.tangent.filter(|_| lasted > 0.0);
         self.place = Moment {

@@ -75,13 +75,15 @@ pub(in crate::hybrid) fn born(
             ..wanted.clone()
         };
         let found = first(&asked, &beginning, Search::Guess(guess.period));
-        if let Ok((orbit, point)) = found
-            && is_born(guess, &orbit, &point)
-        {
+        let born = found
+            .ok()
+            .filter(|(orbit, point)| is_born(guess, orbit, point));
+        if let Some((orbit, point)) = born {
+            let directions = vec![guess.up];
             return Ok(FirstOrbit {
                 orbit,
                 point,
-                directions: vec![guess.up],
+                directions,
             });
         }
     }

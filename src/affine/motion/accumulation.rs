@@ -38,8 +38,8 @@ fn ratio(durations: &[f64]) -> Option<f64> {
     (ratio < 1.0).then_some(ratio)
 }
 
-/// The end of a zone.
-pub(super) struct ZoneEnd<'a> {
+/// A zone that has ended.
+pub(super) struct EndedZone<'a> {
     /// Its mode.
     pub mode: usize,
     /// The guard of it that is zero.
@@ -58,7 +58,7 @@ pub(super) struct ZoneEnd<'a> {
 
 /// What is known of the last zones.
 #[derive(Clone, Debug)]
-pub(super) struct Zones {
+pub(super) struct Accumulation {
     /// Durations of the last zones, each shorter than the one before but for rounding.
     falling: Vec<f64>,
     /// How many of the last zones were short.
@@ -72,9 +72,9 @@ pub(super) struct Zones {
     left: Option<(usize, usize)>,
 }
 
-impl Default for Zones {
-    fn default() -> Zones {
-        Zones {
+impl Default for Accumulation {
+    fn default() -> Accumulation {
+        Accumulation {
             falling: Vec::new(),
             short: 0,
             rest: None,
@@ -85,7 +85,7 @@ impl Default for Zones {
     }
 }
 
-impl Zones {
+impl Accumulation {
     /// Takes in the end of a zone; where infinitely many come to theirs: the mode in which they end, and the reset that leads there.
     ///
     /// # Errors
@@ -93,7 +93,7 @@ impl Zones {
     pub(super) fn ended(
         &mut self,
         system: &AffineSystem,
-        end: &ZoneEnd,
+        end: &EndedZone,
     ) -> Result<Option<(usize, MatrixBy)>, Halt> {
         let is_short = end.lasted <= CHATTER * end.unit;
         self.short = if is_short { self.short + 1 } else { 0 };
@@ -116,7 +116,7 @@ impl Zones {
     }
 
     /// Refuses sliding in one surface that leaves at a guard into sliding which comes back at once.
-    fn check_surfaces(&mut self, system: &AffineSystem, end: &ZoneEnd) -> Result<(), Halt> {
+    fn check_surfaces(&mut self, system: &AffineSystem, end: &EndedZone) -> Result<(), Halt> {
         let known = &system.modes[end.mode];
         let leaves = known.sides.is_some() && known.guards[end.guard].written.is_some();
         let back = |(before, _): &(usize, usize)| leaves && *before == end.exit.to;
@@ -134,10 +134,10 @@ impl Zones {
     fn check_order(
         &mut self,
         system: &AffineSystem,
-        end: &ZoneEnd,
+        end: &EndedZone,
         is_short: bool,
     ) -> Result<(), Halt> {
-        let ZoneEnd {
+        let EndedZone {
             time,
             mode,
             guard,
@@ -162,8 +162,8 @@ impl Zones {
     }
 
     /// Why no mode begins where infinitely many zones end.
-    fn endless(&self, system: &AffineSystem, end: &ZoneEnd) -> Halt {
-        let ZoneEnd {
+    fn endless(&self, system: &AffineSystem, end: &EndedZone) -> Halt {
+        let EndedZone {
             time, mode, guard, ..
         } = *end;
         if let Some(ratio) = ratio(&self.falling) {
