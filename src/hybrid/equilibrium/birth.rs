@@ -12,13 +12,30 @@ use crate::linalg::Vector;
 use crate::orbit::EventType;
 use crate::problem::{Continuation, SystemProblem};
 
-/// Whether an orbit is the cycle of a guess.
-fn is_born(guess: &CycleGuess, orbit: &AffineOrbit, point: &Vector) -> bool {
-    let (Ok(at), Ok(extremes)) = (orbit.at(point), orbit.extremes(point)) else {
-        return false;
+/// The cycle of a guess, if Newton's method comes to it, at the other values of the parameters.
+fn cycle(
+    guess: &CycleGuess,
+    wanted: &Wanted,
+    mut values: Vec<f64>,
+) -> Option<(AffineOrbit, Vector)> {
+    values[wanted.parameter] = guess.value;
+    let beginning = Beginning {
+        mode: guess.mode,
+        state: guess.state.clone(),
+        phase: 0.0,
     };
+    let asked = Wanted {
+        values,
+        ..wanted.clone()
+    };
+    let (orbit, point) = first(&asked, &beginning, Search::Guess(guess.period)).ok()?;
+    let extremes = orbit.extremes(&point).ok()?;
     let ranges: Vec<f64> = extremes.iter().map(|(low, high)| high - low).collect();
-    guess.is_like(at.period(), &ranges, &orbit.setting.scales.states)
+    let period = orbit.at(&point).ok()?.period();
+    let units = &orbit.setting.scales.states;
+    guess
+        .is_like(period, &ranges, units)
+        .then_some((orbit, point))
 }
 
 /// The first cycle on the side of an event on which cycles lie; the branch leads away from it.
@@ -63,22 +80,7 @@ pub(in crate::hybrid) fn born(
     let mut tried = 0;
     for guess in within {
         tried += 1;
-        let mut values = values.clone();
-        values[wanted.parameter] = guess.value;
-        let beginning = Beginning {
-            mode: guess.mode,
-            state: guess.state.clone(),
-            phase: 0.0,
-        };
-        let asked = Wanted {
-            values,
-            ..wanted.clone()
-        };
-        let found = first(&asked, &beginning, Search::Guess(guess.period));
-        let born = found
-            .ok()
-            .filter(|(orbit, point)| is_born(guess, orbit, point));
-        if let Some((orbit, point)) = born {
+        if let Some((orbit, point)) = cycle(guess, &wanted, values.clone()) {
             let directions = vec![guess.up];
             return Ok(FirstOrbit {
                 orbit,
