@@ -308,6 +308,8 @@ fn may_begin_at_fold<O: Orbit>(orbit: &O, step: &Step<O>) -> bool {
 /// component of the tangent. `None` if it is not found.
 #[allow(clippy::option_option)] // found or not, there or not
 fn fold<O: Orbit>(orbit: &O, step: &Step<O>) -> Option<Option<(Place, LocatedEvent<O>)>> {
+    /// Slopes that are smaller are rounding alone: a fold may not change their sign. Others change it, or branches cross.
+    const ROUNDING: f64 = 1e-9;
     let tolerance = step.steps.tolerance;
     let last = step.from.tangent.len() - 1;
     let mut low = (0.0, step.from.tangent[last]);
@@ -325,9 +327,10 @@ fn fold<O: Orbit>(orbit: &O, step: &Step<O>) -> Option<Option<(Place, LocatedEve
             false => low = near,
         }
     }
+    let is_rounding = low.1.abs().max(high.1.abs()) <= ROUNDING;
     let (place, slope) = match (turns(orbit, step), low.1 * high.1 < 0.0) {
-        (Some(false), _) | (None, false) => return Some(None),
-        (Some(true), false) => told_fold(orbit, step)?,
+        (Some(true), false) if is_rounding => told_fold(orbit, step)?,
+        (Some(false), _) | (_, false) => return Some(None),
         (_, true) => locate::fold(orbit, step.from, (low, high), tolerance)?,
     };
     let mut plane = Plane {
