@@ -266,7 +266,12 @@ impl Connection {
         turns: &[f64],
     ) -> Option<Connection> {
         let mut next = self.clone();
-        next.scales = self.measured(system, state, turns)?;
+        let larger;
+        (next.scales, larger) = self.measured(system, state, turns)?;
+        // how a motion leaves in several directions tells where it begins: at the same distance as before
+        if self.turns() > 0 {
+            next.begins /= larger;
+        }
         next.ends = self.ends_near(state);
         for (rest, growing) in next.ends.iter_mut().zip(&mut next.growing) {
             let saddle = Saddle::new(system, rest, &self.scales.states)?;
@@ -283,14 +288,14 @@ impl Connection {
         Some(next)
     }
 
-    /// What measures the motion as this one is: along a curve it becomes smaller and slower, as beside a Bogdanov-Takens point. Units of the
-    /// states remain in proportion.
+    /// What measures the motion as this one is, and how many times as large that is: along a curve it becomes smaller and slower, as beside
+    /// a Bogdanov-Takens point. Units of the states remain in proportion.
     fn measured(
         &self,
         system: &AffineSystem,
         state: &[f64],
         turns: &[f64],
-    ) -> Option<ConnectionScales> {
+    ) -> Option<(ConnectionScales, f64)> {
         let units = &self.scales.states;
         let [from, to] = &self.ends_near(state);
         let [from, to] = [
@@ -320,11 +325,12 @@ impl Connection {
             }
         }
         let mut scales = self.scales.clone();
-        if left && largest.is_finite() {
-            scales.states.iter_mut().for_each(|unit| *unit *= largest);
-            scales.time = away.max(part);
+        if !left || !largest.is_finite() {
+            return Some((scales, 1.0));
         }
-        Some(scales)
+        scales.states.iter_mut().for_each(|unit| *unit *= largest);
+        scales.time = away.max(part);
+        Some((scales, largest))
     }
 
     /// The saddles where the first one, which may be the second as well, is near a state.

@@ -103,10 +103,11 @@ const PLAIN_STEPS: usize = 24;
 const LONG_STEPS: usize = 30;
 
 /// Steps of Newton's method that are smaller than this part of every state, or so many times what it is known to, would be nothing after one
-/// or two more; where so many follow one another they are rounding.
+/// or two more; where so many of them shrink by no more than this they are rounding: at a zero of order m they shrink by 1 − 1/m.
 const JITTER: f64 = 1e-11;
-const JITTERS: f64 = 1e3;
-const STALLED: usize = 4;
+const JITTERS: f64 = 16.0;
+const SHRINKS: f64 = 0.9;
+const STALLED: usize = 3;
 
 /// Part of the usual terms of a rate that their rounding may hide.
 const HIDDEN: f64 = 1e-3;
@@ -291,7 +292,7 @@ impl AffineSystem {
     /// Newton's method for an equilibrium of a mode, until what is left is rounding.
     fn settle(&self, mode: usize, start: &Vector) -> Option<RestState> {
         let mut state = start.clone();
-        let mut small = 0;
+        let (mut stalled, mut before) = (0, f64::INFINITY);
         for _ in 0..STEPS {
             let step = self.newton_step(mode, &state)?;
             if !step.regular {
@@ -311,11 +312,13 @@ impl AffineSystem {
             }
             // rounding within the terms may be more than that of the terms: what is left of a step then is that, and no less next time
             let moved = (&step.next - &state).abs();
-            let mut each = moved.iter().zip(&state).zip(&error);
-            let is_small =
-                each.all(|((moved, x), error)| *moved <= (JITTER * x.abs()).max(JITTERS * error));
-            small = if is_small { small + 1 } else { 0 };
-            if small == STALLED {
+            let parts = moved.iter().zip(&state).zip(&error);
+            let part = parts
+                .map(|((moved, x), error)| moved / (JITTER * x.abs() + JITTERS * error))
+                .fold(0.0, f64::max);
+            stalled += usize::from(part <= 1.0 && part >= SHRINKS * before);
+            before = part;
+            if stalled == STALLED {
                 let rest = self.cleared_rest(mode, &state, step);
                 let error = rest.error.sup(&moved);
                 return Some(RestState { error, ..rest });
