@@ -510,7 +510,9 @@ fn place(start: usize, states: usize) -> Vector {
         true => FARTHEST.powf(2.0 * of_all / 0.75 - 1.0),
         false => SMALLEST.powf(4.0 * of_all - 3.0),
     };
-    let mut place = Vector::from_fn(states, |state, _| size * (2.0 * even(start, state) - 1.0));
+    let shares = even(start).take(states);
+    let shares = shares.map(|share| size * (2.0 * share - 1.0));
+    let mut place = Vector::from_iterator(states, shares);
     if start == 0 {
         place.fill(0.0);
     }

@@ -162,8 +162,9 @@ impl<'a, S: Equations> Reduction<'a, S> {
         const ROUNDINGS: f64 = 16.0;
         let mut noise = Vector::zeros(at.gradient.len());
         for sample in 1..=SAMPLES {
+            let mut places = even(sample);
             let beside = Vector::from_fn(at.point.len(), |unknown, _| {
-                let place = even(sample, unknown);
+                let place = places.next().unwrap_or_default();
                 at.point[unknown] * (1.0 + ROUNDINGS * f64::EPSILON * (place - 0.5))
             });
             let (_, matrix) = self.at(&beside)?;

@@ -203,8 +203,9 @@ pub fn noise<S: Equations>(system: &S, matrix: &Matrix, point: &Vector) -> Optio
     let here = value(point)?;
     let mut noise = Vector::zeros(n);
     for sample in 1..=SAMPLES {
+        let mut places = even(sample);
         let beside = Vector::from_fn(n, |unknown, _| {
-            let place = even(sample, unknown);
+            let place = places.next().unwrap_or_default();
             point[unknown] * (1.0 + 1024.0 * f64::EPSILON * (place - 0.5))
         });
         let moved = value(&beside)? - &here - matrix.rows(0, n - 1) * (&beside - point);

@@ -49,12 +49,15 @@ pub fn product(matrix: &Matrix, vector: &Vector) -> Vector {
     sum
 }
 
-/// Numbers in [0, 1) that fill it evenly, one for each place and coordinate: multiples of the root of a prime, so that no coordinate
-/// keeps to a few values and no two go together.
-pub fn even(place: usize, coordinate: usize) -> f64 {
-    let is_prime = |number: &usize| (2..*number).all(|other| !number.is_multiple_of(other));
-    let prime = (2..).filter(is_prime).nth(coordinate);
-    (place as f64 * (prime.unwrap_or(2) as f64).sqrt()).fract()
+/// Numbers in [0, 1) that fill it evenly, of every coordinate one for each place: multiples of the root of a prime, so that no
+/// coordinate keeps to a few values and no two go together.
+pub fn even(place: usize) -> impl Iterator<Item = f64> {
+    let is_prime = |number: &usize| {
+        let mut others = (2..).take_while(|other| other * other <= *number);
+        others.all(|other| !number.is_multiple_of(other))
+    };
+    let primes = (2..).filter(is_prime);
+    primes.map(move |prime| (place as f64 * (prime as f64).sqrt()).fract())
 }
 
 /// Singular values of an n × (n+1) matrix and its null vector.

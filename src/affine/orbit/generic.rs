@@ -50,14 +50,15 @@ impl Points {
         forms: &Forms,
         (units, distances): (&Units, &[f64]),
     ) -> Points {
-        let shares = |point: usize, index: usize| MOVED * (2.0 * even(point + 1, index) - 1.0);
         let forms: Vec<Row> = forms.rows().collect();
         let moved = (0..POINTS).filter_map(|point| {
-            let states = state.iter().enumerate();
+            let mut shares = even(point + 1).map(|share| MOVED * (2.0 * share - 1.0));
+            let states = state.iter().zip(distances);
             let mut state: Vec<f64> = states
-                .map(|(index, x)| x + distances[index] * shares(point, index))
+                .zip(&mut shares)
+                .map(|((x, distance), share)| x + distance * share)
                 .collect();
-            let mut phase = phase + TAU * shares(point, state.len());
+            let mut phase = phase + TAU * shares.next().unwrap_or_default();
             let field = &system.modes[mode].field;
             for _ in 0..STEPS {
                 let z = system.lift(mode, &state, phase);
