@@ -44,6 +44,9 @@ const SAMPLES: f64 = 8.0;
 /// What comes no nearer does not arrive, and without a switch it has left where it has been as far, in units of the states.
 const NEAR: f64 = 0.3;
 
+/// It comes back where it is nearer than this part of what it has been, and has been away from where it began.
+const BACK: f64 = 0.5;
+
 /// An arrival is over where the motion is so many times as far as it has been, or as far as it counts for near after it has
 /// been half as far: what is left out of samples weighs by its square.
 const OVER: f64 = 100.0;
@@ -106,6 +109,9 @@ pub struct Connection {
     /// The switches on the way.
     way: Vec<Passed>,
     scales: ConnectionScales,
+    /// The product of the slowest growth and the slowest decay at the saddle that it began with.
+    #[serde(default)]
+    begun: f64,
 }
 
 /// What comes to the second saddle.
@@ -239,6 +245,7 @@ impl Connection {
         ];
         let listed = |all: Vec<Vector>| all.iter().map(|one| one.as_slice().to_vec()).collect();
         Some(Connection {
+            begun: from.slowest * from.decay,
             begins,
             ends,
             growing: growing.map(listed),
@@ -250,6 +257,13 @@ impl Connection {
     /// Number of unknowns a.
     pub fn turns(&self) -> usize {
         self.growing[0].len() - 1
+    }
+
+    /// Size of a homoclinic orbit of a saddle with this product of the slowest growth and the slowest decay, as a part of the first:
+    /// beside a Bogdanov-Takens point its extent is as that. `None` of a connection of others.
+    pub fn size(&self, product: f64) -> Option<f64> {
+        let [from, to] = &self.ends;
+        (from == to && self.begun > 0.0).then(|| product / self.begun)
     }
 
     /// The saddles.
@@ -428,6 +442,7 @@ impl Connection {
         let last = longest - NOISE * f64::EPSILON.ln() / saddle.decay;
         let mut has_left = !self.way.is_empty();
         let (mut least, mut near, mut samples) = (f64::INFINITY, None, Vec::new());
+        let mut largest = self.begins / BACK;
         for sample in 0.. {
             let time = part * f64::from(sample);
             if time > last || !matches!(motion.step(begins + time), Ok(Step::Reached)) {
@@ -436,7 +451,9 @@ impl Connection {
             let off = saddle.off(&motion.place().state, units);
             let grown = &saddle.projection * &off;
             let size = grown.amax().max((off - &grown).amax());
-            has_left |= size >= NEAR;
+            // one that has become smaller than it was has left where it comes back
+            largest = size.max(largest);
+            has_left |= size >= NEAR || size <= BACK * largest;
             if !has_left || samples.is_empty() && size > NEAR && !is_exact {
                 continue;
             }

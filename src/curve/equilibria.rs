@@ -431,6 +431,38 @@ impl EventCurves for EquilibriaInPlane {
         }
     }
 
+    /// A homoclinic orbit shrinks to an equilibrium as its saddle does.
+    fn extent(
+        condition: &EventCondition<EquilibriaInPlane>,
+        curve: &EquilibriumCurve,
+        point: &Vector,
+        most: f64,
+    ) -> Option<f64> {
+        let EventCondition::Spectral(CriticalEquilibrium::Connection(connection)) = condition
+        else {
+            return None;
+        };
+        let [growth, decay] = curve.saddle_rates(point)?;
+        connection.size(growth * decay).filter(|size| *size <= most)
+    }
+
+    /// Both rates of the saddle are zero where its homoclinic orbit has no size, and one where it meets a node.
+    fn at_limit(
+        event: EventType,
+        _: &EventCondition<EquilibriaInPlane>,
+        curve: &EquilibriumCurve,
+        point: &Vector,
+    ) -> PointType {
+        /// Next to the former neither is smaller than this part of the other.
+        const ALIKE: f64 = 0.1;
+        let rates = curve.saddle_rates(point);
+        let alike = rates.is_none_or(|[one, other]| one.min(other) >= ALIKE * one.max(other));
+        match alike {
+            true => PointType::BT,
+            false => EquilibriaInPlane::with_event(event, EventType::LP),
+        }
+    }
+
     fn with_fold(event: EventType) -> PointType {
         match event {
             EventType::HB => PointType::ZH,

@@ -253,7 +253,7 @@ impl<P: ParameterPlane> EventCurve<P> {
         const KNOWN: f64 = 1e-8;
         let size = |node: &Node, most: f64| {
             let (orbit, unknowns) = self.system.orbit(&node.point, 0).ok()?;
-            P::extent(&orbit, &unknowns, most)
+            P::extent(&self.system.condition, &orbit, &unknowns, most)
         };
         // an orbit that has passed a point has moved by its own size; few turn so much, and what costs comes after that
         if P::turns(&step.after.examination, &step.before.examination)

@@ -37,7 +37,7 @@ pub struct OrbitsInPlane {
     /// The monitor that keeps its value, by its name, where one does.
     #[serde(default, skip_serializing_if = "Ordered::is_empty")]
     monitor: Ordered<MonitorSource>,
-    /// The image under which its orbits are their own along a curve of a margin, where they are.
+    /// The image under which its orbits are their own along a curve of a margin or of a pair, where they are.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     symmetry: Option<Kept>,
     #[serde(skip)]
@@ -379,7 +379,13 @@ impl EventCurves for OrbitsInPlane {
         let pair = |order: u8, both: f64| test_of_pair((cosine, turns), (order, both), torus);
         let double = |multiplier: f64| orbit.is_double(point, multiplier);
         let tests = match condition {
-            EventCondition::Spectral(MultiplierEvent::Torus) => tests_of_torus(cosine, doubling),
+            EventCondition::Spectral(MultiplierEvent::Torus) => {
+                let half = self.symmetry.and_then(|kept| {
+                    let half = orbit.half_monodromy(kept, point).ok().flatten();
+                    half?.cosine()
+                });
+                tests_of_torus((cosine, half), doubling)
+            }
             // the multiplier of the event is a double one where the derivative of its own equations in the multiplier vanishes;
             // another pair with the product 1 is an event of its own
             EventCondition::Spectral(MultiplierEvent::PeriodDoubling) => double(-1.0).map_or_else(
@@ -435,7 +441,12 @@ impl EventCurves for OrbitsInPlane {
         tests.collect()
     }
 
-    fn extent(orbit: &AffineOrbit, point: &Vector, most: f64) -> Option<f64> {
+    fn extent(
+        _: &EventCondition<OrbitsInPlane>,
+        orbit: &AffineOrbit,
+        point: &Vector,
+        most: f64,
+    ) -> Option<f64> {
         let shrinks = orbit.has_own_period();
         shrinks.then(|| orbit.extent_within(point, most)).flatten()
     }
@@ -568,9 +579,10 @@ fn without(test: Test, met: f64) -> Test {
     }
 }
 
-/// What is watched along a curve of NS with the cosine of its angle: the strong resonances, of which 1:1 and 1:2 end it, and
-/// a multiplier −1 other than the pair.
-fn tests_of_torus(cosine: f64, doubling: Test) -> Vec<Test> {
+/// What is watched along a curve of NS with the cosine of its angle, and of that of half a symmetric orbit: the strong
+/// resonances, of which 1:1 and 1:2 end it, and a multiplier −1 other than the pair. Of a symmetric orbit a pair −1 is the
+/// square of a pair ±i of its half: no two eigenvectors become one there, and the curve goes on.
+fn tests_of_torus((cosine, half): (f64, Option<f64>), doubling: Test) -> Vec<Test> {
     let met = |order, value| Test {
         ends: true,
         ..passed(Some(PointType::Resonance(order)), value)
@@ -578,7 +590,7 @@ fn tests_of_torus(cosine: f64, doubling: Test) -> Vec<Test> {
     let resonance = |order, value| passed(Some(PointType::Resonance(order)), value);
     vec![
         met(1, 1.0 - cosine),
-        met(2, 1.0 + cosine),
+        half.map_or_else(|| met(2, 1.0 + cosine), |half| resonance(2, half)),
         resonance(3, cosine + 0.5),
         resonance(4, cosine),
         Test {

@@ -292,7 +292,12 @@ pub trait EventCurves: SpectralEvents {
 
     /// Size of an orbit, in units of its states, where it is at most this and orbits that shrink to a point make the equations
     /// singular.
-    fn extent(_: &Self::Orbit, _point: &Vector, _most: f64) -> Option<f64> {
+    fn extent(
+        _: &EventCondition<Self>,
+        _orbit: &Self::Orbit,
+        _point: &Vector,
+        _most: f64,
+    ) -> Option<f64> {
         None
     }
 

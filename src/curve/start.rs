@@ -134,6 +134,10 @@ pub struct CurveStart<P: ParameterPlane = WavesInPlane> {
 /// A scaled margin below this vanishes at a located event.
 const VANISHED: f64 = 1e-9;
 
+/// So far beside an event, in the ranges of the parameters, orbits are looked at for their symmetry: what an image does not solve
+/// is of that size.
+const BESIDE: f64 = 1e-3;
+
 /// A monitor with the value that it keeps.
 pub(super) struct FixedMonitor {
     pub(super) monitor: Monitor,
@@ -147,8 +151,6 @@ fn symmetric(
     orbit: &AffineOrbit,
     point: &Vector,
 ) -> CurveStart<OrbitsInPlane> {
-    /// So far from the event, in the ranges of the parameters: what the image does not solve is of that size.
-    const BESIDE: f64 = 1e-3;
     /// An orbit of half the equations solves all of them to this.
     const SOLVED: f64 = 1e-9;
     let EventCondition::Margin(_) = &start.system.condition else {
@@ -283,6 +285,28 @@ pub(super) fn pose_connection(
     })
 }
 
+/// The plane of a pair of multipliers; of orbits that are their own image in all of it where they are so at the event and
+/// beside it.
+fn of_pair(plane: OrbitsInPlane, orbit: &AffineOrbit, point: &Vector) -> OrbitsInPlane {
+    let Some(kept) = orbit.symmetry(point) else {
+        return plane;
+    };
+    let last = point.len() - 1;
+    let beside = |index: usize| {
+        let posed = plane.orbit(orbit.signature(), plane.values(), index).ok()?;
+        let mut own = point.clone();
+        own[last] = plane.values()[index] / plane.widths()[index] + BESIDE;
+        let value = own[last];
+        let mut level = newton::Fixed { index: last, value };
+        let solved = newton::solve(&posed, &mut level, &own, &BEGINS).ok()?;
+        posed.symmetry(&solved.point)
+    };
+    match [beside(0), beside(1)] == [Some(kept); 2] {
+        true => plane.symmetric(kept),
+        false => plane,
+    }
+}
+
 /// The equations of an event of a system.
 pub(super) fn pose_orbit(
     orbit: &AffineOrbit,
@@ -300,7 +324,7 @@ pub(super) fn pose_orbit(
     let parameters = &orbit.setting.system.source.parameters;
     let index = |name: &String| parameters.index(name).unwrap_or(0);
     let pair = [index(&curve.parameters.0), index(&curve.parameters.1)];
-    let plane = OrbitsInPlane::new(orbit, point, pair, limits.widths());
+    let mut plane = OrbitsInPlane::new(orbit, point, pair, limits.widths());
     if let Some(FixedMonitor { monitor, value }) = kept {
         return pose_constant(plane.keeping(&monitor), (orbit, point), value, limits);
     }
@@ -313,7 +337,10 @@ pub(super) fn pose_orbit(
             let null = least.right.as_slice().to_vec();
             Some((MultiplierEvent::PeriodDoubling, null))
         }
-        EventType::NS => Some((MultiplierEvent::Torus, Vec::new())),
+        EventType::NS => {
+            plane = of_pair(plane, orbit, point);
+            Some((MultiplierEvent::Torus, Vec::new()))
+        }
         EventType::BP => {
             let kept = orbit.symmetry(point).ok_or(NoCurve::NotSymmetric)?;
             for index in [0, 1] {

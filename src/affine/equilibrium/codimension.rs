@@ -104,6 +104,16 @@ impl EquilibriumCurve {
         adjugate_trace(&at.within())
     }
 
+    /// The slowest growth and the slowest decay at a saddle.
+    pub fn saddle_rates(&self, point: &Vector) -> Option<[f64; 2]> {
+        let values = eigenvalues(&self.linearised(point).ok()?);
+        let slowest = |sign: f64| {
+            let own = values.iter().map(|one| sign * one.value.re);
+            own.filter(|re| *re > 0.0).reduce(f64::min)
+        };
+        Some([slowest(1.0)?, slowest(-1.0)?])
+    }
+
     /// What vanishes where another pair of eigenvalues has the sum zero.
     pub fn pair_sums(&self, point: &Vector, kept: KeptEigenvalues) -> Option<PairSums> {
         Some(sums(&eigenvalues(&self.linearised(point).ok()?), kept))

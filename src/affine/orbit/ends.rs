@@ -18,7 +18,7 @@ use crate::continuation::walk::Segment;
 use crate::linalg::Vector;
 use crate::orbit::{
     Changes as _, CoordinateChanges as _, EndWithin, Inequalities as _, Limit, Situation,
-    Terminations, Zones,
+    Terminations, Zones, rounding_at,
 };
 
 /// The parameter is stationary, to rounding, where it changes by less than this along a unit tangent; if nothing but
@@ -58,18 +58,17 @@ pub(super) struct Vanishing {
 }
 
 impl Vanishing {
-    pub(super) fn special(&self) -> Critical {
-        match self.is_hopf {
-            true => Critical::Shrinking,
-            false => Critical::Vanishing,
-        }
+    /// What is said of it.
+    pub(super) fn outcome(&self) -> (Critical, OrbitTermination) {
+        vanishes(self.is_hopf)
     }
+}
 
-    pub(super) fn stop(&self) -> OrbitTermination {
-        match self.is_hopf {
-            true => OrbitTermination::Shrinks,
-            false => OrbitTermination::Vanishes,
-        }
+/// What is said of an orbit without size, at a Hopf point or elsewhere.
+pub(super) fn vanishes(is_hopf: bool) -> (Critical, OrbitTermination) {
+    match is_hopf {
+        true => (Critical::Shrinking, OrbitTermination::Shrinks),
+        false => (Critical::Vanishing, OrbitTermination::Vanishes),
     }
 }
 
@@ -304,7 +303,7 @@ impl AffineOrbit {
             .or_else(|| self.rests(node, AT_REST))
             .or_else(|| {
                 let vanishes = self.comes_to_a_point(node, AT_REST);
-                vanishes.map(|vanishing| vanishing.stop())
+                vanishes.map(|vanishing| vanishing.outcome().1)
             })
     }
 
@@ -540,8 +539,10 @@ impl Terminations for AffineOrbit {
                 .zip(units)
                 .map(|((low, high), unit)| (high - low) / unit);
             let slope = node.tangent[node.tangent.len() - 1].abs();
-            let error = slope * sizes.fold(0.0, f64::max) * self.unit().abs();
-            Some((point.clone(), error))
+            let left = slope * sizes.fold(0.0, f64::max) * self.unit().abs();
+            let known = self.hopf_error(point);
+            let known = known.unwrap_or_else(|| rounding_at(self, node));
+            Some((point.clone(), left + known))
         };
         self.hopf(point).or_else(beside)
     }

@@ -41,9 +41,8 @@ pub(super) struct HopfPoint {
 impl AffineOrbit {
     /// The equilibrium of the first mode next to a state, and that of its pairs of eigenvalues which turns most nearly with
     /// a frequency.
-    fn pair(&self, value: f64, state: &[f64], frequency: f64) -> Option<Pair> {
-        let setting = &self.setting;
-        let system = setting.system.at(&setting.values_at(value), &[]).ok()?;
+    fn pair(&self, values: &[f64], state: &[f64], frequency: f64) -> Option<Pair> {
+        let system = self.setting.system.at(values, &[]).ok()?;
         let rest = system.equilibrium_near(self.sequence.zone(0).mode, state)?;
         let size = rest.eigenvalues.iter().map(|one| one.norm());
         let size = size.fold(0.0, f64::max);
@@ -58,14 +57,33 @@ impl AffineOrbit {
         })
     }
 
-    /// The Hopf point of the first mode next to a state and a value of the parameter.
-    fn hopf_point(&self, middle: f64, state: &[f64], frequency: f64) -> Option<HopfPoint> {
+    /// Whether an orbit that is a point has a pair of imaginary eigenvalues of its own frequency.
+    pub(super) fn is_hopf(&self, point: &Vector) -> bool {
+        /// Real part and frequency may be off by this part of the eigenvalues: by a multiple of the square of the size,
+        /// which is a millionth at most. Eigenvalues of another kind are off by all that they are.
+        const NEARLY: f64 = 1e-2;
+        let pair = || {
+            let at = self.at(point).ok()?;
+            let ZonePoint { state, .. } = at.zones.first()?;
+            let frequency = TAU / at.period();
+            let pair = self.pair(&self.values_at(point), state, frequency)?;
+            Some(pair.growth.abs().max((pair.frequency - frequency).abs()) <= NEARLY * pair.size)
+        };
+        pair().unwrap_or(false)
+    }
+
+    /// The Hopf point of the first mode next to a point and a state, with what is free of the parameters as it is.
+    fn hopf_point(&self, point: &Vector, state: &[f64], frequency: f64) -> Option<HopfPoint> {
         /// Parts of the range to either side within which it is looked for.
         const NEAR: [f64; 4] = [1e-8, 1e-6, 1e-4, 1e-2];
         /// Values beside it at which the growth is compared with a straight line, and how many roundings they are apart.
         const SAMPLES: i32 = 4;
         const APART: f64 = 64.0;
-        let pair = |value: f64| self.pair(value, state, frequency);
+        let (mut values, middle) = (self.values_at(point), self.parameter_at(point));
+        let mut pair = |value: f64| {
+            values[self.setting.parameter] = value;
+            self.pair(&values, state, frequency)
+        };
         let unit = self.setting.scales.parameter.abs();
         NEAR.into_iter().find_map(|near| {
             let ends = [middle - near * unit, middle + near * unit];
@@ -102,6 +120,14 @@ impl AffineOrbit {
         })
     }
 
+    /// The error of the parameter where an orbit of prescribed period is a Hopf point: what the growth is not known to.
+    pub(super) fn hopf_error(&self, point: &Vector) -> Option<f64> {
+        let at = self.at(point).ok()?;
+        let ZonePoint { state, .. } = at.zones.first()?;
+        let hopf = self.hopf_point(point, state, TAU / at.period())?;
+        Some(hopf.error)
+    }
+
     /// The Hopf point next to an orbit that never switches and is nearly one, as an orbit of no size, and the error of the
     /// parameter there.
     pub(super) fn hopf(&self, point: &Vector) -> Option<(Vector, f64)> {
@@ -112,7 +138,7 @@ impl AffineOrbit {
         let ZonePoint {
             state, duration, ..
         } = at.zones.first()?;
-        let hopf = self.hopf_point(self.parameter_at(point), state, TAU / duration)?;
+        let hopf = self.hopf_point(point, state, TAU / duration)?;
         let zone = ZonePoint::new(hopf.state, TAU / hopf.frequency, 0.0);
         Some((
             self.pack(&[zone], &self.setting.values_at(hopf.parameter)),
@@ -128,7 +154,7 @@ impl AffineOrbit {
         let at = self.at(point).ok()?;
         let period = at.period();
         let state = &at.zones.first()?.state;
-        let hopf = self.hopf_point(self.parameter_at(point), state, TAU / period)?;
+        let hopf = self.hopf_point(point, state, TAU / period)?;
         self.is_smooth_at(&hopf)?.then_some(hopf)
     }
 
@@ -199,8 +225,8 @@ impl AffineOrbit {
         // the orbit is as far from its own equilibrium as its rate says
         let rest = |point: &Vector| {
             let at = self.at(point).ok()?;
-            let value = self.parameter_at(point);
-            Some(self.pair(value, &at.zones[0].state, hopf.frequency)?.state)
+            let values = self.values_at(point);
+            Some(self.pair(&values, &at.zones[0].state, hopf.frequency)?.state)
         };
         let off = |point: &Vector, rest: &[f64]| {
             let at = self.at(point).ok()?;

@@ -6,7 +6,7 @@
 use std::f64::consts::TAU;
 
 use super::critical::Critical;
-use super::ends::NEARLY_A_POINT;
+use super::ends::{NEARLY_A_POINT, vanishes};
 use super::layout::AffineOrbit;
 use super::monodromy::Monodromy;
 use super::passage::Jet;
@@ -336,10 +336,10 @@ impl Covers for AffineOrbit {
     fn repeats(&self, node: &Node) -> Option<(Critical, OrbitTermination)> {
         // a point is the same after every part of its period
         if self.is_point(&node.point) {
-            return Some((Critical::Shrinking, OrbitTermination::Shrinks));
+            return Some(vanishes(self.is_hopf(&node.point)));
         }
         if let Some(vanishing) = self.comes_to_a_point(node, NEARLY_A_POINT) {
-            return Some((vanishing.special(), vanishing.stop()));
+            return Some(vanishing.outcome());
         }
         let times = self.traversals(&node.point);
         (times > 1).then_some((
