@@ -442,7 +442,7 @@ impl Connection {
         let last = longest - NOISE * f64::EPSILON.ln() / saddle.decay;
         let mut has_left = !self.way.is_empty();
         let (mut least, mut near, mut samples) = (f64::INFINITY, None, Vec::new());
-        let mut largest = self.begins / BACK;
+        let mut largest = self.begins;
         for sample in 0.. {
             let time = part * f64::from(sample);
             if time > last || !matches!(motion.step(begins + time), Ok(Step::Reached)) {

@@ -216,33 +216,69 @@ pub fn noise<S: Equations>(system: &S, matrix: &Matrix, point: &Vector) -> Optio
     Some(noise)
 }
 
-/// First-order bound of the error that rounding leaves in each unknown, for unknowns of these sizes:
-/// |J⁻¹| times the rounding of each equation, which is that of the unknowns it is formed from and,
-/// where asked for, thrice the largest noise seen. Of more equations than unknowns it is that of least squares.
+/// First-order bound of what rounding leaves at a solution: |J⁻¹| times the rounding of each equation, which is that of the
+/// unknowns it is formed from and, where asked for, thrice the largest noise seen. Of more equations than unknowns it is that of
+/// least squares.
+pub struct Rounding<'a> {
+    inverse: Matrix,
+    formed: Vector,
+    noise: Option<&'a Vector>,
+}
+
+impl Rounding<'_> {
+    /// Where the equations have this Jacobian, for unknowns of these sizes; `None` where it is singular.
+    pub fn new<'a>(
+        matrix: &Matrix,
+        sizes: &Vector,
+        noise: Option<&'a Vector>,
+    ) -> Option<Rounding<'a>> {
+        let inverse = if matrix.is_square() {
+            Factors::new(matrix).inverse()?
+        } else {
+            pseudo_inverse(matrix, f64::EPSILON)?
+        };
+        let formed = Vector::from_fn(matrix.nrows(), |row, _| {
+            let columns = 0..sizes.len();
+            columns
+                .map(|column| matrix[(row, column)].abs() * sizes[column])
+                .sum()
+        });
+        Some(Rounding {
+            inverse,
+            formed,
+            noise,
+        })
+    }
+
+    /// That of what changes by so much with each equation.
+    fn through(&self, by: impl Iterator<Item = f64> + Clone) -> f64 {
+        /// Operations behind one residual, each of which may round.
+        const OPERATIONS: f64 = 8.0;
+        let share = |residuals: &Vector| -> f64 {
+            let shares = by.clone().zip(residuals);
+            shares.map(|(by, residual)| by.abs() * residual).sum()
+        };
+        let seen = self.noise.map_or(0.0, |noise| 3.0 * share(noise));
+        OPERATIONS * f64::EPSILON * share(&self.formed) + seen
+    }
+
+    /// That of every unknown.
+    pub fn of_unknowns(&self) -> Vector {
+        Vector::from_fn(self.inverse.nrows(), |unknown, _| {
+            self.through(self.inverse.row(unknown).iter().copied())
+        })
+    }
+
+    /// That of a function with this gradient. What the unknowns are off together may leave it as it is.
+    pub fn of(&self, gradient: &Vector) -> f64 {
+        let by = self.inverse.tr_mul(gradient);
+        self.through(by.iter().copied())
+    }
+}
+
+/// That of every unknown: [`Rounding`].
 pub fn rounding(matrix: &Matrix, sizes: &Vector, noise: Option<&Vector>) -> Option<Vector> {
-    /// Operations behind one residual, each of which may round.
-    const OPERATIONS: f64 = 8.0;
-    let n = sizes.len();
-    let inverse = if matrix.is_square() {
-        Factors::new(matrix).inverse()?
-    } else {
-        pseudo_inverse(matrix, f64::EPSILON)?
-    };
-    let share = |unknown: usize, residuals: &Vector| -> f64 {
-        let row = inverse.row(unknown);
-        let shares = row.iter().zip(residuals);
-        shares.map(|(by, residual)| by.abs() * residual).sum()
-    };
-    let formed = Vector::from_fn(matrix.nrows(), |row, _| {
-        let columns = 0..n;
-        columns
-            .map(|column| matrix[(row, column)].abs() * sizes[column])
-            .sum()
-    });
-    Some(Vector::from_fn(n, |unknown, _| {
-        let seen = noise.map_or(0.0, |noise| 3.0 * share(unknown, noise));
-        OPERATIONS * f64::EPSILON * share(unknown, &formed) + seen
-    }))
+    Some(Rounding::new(matrix, sizes, noise)?.of_unknowns())
 }
 
 /// Corrections below this are rounding of unknowns of order one, times a condition of a few hundred:

@@ -6,7 +6,7 @@ use super::special::Close;
 use super::{AtZero, Examined, MarginFunction, Orbit, crossings, events, paired};
 use crate::continuation::arclength::Node;
 use crate::continuation::locate::{self, LeastWithin, Place};
-use crate::continuation::newton::{self, Plane};
+use crate::continuation::newton::{self, Plane, Rounding};
 use crate::continuation::walk::Within;
 use crate::linalg::Vector;
 
@@ -116,24 +116,37 @@ pub(super) fn within<O: Orbit>(
 
 /// What rounding leaves in a margin at a point within a step.
 fn blur<O: Orbit>(orbit: &O, step: &Step<O>, margin: &O::Margin, place: &Place) -> f64 {
-    let unknowns = rounding_of_unknowns(orbit, &step.from.tangent, &place.node.point);
-    unknowns.map_or(f64::INFINITY, |unknowns| {
-        orbit.reach(margin, &unknowns) + f64::EPSILON
+    let point = &place.node.point;
+    let rounding = rounding_across(orbit, &step.from.tangent, point);
+    rounding.map_or(f64::INFINITY, |rounding| {
+        of_margin(orbit, margin, &rounding, point)
     })
 }
 
-/// What rounding leaves in each unknown of a point that was found across a tangent.
-pub(crate) fn rounding_of_unknowns<O: Orbit>(
+/// What rounding leaves in a margin at a point: what the unknowns are off, and what the margin is formed from.
+pub(super) fn of_margin<O: Orbit>(
+    orbit: &O,
+    margin: &O::Margin,
+    rounding: &Rounding,
+    point: &Vector,
+) -> f64 {
+    let mut gradient = Vector::zeros(point.len());
+    orbit.add_gradient(margin, gradient.as_mut_slice());
+    rounding.of(&gradient) + f64::EPSILON * (1.0 + orbit.reach(margin, &point.abs()))
+}
+
+/// What rounding leaves at a point that was found across a tangent.
+pub(crate) fn rounding_across<O: Orbit>(
     orbit: &O,
     tangent: &Vector,
     point: &Vector,
-) -> Option<Vector> {
+) -> Option<Rounding<'static>> {
     let mut plane = Plane {
         normal: tangent,
         through: point,
     };
     let bordered = newton::bordered(orbit, &mut plane, point).ok()?;
-    newton::rounding(&bordered.matrix, &point.abs(), None)
+    Rounding::new(&bordered.matrix, &point.abs(), None)
 }
 
 /// The least slope of the parameter, in its own direction, within a step at whose ends it has one sign.

@@ -3,8 +3,9 @@
 use super::special::{OrbitRefusal, StepRefused};
 use super::{Candidate, Examined, MarginFunction, Orbit, SignVerdict, dip};
 use crate::continuation::branching::Branching;
+use crate::continuation::newton::{self, Rounding};
 use crate::continuation::walk::{self, Refused};
-use crate::continuation::{Node, arclength, newton};
+use crate::continuation::{Node, arclength};
 use crate::linalg::{self, Matrix, Vector};
 
 /// The branch beyond a change of regime.
@@ -270,12 +271,14 @@ fn is_admissible<O: Orbit>(
     /// A duration that is all rounding is the root of it, of order m where its equation is a zero of this order, and a linear bound
     /// the m-th part of that. Orders are three or four.
     const ORDERS: f64 = 10.0;
-    let holds = |unknowns: Vector| {
+    let holds = |rounding: Rounding| {
         let mut margins = examination.margins().iter();
-        margins.all(|margin| margin.value() > ORDERS * orbit.reach(margin, &unknowns))
+        margins.all(|margin| {
+            margin.value() > ORDERS * dip::of_margin(orbit, margin, &rounding, &to.point)
+        })
     };
     examination.verdict() == SignVerdict::Positive
-        && dip::rounding_of_unknowns(orbit, tangent, &to.point).is_some_and(holds)
+        && dip::rounding_across(orbit, tangent, &to.point).is_some_and(holds)
 }
 
 /// A direction that a matrix shrinks below this part of its norm is one of its null space, at an event that is known

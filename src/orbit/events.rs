@@ -315,13 +315,18 @@ fn fold<O: Orbit>(orbit: &O, step: &Step<O>) -> Option<Option<(Place, LocatedEve
     let mut low = (0.0, step.from.tangent[last]);
     let mut high = (step.ds, step.to.tangent[last]);
     if is_vertical(orbit, step.from) {
-        // where a zone opens the parameter is stationary: a short way on it tells its direction. A layer
-        // may turn the branch on a shorter one
-        let near = NEAR.into_iter().find_map(|part| {
+        // where a zone opens the parameter is stationary: a short way on it tells its direction, where that is more than
+        // rounding. A layer may turn the branch on a shorter one
+        let beside = |part: f64| {
             let near = part * step.ds;
             let step = arclength::advance(orbit, step.from, &[], near, tolerance).ok()?;
             Some((near, step.node.tangent[last]))
-        })?;
+        };
+        let is_told = |(_, slope): &(f64, f64)| slope.abs() > ROUNDING;
+        let mut near = NEAR.into_iter().filter_map(beside);
+        let first = near.next()?;
+        let near = Some(first).filter(is_told).or_else(|| near.find(is_told));
+        let near = near.unwrap_or(first);
         match low.1 * near.1 < 0.0 && may_begin_at_fold(orbit, step) {
             true => high = near,
             false => low = near,

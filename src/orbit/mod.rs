@@ -57,7 +57,7 @@ use crate::linalg::{Matrix, Vector};
 pub use bifurcation::{Bifurcations, Crossed, SpecialType};
 pub use candidate::{Candidate, Changes};
 pub use coordinates::CoordinateChanges;
-pub(crate) use dip::rounding_of_unknowns;
+pub(crate) use dip::rounding_across;
 pub use event::{EventType, UnknownType};
 pub(crate) use margin::WITHOUT_LENGTH;
 use margin::paired;

@@ -102,7 +102,10 @@ impl AffineOrbit {
         // of a unit of the branch, of which a step is a small part; growth counts over one shot
         let growth = stay.growth / self.shots(stay.zone) as f64;
         let noise = 16.0 * f64::EPSILON * growth.exp();
-        let lost = || along < noise && self.left_beside_a_saddle(node) < noise;
+        let lost = || {
+            let is_lost = along < noise && self.left_beside_a_saddle(node) < noise;
+            is_lost && self.comes_nearer(node)
+        };
         (along < stationary || lost()).then(|| self.comes_to(stay, node))
     }
 
@@ -370,7 +373,8 @@ impl AffineOrbit {
             .or_else(|| {
                 let stay = self.longest_stay(&node.point)?;
                 let stop = (stay.growth > DIGITS).then(|| self.comes_to(stay, node))?;
-                let is_near = || self.left_beside_a_saddle(node) < NEARLY_THERE;
+                let is_near =
+                    || self.left_beside_a_saddle(node) < NEARLY_THERE && self.comes_nearer(node);
                 (stop.is_located() || is_near()).then_some(stop)
             })
             .or_else(|| self.comes_slowly(node, DIGITS))

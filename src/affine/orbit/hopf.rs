@@ -226,7 +226,10 @@ impl AffineOrbit {
         let rest = |point: &Vector| {
             let at = self.at(point).ok()?;
             let values = self.values_at(point);
-            Some(self.pair(&values, &at.zones[0].state, hopf.frequency)?.state)
+            Some(
+                self.pair(&values, &at.zones[0].state, hopf.frequency)?
+                    .state,
+            )
         };
         let off = |point: &Vector, rest: &[f64]| {
             let at = self.at(point).ok()?;

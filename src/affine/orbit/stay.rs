@@ -41,6 +41,8 @@ pub(super) struct Stay {
     /// Time in which the slowest decay and the slowest growth change by a factor e, or turn by half: what the parameter is off
     /// falls by that at least, for a longer period.
     pub turn: f64,
+    /// The part of it that is left after that time, at most.
+    pub falls: f64,
 }
 
 /// A stay comes as near a saddle as this, in units of the orbit's own.
@@ -221,6 +223,8 @@ impl AffineOrbit {
         let next = (first..end).min_by(|one, other| far[*one].total_cmp(&far[*other]))?;
         let still_near = |place: &usize| far[*place] <= LEAVES * far[next].max(LEAST);
         let leaving = (next..way.len()).take_while(still_near).last()?;
+        let turns = turn(decaying).max(turn(growing));
+        let slowest = decaying.re.abs().min(growing.re);
         Some(Stay {
             zone,
             place: next,
@@ -228,7 +232,8 @@ impl AffineOrbit {
             nearest: far[next],
             time: (end - first) as f64,
             growth: rate,
-            turn: turn(decaying).max(turn(growing)),
+            turn: turns,
+            falls: (-slowest * turns).exp(),
             leaving: states(leaving).to_vec(),
             rest: rest.clone(),
         })
@@ -259,7 +264,7 @@ impl AffineOrbit {
     /// T = C/√|p − p₀|, so that half of it times dp/dT is left.
     pub(super) fn comes_to_a_saddle_node(&self, node: &Node) -> Option<OrbitTermination> {
         /// It passes as near, in units of the orbit's own: about as the root of what is left of its parameter.
-        const NEAR: f64 = 0.1;
+        const NEAR: f64 = 0.2;
         /// The passage is this part of the zone at least.
         const MOST: f64 = 0.75;
         /// What is left is like that to this factor: the passage has an end on either side.
@@ -343,35 +348,58 @@ impl AffineOrbit {
         }
     }
 
-    /// What the parameter changed by, at most, while the period grew by the last turn beside a saddle.
-    pub(super) fn last_turn(&self, node: &Node) -> Option<f64> {
+    /// What the parameter changed by, at most, while the period grew by each of so many last turns beside a saddle, the last one
+    /// first, as far as the branch goes back, with the part of it that a connection leaves from turn to turn.
+    fn last_turns(&self, node: &Node, count: usize) -> Option<(Vec<f64>, f64)> {
         /// Steps back along the branch, and their tolerance: digits are lost here.
         const STEP: f64 = 0.02;
         const COARSE: f64 = 1e-6;
         const MOST: usize = 200;
-        let turn = self.longest_stay(&node.point)?.turn / self.setting.scales.time;
+        let Stay { turn, falls, .. } = self.longest_stay(&node.point)?;
+        let turn = turn / self.setting.scales.time;
         let period = |node: &Node| -> f64 {
             let durations = (0..self.zones()).map(|zone| node.point[self.duration_index(zone)]);
             durations.sum()
         };
         let last = node.point.len() - 1;
-        let (mut here, mut change) = (node.clone(), 0.0_f64);
+        let (mut from, mut here) = (node.clone(), node.clone());
+        let mut changes = vec![0.0_f64];
         for _ in 0..MOST {
-            if period(node) - period(&here) >= turn {
-                break;
+            if period(&from) - period(&here) >= turn {
+                if changes.len() == count {
+                    return Some((changes, falls));
+                }
+                changes.push(0.0);
+                from = here.clone();
             }
             // in the unknowns of the zones, whatever shots they have
             let outer = self.outer_part(&here);
             here = node_at(self, &here, -STEP / outer, COARSE)?;
-            change = change.max((here.point[last] - node.point[last]).abs());
+            let change = changes.last_mut()?;
+            *change = change.max((here.point[last] - from.point[last]).abs());
         }
-        Some(change)
+        // the last of them is not whole
+        changes.truncate((changes.len() - 1).max(1));
+        Some((changes, falls))
+    }
+
+    /// Whether the parameter comes to the value of a connection: what it changes by falls from turn to turn, as far as the branch
+    /// has come by two of them. A cycle whose parts are slow and fast may pass a saddle with a parameter that moves on.
+    pub(super) fn comes_nearer(&self, node: &Node) -> bool {
+        let Some((changes, falls)) = self.last_turns(node, 2) else {
+            return true;
+        };
+        let [last, before] = changes[..] else {
+            return true;
+        };
+        last <= falls.sqrt() * before
     }
 
     /// What is left to a homoclinic orbit, at most: the parameter swings about its own or comes from one side, and
     /// changed by more in the last turn.
     pub(super) fn left_beside_a_saddle(&self, node: &Node) -> f64 {
         let slope = node.tangent[node.tangent.len() - 1].abs();
-        self.last_turn(node).unwrap_or(slope)
+        let turns = self.last_turns(node, 1);
+        turns.map_or(slope, |(changes, _)| changes[0])
     }
 }

@@ -15,7 +15,7 @@ use crate::linalg::periodic_schur::balance;
 use crate::linalg::{Matrix, Vector};
 use crate::orbit::special::NoFollower;
 use crate::orbit::switch::{admitted, is_in_family};
-use crate::orbit::{Zones, rounding_of_unknowns};
+use crate::orbit::{Zones, rounding_across};
 
 /// The orbit with these zones next to these places.
 pub(super) fn pose(
@@ -84,7 +84,7 @@ pub(super) fn lasts_by_rounding(orbit: &AffineOrbit, point: &Vector) -> Option<S
     const ORDERS: f64 = 10.0;
     let mut along = Vector::zeros(point.len());
     along[point.len() - 1] = 1.0;
-    let rounding = rounding_of_unknowns(orbit, &along, point)?;
+    let rounding = rounding_across(orbit, &along, point)?.of_unknowns();
     let is_rounding = |zone: &usize| {
         let duration = orbit.duration_index(*zone);
         point[duration].abs() <= ORDERS * rounding[duration]
