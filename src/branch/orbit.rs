@@ -100,6 +100,11 @@ impl MarginFunction for RegimeMargin {
         (self.watch, self.zone) == (other.watch, other.zone)
     }
 
+    /// Slip that comes to V̇ = 1 with V̈ = 0.
+    fn grazes(&self) -> bool {
+        self.watch == WaveWatch::Rate
+    }
+
     /// A zone without length says most.
     fn precedence(&self) -> usize {
         WITHOUT_LENGTH + usize::from(self.watch != WaveWatch::Duration)
@@ -250,7 +255,7 @@ impl TerminationType<Signature> for WaveTermination {
     fn completes(&self) -> bool {
         matches!(
             self,
-            WaveTermination::SlipAlone | WaveTermination::Repeats { .. }
+            WaveTermination::SlipAlone | WaveTermination::Misses | WaveTermination::Repeats { .. }
         )
     }
 
@@ -292,7 +297,22 @@ impl Wave {
             return Some(WaveTermination::Undriven);
         }
         let alone = margin.watch == WaveWatch::Duration && self.zones() == 2;
-        alone.then_some(WaveTermination::SlipAlone)
+        let alone = alone.then_some(WaveTermination::SlipAlone);
+        alone.or_else(|| {
+            self.barely_sticks(point, margin)
+                .then_some(WaveTermination::Misses)
+        })
+    }
+
+    /// Whether what reaches V̇ = 1 inside a zone of slip is its end, where stick begins: V̈ vanishes there, and beyond V̇ stays below 1.
+    fn barely_sticks(&self, point: &Vector, margin: &RegimeMargin) -> bool {
+        /// So near to the end, in units of the period: places where V̈ vanishes are known to the root of what V̇ is.
+        const AT_END: f64 = 1e-5;
+        let zone = margin.zone;
+        let left = self.duration_at(point, zone) - margin.time;
+        margin.watch == WaveWatch::Rate
+            && self.signature.zone(zone + 1).entry == ZoneEntry::Arrest
+            && left.abs() <= AT_END * self.scales.time
     }
 
     /// D = 0; or the branch has no end in the range as its speed tends to √a: ln(|c|/√a − 1) falls
@@ -311,11 +331,27 @@ impl Wave {
         let value = self.parameter_at(point);
         let room = (value - low).min(high - value).min(value.abs());
         let sonic = fall > 0.0 && excess < SONIC && rest < SETTLED && drift < SETTLED * room;
-        sonic.then_some(WaveTermination::Sonic {
+        let sonic = sonic.then_some(WaveTermination::Sonic {
             excess,
             parameter: self.parameter,
             value,
-        })
+        });
+        sonic.or_else(|| self.loses_digits(point))
+    }
+
+    /// Whether the end of a sliding zone is the sum of terms so large, in its units, that half of all digits are lost.
+    fn loses_digits(&self, point: &Vector) -> Option<WaveTermination> {
+        /// e¹⁸: the square root of the inverse of rounding.
+        const LOST: f64 = 6.7e7;
+        let at = self.at(point).ok()?;
+        let terms = |zone: usize| {
+            let regime = self.signature.zone(zone).regime;
+            regime.sliding()?;
+            let [y, w] = at.flows.contact(regime).terms(&at.slide(zone))?;
+            let terms = (y / self.scales.time).max(w / self.scales.rate);
+            (terms > LOST).then_some(WaveTermination::LosesDigits { regime, terms })
+        };
+        (0..self.zones()).find_map(terms)
     }
 }
 

@@ -62,6 +62,15 @@ pub enum WaveTermination {
     },
     /// One zone of slip is left: steady sliding at its Hopf point.
     SlipAlone,
+    /// Slip reaches V̇ = 1, where it ends, with V̈ = 0, and beyond it does not.
+    Misses,
+    /// The end of a zone is what rounding of its beginning has grown to.
+    LosesDigits {
+        /// Its regime.
+        regime: Regime,
+        /// How many times larger than its units are the terms of which the end is the sum.
+        terms: f64,
+    },
     /// The wave has become one of half its wavelength, traversed twice: the branch would retrace itself with the halves
     /// exchanged.
     Repeats {

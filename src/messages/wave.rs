@@ -10,6 +10,7 @@ use crate::branch::special::{
     Change, InadmissibleWave, OfWaves, WaveMargin, WaveNote, WaveTermination,
 };
 use crate::orbit::EventType;
+use crate::orbit::special::BranchTermination;
 use crate::tube::model::signature::Regime;
 use crate::tube::model::{Impact, Landing};
 use crate::tube::stability::track::Remark;
@@ -87,6 +88,14 @@ impl Told for Wave {
             EventType::RV if closes => "the reverse-slip zone closes before stick".into(),
             EventType::RV => "reverse slip opens before stick".into(),
             EventType::ST if closes && regime == Regime::Stick => "the stick zone vanishes".into(),
+            EventType::ST
+                if matches!(
+                    change.end,
+                    Some(BranchTermination::Own(WaveTermination::Misses))
+                ) =>
+            {
+                "slip reaches V̇ = 1 with V̈ = 0".into()
+            }
             EventType::ST => "a stick zone opens".into(),
             _ if closes => {
                 let after = change.after.as_ref();
@@ -187,8 +196,18 @@ impl Display for WaveTermination {
             } => write!(
                 f,
                 "the speed tends to √a: |c|/√a − 1 = {excess:.1e} falls without end while everything \
-                 else tends to a limit, {} to {value:.6}; waves must be faster than √a",
+                 else tends to a limit; {} is {value:.6} here; waves must be faster than √a",
                 parameter.column()
+            ),
+            WaveTermination::Misses => f.write_str(
+                "beyond it slip does not reach V̇ = 1 any more where stick began, and the surface slides on: no wave nearby has \
+                 these zones",
+            ),
+            WaveTermination::LosesDigits { regime, terms } => write!(
+                f,
+                "what a wave is off at the beginning of a {} zone, which lies next to steady sliding, grows {terms:.0e} times \
+                 within it: too few digits are left to go on",
+                regime.name()
             ),
             WaveTermination::SlipAlone => f.write_str(
                 "what is left is one zone of slip around the whole circumference: linear waves on \

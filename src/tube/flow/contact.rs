@@ -138,6 +138,14 @@ impl ContactFlow {
         }
     }
 
+    /// Sizes of the terms of which (Y, W) after a time t is the sum: where they are much larger than that its digits are lost, as
+    /// where an entry lies on the slower of two growing motions but for rounding and the faster one comes to tell.
+    pub fn terms(&self, entry: [f64; 2], t: f64) -> [f64; 2] {
+        let [y, w] = [entry[0] + self.shift.value, entry[1]];
+        let size = |[of_y, of_w]: [f64; 2]| (of_y * y).abs() + (of_w * w).abs();
+        self.propagator(t).matrix.map(size)
+    }
+
     /// (Y, W) after a time t from the entry (Y, W), without derivatives.
     pub fn state(&self, entry: [f64; 2], t: f64) -> [f64; 2] {
         let [[m00, m01], [m10, m11]] = self.propagator(t).matrix;

@@ -182,6 +182,16 @@ impl SlidingFlow {
         }
     }
 
+    /// Sizes of the terms of which (Y, W) at the end of a zone is the sum, by a closed form.
+    pub(crate) fn terms(&self, slide: &Slide) -> Option<[f64; 2]> {
+        let flow = match self {
+            SlidingFlow::Exact(flow) => flow,
+            SlidingFlow::Material(flow) => &flow.slow,
+            SlidingFlow::Numerical(_) => return None,
+        };
+        Some(flow.terms(slide.entry, slide.duration))
+    }
+
     /// (Y, W) at increasing times within a zone.
     pub(crate) fn states(&self, slide: &Slide, times: &[f64]) -> Result<Vec<[f64; 2]>, FlowError> {
         match self {
