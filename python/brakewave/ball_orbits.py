@@ -383,12 +383,13 @@ class Modes:
         return self if isinstance(self.names, list) else Modes(*self.made, [*self.matrices, *numbers])
 
     def check_zone(self, zone):
-        """That a zone has the name of its mode, and the label of the switch that ends it: the name of that, where the same mode goes on."""
+        """That a zone has the name of its mode, and the label of the switch that ends it: the name of that, where a mode of the same name goes
+        on."""
         mode, way = whole(zone["mode"], len(self.names)), zone["way"]
         must(zone["name"] == self.names[mode], "a mode has another name")
         guards = self.guards[mode][whole(way["guard"]) :][:1] if way else []
         exits = [it for _, exits in guards for it in exits[whole(way["exit"]) :][:1]]
-        label = next((name for to, *_, name in exits if to == mode), None)
+        label = next((name for to, *_, name in exits if self.names[to] == self.names[mode]), None)
         must(zone.get("label") == label, "a switch has another name")
 
     def derivative(self, mode, row, order):

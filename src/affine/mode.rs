@@ -41,10 +41,9 @@ pub struct Exit {
 }
 
 impl Exit {
-    /// What a sequence says of it at the end of a mode: its name in the file, where the same mode goes on.
-    pub fn label(&self, mode: usize) -> Option<&str> {
-        let says = self.to == mode && !self.of_contact;
-        self.name.as_deref().filter(|_| says)
+    /// Its name in the file: that which a contact gives its own switches says what its states say.
+    pub fn own_name(&self) -> Option<&str> {
+        self.name.as_deref().filter(|_| !self.of_contact)
     }
 
     /// Whether no state jumps.

@@ -37,6 +37,12 @@ impl<O: Told> Display for What<O> {
             What::Limit { kind, error } => {
                 f.write_str(match kind {
                     PointType::GH => "the orbit shrinks to an equilibrium, a degenerate Hopf point",
+                    PointType::BT => {
+                        "the orbit shrinks to an equilibrium, a fold with both eigenvalues zero"
+                    }
+                    PointType::Two(_, EventType::LP) => {
+                        "the saddle of the orbit meets another equilibrium"
+                    }
                     PointType::Two(EventType::HB, EventType::BE) => {
                         "the orbit shrinks to an equilibrium, a Hopf point on its guard"
                     }

@@ -92,8 +92,10 @@ impl<'a> MotionFolder<'a> {
             }
             Seen::Switch(switching) => {
                 let names = [switching.from, switching.to].map(mode);
-                // between two modes of one name nothing changes: a damped spring that parts is open, before its gap is and after it
-                if switching.from != switching.to && names[0] == names[1] {
+                // between two modes of one name a contact changes nothing: a damped spring that parts is open, before its gap is and
+                // after it
+                let changes = switching.from == switching.to || names[0] != names[1];
+                if switching.of_contact && !changes {
                     return Ok(());
                 }
                 self.switched += 1;

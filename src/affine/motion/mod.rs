@@ -42,6 +42,8 @@ pub struct Switching {
     pub guard: usize,
     /// The exit taken, by its number in the guard.
     pub exit: usize,
+    /// Whether a contact makes it.
+    pub of_contact: bool,
     /// States before it.
     pub before: Vec<f64>,
     /// States after the reset.
@@ -524,6 +526,7 @@ impl<'a> Motion<'a> {
             to,
             guard,
             exit: number,
+            of_contact: exit.of_contact,
             before,
             after,
         }))

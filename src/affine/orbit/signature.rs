@@ -63,7 +63,8 @@ pub struct Zone {
     pub way: Option<Way>,
     /// Name of the mode.
     pub name: String,
-    /// Name of the switch that it ends with, where the file gives one and the same mode goes on: see [`Sequence::labelled`].
+    /// Name of the switch that it ends with, where the file gives one and a mode of the same name goes on: see
+    /// [`Sequence::labelled`].
     #[serde(default, skip_serializing_if = "Carried::is_default")]
     pub label: Carried<Option<String>>,
     /// Of the first zone, where sums of states never change along a sequence: the states that they have at its beginning.
@@ -237,18 +238,19 @@ impl Sequence {
     /// The same with the labels that the switches of a system give its zones.
     pub fn labelled(mut self, system: &AffineSystem) -> Sequence {
         for index in 0..self.len() {
-            let label =
-                exit_of(system, &self, index).and_then(|exit| exit.label(self.0[index].mode));
-            self.0[index].label = Carried(label.map(str::to_owned));
+            let says = self.zone(index).name == self.zone(index + 1).name;
+            let exit = exit_of(system, &self, index).filter(|_| says);
+            let label = exit.and_then(Exit::own_name).map(str::to_owned);
+            self.0[index].label = Carried(label);
         }
         self
     }
 
     /// Whether a zone is told by its name: two modes of one name differ in nothing that a name tells, and are one where
-    /// they follow one another.
+    /// they follow one another by a switch without a name.
     pub fn is_told(&self, index: usize) -> bool {
         let (zone, next) = (self.zone(index), self.zone(index + 1));
-        zone.name != next.name || zone.mode == next.mode
+        zone.name != next.name || zone.mode == next.mode || zone.label.0.is_some()
     }
 
     /// Whether another sequence is this one but for the zone it begins with.

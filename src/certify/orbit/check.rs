@@ -90,7 +90,7 @@ fn check_zones(proof: &OrbitProof) -> Result<(), RefusedProof> {
     let (_, modes) = Structure::of(system, &needed).map_err(open)?;
     let is_mode = |zone: &Zone| {
         let way = zone.way.map(|way| [way.guard, way.exit]);
-        let label = way.and_then(|way| modes.label(zone.mode, way));
+        let label = way.and_then(|way| modes.label(system, zone.mode, way));
         modes.modes.get(zone.mode).is_some()
             && system.mode_name(zone.mode) == zone.name
             && zone.has_label(label)

@@ -200,10 +200,12 @@ impl<C: Coefficient> IntervalModes<C> {
         Ok(modes)
     }
 
-    /// What a sequence says of a switch at the end of a mode, by its guard and its exit: its name, where the same mode goes on.
-    pub fn label(&self, mode: usize, [guard, exit]: [usize; 2]) -> Option<&str> {
+    /// What a sequence says of a switch at the end of a mode, by its guard and its exit: its name, where a mode of the same name goes
+    /// on.
+    pub fn label(&self, system: &System, mode: usize, [guard, exit]: [usize; 2]) -> Option<&str> {
         let exit = self.modes.get(mode)?.guards.get(guard)?.exits.get(exit)?;
-        exit.name.as_deref().filter(|_| exit.to == mode)
+        let says = system.mode_name(exit.to) == system.mode_name(mode);
+        exit.name.as_deref().filter(|_| says)
     }
 
     /// Length of z.
