@@ -669,3 +669,23 @@ fn a_bumper_without_a_force_ends_nothing() {
         assert!((time - back - 0.8).abs() <= 1e-14, "{time}");
     }
 }
+
+/// A push moves a mass back over the gap of a damped spring that has lost its force: in `open` before and after, it is told by its name.
+#[test]
+fn a_push_across_a_gap_is_told() {
+    let text = r#"(system: (states: ["x", "v", "s"], parameters: {"d": 0.5, "k": 6.0, "c": 1.0, "A": 1.5, "w": 1.1, "t1": 1.555, "b": 0.02},
+        forcing: "w", contacts: {"p": Spring(gap: "d - x", stiffness: "k", damping: "c")},
+        modes: {
+            "a": (rates: {"x": "v", "v": "A*sin(phase) - 0.2*v - 2*x - p", "s": "0"},
+                until: [(zero: "-x", to: "b", reset: {"s": "0"}, name: "up")]),
+            "b": (rates: {"x": "v", "v": "A*sin(phase) - 0.2*v - 2*x - p", "s": "1"}, until: [
+                (zero: "t1 - s", to: "b", reset: {"x": "x + b", "s": "-100"}, name: "push"),
+                (zero: "x + 0.2", to: "a", reset: {"s": "0"}, name: "down")])}),
+        orbit: (start: Simulate(mode: "a.open", state: {"x": -0.5, "v": 0.1, "s": 0.0}, settle: 100)),
+        continuation: (parameter: "b", range: (0.01, 0.03), toward: Up), stability: ())"#;
+    let all = rows(text);
+    assert_eq!(
+        all[0].point.regimes,
+        "a.open-b.open-b.closed-b.open(push)-b.open"
+    );
+}

@@ -312,3 +312,40 @@ fn a_state_that_is_zero_before_an_event_has_its_unit_beyond() {
         }
     }
 }
+
+/// Of prescribed period, a cycle of r' = (m + r² − r⁴)r shrinks at m = 0, which is known to the rounding of the growth, and a thermostat with
+/// hysteresis h = (1 − |b|) tanh(L/2) to a point on both of its guards, which is no Hopf point.
+#[test]
+fn what_an_orbit_shrinks_to_is_told_by_eigenvalues() {
+    let cycle = rows(
+        r#"(system: (states: ["x", "y"], parameters: {"m": -0.1, "w": 1.3, "b": 0.3, "L": 4.0},
+            define: {"q": "x^2 + y^2", "g": "m + q - q^2", "o": "w + b*q"},
+            modes: {"flow": (rates: {"x": "g*x - o*y", "y": "o*x + g*y"})}),
+        orbit: (start: Simulate(mode: "flow", state: {"x": 1.0, "y": 0.1}, settle: 60), period: "L", free: "w"),
+        continuation: (parameter: "m", range: (-0.5, 1.0), toward: Down), stability: ())"#,
+    );
+    let shrinks = cycle.iter().filter_map(|item| item.event.as_ref());
+    let shrinks = shrinks.filter(|event| event.kind == EventType::BP);
+    let shrinks: Vec<_> = shrinks.collect();
+    assert_eq!(shrinks.len(), 1);
+    let (value, error) = (shrinks[0].parameters[0].1, shrinks[0].uncertainty);
+    assert!(
+        value.abs() <= error && error <= 1e-12,
+        "{value:e} {error:e}"
+    );
+    assert!(shrinks[0].what.contains("Hopf"), "{}", shrinks[0].what);
+
+    let thermostat = rows(
+        r#"(system: (states: ["x"], parameters: {"h": 0.5, "L": 2.0, "b": 0.1}, modes: {
+            "on": (rates: {"x": "1 + b - x"}, until: [(zero: "h - x", name: "u", to: "off")]),
+            "off": (rates: {"x": "-1 + b - x"}, until: [(zero: "x + h", name: "d", to: "on")])}),
+        orbit: (start: Simulate(mode: "on", state: {"x": 0.0}, settle: 50), period: "L", free: "h"),
+        continuation: (parameter: "b", range: (-1.5, 1.5)), stability: ())"#,
+    );
+    let ends = events(&thermostat, "b");
+    assert_eq!(ends.len(), 2);
+    for (_, value, what) in ends {
+        assert!((value.abs() - 1.0).abs() <= 1e-14, "{value}");
+        assert!(what.contains("boundary equilibrium"), "{what}");
+    }
+}

@@ -337,3 +337,23 @@ fn a_homoclinic_orbit_shrinks_to_a_bogdanov_takens_point() {
         assert!(off.abs() <= 1e-10, "{off:e}");
     }
 }
+
+/// Followed to its end, that curve comes to that point, where neither rate of the saddle is left.
+#[test]
+fn a_curve_of_homoclinic_orbits_ends_at_a_bogdanov_takens_point() {
+    let curve = curve(&problem(
+        r#"(system: (states: ["x", "y"], parameters: {"b1": -0.25, "b2": 0.49994375}, modes: {"flow": (rates: {
+            "x": "y", "y": "b1 + b2*y + x^2 + x*y"})}),
+        orbit: (start: Given(mode: "flow", state: {"x": -0.485, "y": 0.0}, period: 6.2838)),
+        continuation: (parameter: "b2", range: (-0.5, 1), toward: Down),
+        curve: (event: HC, parameters: ("b2", "b1"), range: ((-0.1, 1.0), (-0.3, 0.1))))"#,
+    ));
+    let ends = [curve.points.first().unwrap(), curve.points.last().unwrap()];
+    let end = ends.into_iter().find(|end| end.kind == Some(PointType::BT));
+    let end = end.unwrap_or_else(|| panic!("{} {}", curve.end(0), curve.end(1)));
+    let off = end
+        .parameters
+        .iter()
+        .fold(0.0_f64, |most, value| most.max(value.abs()));
+    assert!(off <= 1e-12, "{off:e}");
+}

@@ -648,6 +648,31 @@ fn a_doubling_comes_to_its_resonance() {
     }
 }
 
+/// Half of a period takes an orbit of van der Pol's oscillator to its image: where the multipliers of that half are ±i all of them are −1, with
+/// two eigenvectors, and the curve of NS goes on. The place is a zero of M₁₂ along the curve between w = 0.659 and 0.66, by variational
+/// equations of an independent program.
+#[test]
+fn a_symmetric_orbit_passes_its_resonance() {
+    let curve = whole(
+        r#"(system: (states: ["x", "v"], parameters: {"A": 0.6, "w": 1.1, "mu": 0.3}, forcing: "w", modes: {"f": (
+            rates: {"x": "v", "v": "A*cos(phase) + mu*(1 - x^2)*v - x"})}),
+        orbit: (start: Simulate(mode: "f", state: {"x": 1.0, "v": 0.0}, settle: 300)),
+        continuation: (parameter: "w", range: (0.5, 2.0)), stability: (),
+        curve: (event: NS, parameters: ("w", "A"), range: ((0.64, 0.78), (0.59, 0.9))))"#,
+    );
+    let met = of(&curve, PointType::Resonance(2));
+    assert_eq!(met.len(), 1, "{} {}", curve.end(0), curve.end(1));
+    let [w, amplitude] = met[0].parameters;
+    assert!((w - 0.659_93).abs() <= 1e-5, "{w}");
+    assert!((amplitude - 0.805_35).abs() <= 2e-5, "{amplitude}");
+    assert!(
+        curve
+            .points
+            .iter()
+            .any(|point| point.parameters[0] < w - 0.01)
+    );
+}
+
 /// u' = (m + ax² − u²)u beside x' = cos φ − x: the symmetric cycle u = 0, which never switches, loses its symmetry where the mean of
 /// m + ax² is zero, m = −a/(2(1 + w²)).
 #[test]

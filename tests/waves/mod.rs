@@ -11,6 +11,7 @@ mod closing;
 mod conditioning;
 mod damping;
 mod down_and_up;
+mod ends;
 mod folds;
 mod hopf;
 mod impact;

@@ -245,6 +245,7 @@ mod tests {
             time: f64::NAN,
             growth: f64::NAN,
             turn: f64::NAN,
+            falls: f64::NAN,
         }
     }
 
