@@ -416,6 +416,17 @@ impl Connection {
         Motion::new(system, place, self.scales.time)
     }
 
+    /// What takes a state beside the second saddle to its coordinates along the growing directions there.
+    fn along_growing(&self, saddle: &Saddle) -> Option<Matrix> {
+        let all = &self.growing[1];
+        let columns = Matrix::from_fn(self.scales.states.len(), all.len(), |row, column| {
+            all[column][row]
+        });
+        let growing = &saddle.projection * columns;
+        let square = growing.transpose() * &growing;
+        Some(Factors::new(&square).inverse()? * growing.transpose())
+    }
+
     /// What of a motion is along the growing directions of a saddle while it is near.
     fn arrives(
         &self,
@@ -425,12 +436,7 @@ impl Connection {
         longest: f64,
     ) -> Option<SaddleArrival> {
         let units = &self.scales.states;
-        let columns = |rows: usize, all: &[Vec<f64>]| {
-            Matrix::from_fn(rows, all.len(), |row, column| all[column][row])
-        };
-        let growing = &saddle.projection * columns(units.len(), &self.growing[1]);
-        let square = growing.transpose() * &growing;
-        let coordinates = Factors::new(&square).inverse()? * growing.transpose();
+        let coordinates = self.along_growing(saddle)?;
         let back = &saddle.slopes * &saddle.projection * -1.0;
         let (bends, tolerance) = match is_exact {
             true => (0.0, 0.0),

@@ -44,6 +44,7 @@ pub mod search;
 pub mod start;
 pub mod system;
 mod tube;
+mod watched;
 mod whole;
 
 pub use equilibria::{CriticalEquilibrium, EquilibriaInPlane};

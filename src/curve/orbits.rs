@@ -11,6 +11,7 @@ use super::plane::{
     TestValues,
 };
 use super::point::{Gone, PointType, RegionName, What};
+use super::watched::{passed, test_of_pair, tests_of_torus, without};
 use crate::affine::closure::Prescribed;
 use crate::affine::monitor::{Monitor, MonitorSource};
 use crate::affine::monitored;
@@ -113,6 +114,12 @@ impl OrbitsInPlane {
         }
     }
 
+    /// The cosine of the angle of the pair of half an orbit that is its own image.
+    fn half_cosine(&self, orbit: &AffineOrbit, point: &Vector) -> Option<f64> {
+        let half = orbit.half_monodromy(self.symmetry?, point);
+        half.ok().flatten()?.cosine()
+    }
+
     /// The same with a monitor that keeps its value.
     pub fn keeping(self, monitor: &Monitor) -> OrbitsInPlane {
         OrbitsInPlane {
@@ -143,9 +150,6 @@ impl OrbitsInPlane {
         }
     }
 }
-
-/// Half the sum of a pair that is within this of ±2 is that of two multipliers ±1: the place is known to 1e-12.
-const MET: f64 = 1e-6;
 
 /// The linearised motion over a period.
 fn monodromy(orbit: &AffineOrbit, point: &Vector) -> Option<Monodromy> {
@@ -380,11 +384,7 @@ impl EventCurves for OrbitsInPlane {
         let double = |multiplier: f64| orbit.is_double(point, multiplier);
         let tests = match condition {
             EventCondition::Spectral(MultiplierEvent::Torus) => {
-                let half = self.symmetry.and_then(|kept| {
-                    let half = orbit.half_monodromy(kept, point).ok().flatten();
-                    half?.cosine()
-                });
-                tests_of_torus((cosine, half), doubling)
+                tests_of_torus((cosine, self.half_cosine(orbit, point)), doubling)
             }
             // the multiplier of the event is a double one where the derivative of its own equations in the multiplier vanishes;
             // another pair with the product 1 is an event of its own
@@ -549,53 +549,4 @@ impl PlaneNames for OrbitsInPlane {
     fn say(what: &What<AffineOrbit>) -> String {
         what.to_string()
     }
-}
-
-/// A test that the curve passes.
-fn passed(kind: Option<PointType>, value: f64) -> Test {
-    Test {
-        kind,
-        value,
-        ends: false,
-    }
-}
-
-/// The function of a pair with the product 1, with the cosine of its angle and whether it is on the circle: beside a multiplier ±1, of this
-/// order of resonance, the pair may be that one and another; two real ones μ and 1/μ are no event.
-fn test_of_pair((cosine, turns): (f64, bool), (order, both): (u8, f64), torus: f64) -> Test {
-    let kind = if (cosine - both).abs() <= MET {
-        Some(PointType::Resonance(order))
-    } else {
-        turns.then_some(PointType::One(EventType::NS))
-    };
-    passed(kind, torus)
-}
-
-/// A test without the zero that it has where a double multiplier meets the event.
-fn without(test: Test, met: f64) -> Test {
-    Test {
-        value: test.value / met,
-        ..test
-    }
-}
-
-/// What is watched along a curve of NS with the cosine of its angle, and of that of half a symmetric orbit: the strong
-/// resonances, of which 1:1 and 1:2 end it, and a multiplier −1 other than the pair. Of a symmetric orbit a pair −1 is the
-/// square of a pair ±i of its half: no two eigenvectors become one there, and the curve goes on.
-fn tests_of_torus((cosine, half): (f64, Option<f64>), doubling: Test) -> Vec<Test> {
-    let met = |order, value| Test {
-        ends: true,
-        ..passed(Some(PointType::Resonance(order)), value)
-    };
-    let resonance = |order, value| passed(Some(PointType::Resonance(order)), value);
-    vec![
-        met(1, 1.0 - cosine),
-        half.map_or_else(|| met(2, 1.0 + cosine), |half| resonance(2, half)),
-        resonance(3, cosine + 0.5),
-        resonance(4, cosine),
-        Test {
-            value: doubling.value / (2.0 + 2.0 * cosine),
-            ..doubling
-        },
-    ]
 }

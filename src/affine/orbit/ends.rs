@@ -102,10 +102,7 @@ impl AffineOrbit {
         // of a unit of the branch, of which a step is a small part; growth counts over one shot
         let growth = stay.growth / self.shots(stay.zone) as f64;
         let noise = 16.0 * f64::EPSILON * growth.exp();
-        let lost = || {
-            let is_lost = along < noise && self.left_beside_a_saddle(node) < noise;
-            is_lost && self.comes_nearer(node)
-        };
+        let lost = || along < noise && self.left_beside_a_saddle(node) < noise;
         (along < stationary || lost()).then(|| self.comes_to(stay, node))
     }
 
