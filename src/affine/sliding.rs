@@ -99,6 +99,23 @@ impl AffineSystem {
         balance(&all, 0.0).0
     }
 
+    /// The difference of two fields. Of friction that is zero at one value of a parameter only the direction counts, which is that
+    /// nearby.
+    fn difference(&self, below: &MatrixBy, above: &MatrixBy) -> Option<MatrixBy> {
+        let difference = MatrixBy {
+            at: &above.at - &below.at,
+            by: [0, 1].map(|p| &above.by[p] - &below.by[p]),
+        };
+        if difference.at.amax() != 0.0 {
+            return Some(difference);
+        }
+        let at = difference.by.into_iter().find(|by| by.amax() > 0.0)?;
+        Some(MatrixBy {
+            at,
+            ..MatrixBy::zero(self.size(), self.size())
+        })
+    }
+
     /// The field of a sliding mode and the rates of its surface along both fields, where the difference of these keeps
     /// its direction and the surface is flat.
     fn sliding_field(&self, sides: [usize; 2], surface: &Row) -> Option<SlidingField> {
@@ -109,19 +126,7 @@ impl AffineSystem {
         let [below, above] = sides.map(|side| &self.modes[side].matrix);
         // ∂/∂t of the surface's form along both fields
         let [toward, away] = [below, above].map(|matrix| surface.through(matrix));
-        let mut difference = MatrixBy {
-            at: &above.at - &below.at,
-            by: [0, 1].map(|p| &above.by[p] - &below.by[p]),
-        };
-        // friction that is zero at one value of a parameter: only the direction counts, which is that nearby
-        if difference.at.amax() == 0.0 {
-            let slope = difference.by.iter().find(|by| by.amax() > 0.0)?;
-            let at = slope.clone();
-            difference = MatrixBy {
-                at,
-                ..MatrixBy::zero(self.size(), self.size())
-            };
-        }
+        let difference = self.difference(below, above)?;
         // the largest row of F₊ − F₋; the others are multiples of it
         let rows = 0..self.states;
         let units = self.units_of_z();

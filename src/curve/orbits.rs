@@ -382,6 +382,10 @@ impl EventCurves for OrbitsInPlane {
         let turns = monodromy.angle_on_circle().is_some();
         let pair = |order: u8, both: f64| test_of_pair((cosine, turns), (order, both), torus);
         let double = |multiplier: f64| orbit.is_double(point, multiplier);
+        let of_half = |kept: Kept, test: usize| {
+            let half = orbit.half_monodromy(kept, point).ok().flatten();
+            half.map_or(f64::NAN, |half| half.tests(&half.multipliers())[test])
+        };
         let tests = match condition {
             EventCondition::Spectral(MultiplierEvent::Torus) => {
                 tests_of_torus((cosine, self.half_cosine(orbit, point)), doubling)
@@ -405,17 +409,13 @@ impl EventCurves for OrbitsInPlane {
             ),
             // a multiplier −1 of the whole is a pair ±i of the half, which touches and does not cross
             EventCondition::Spectral(MultiplierEvent::Branching { kept }) => {
-                let half = orbit.half_monodromy(*kept, point).ok().flatten();
-                let torus = half.map(|half| half.tests(&half.multipliers())[2]);
-                vec![passed(pair(1, 1.0).kind, torus.unwrap_or(f64::NAN))]
+                vec![passed(pair(1, 1.0).kind, of_half(*kept, 2))]
             }
             EventCondition::Margin(_) | EventCondition::Constant(_) => {
                 let mut tests = vec![doubling, pair(1, f64::NAN)];
-                if let Some(kept) = self.image(condition) {
-                    let half = orbit.half_monodromy(kept, point).ok().flatten();
-                    let lost = half.map_or(f64::NAN, |half| half.tests(&half.multipliers())[0]);
-                    tests.push(passed(Some(PointType::One(EventType::BP)), lost));
-                }
+                let lost = self.image(condition).map(|kept| of_half(kept, 0));
+                let lost = lost.map(|lost| passed(Some(PointType::One(EventType::BP)), lost));
+                tests.extend(lost);
                 tests
             }
         };
