@@ -294,6 +294,15 @@ impl<P: ParameterPlane> EventCurve<P> {
             return Ok(None);
         };
         let error = error.rows(point.len() - 2, 2).amax();
-        Ok((error <= KNOWN).then_some((place, StepEvent::Limit(point, error))))
+        // beyond an edge there is no limit to come to
+        let widths = self.system.widths();
+        let is_within = |(index, (low, high)): (usize, (f64, f64))| {
+            let value = point[point.len() - 2 + index] * widths[index];
+            let off = error * widths[index];
+            low - off <= value && value <= high + off
+        };
+        let is_known = error <= KNOWN;
+        let comes = is_known && self.limits.ranges.into_iter().enumerate().all(is_within);
+        Ok(comes.then_some((place, StepEvent::Limit(point, error))))
     }
 }

@@ -37,12 +37,18 @@ fn a_touch_closes_without_a_fold() {
         .iter()
         .rfind(|found| found.kind() == Some(CO) && regimes(found).0.contains("separation-sep"));
     let closes = closes.expect("a touch that closes").parameter;
-    let falls = run.points.iter().rev().take(12);
-    let falls: Vec<f64> = falls.map(|found| found.parameter).collect();
-    assert!(falls.is_sorted(), "{falls:?}");
     let fold = events.last().expect("a fold");
     assert_eq!(fold.kind(), Some(LP));
     assert!(closes - fold.parameter > 1e-3, "{}", fold.parameter);
+    let values = run.points.iter().map(|found| found.parameter);
+    let beside = values.skip_while(|value| *value != closes);
+    let beside: Vec<f64> = beside
+        .take_while(|value| *value != fold.parameter)
+        .collect();
+    assert!(
+        beside.len() > 5 && beside.is_sorted_by(|one, other| one >= other),
+        "{beside:?}"
+    );
 }
 
 /// Slip begins beside steady sliding, and what a wave is off grows by e¹⁸ within it: stick vanishes, as from the neighbouring branches in
@@ -97,5 +103,5 @@ fn slip_that_hardly_comes_to_stick_ends_a_branch() {
     let last = run.points.last().expect("points");
     let stick = last.orbit.zones() - 1;
     let length = last.orbit.duration_at(&last.node.point, stick);
-    assert!(length > 0.02, "{length}");
+    assert!(length > 0.01, "{length}");
 }
