@@ -184,6 +184,17 @@ impl Field {
         self.series_of(&self.needed, z, order, derivatives, forward)
     }
 
+    /// The values of z with their derivatives, of all that these forms have to do with, too: they may come from the mode before.
+    pub fn values_for(&self, forms: &[Row], z: &Vector) -> Series {
+        let base = self.program.base;
+        let occurs = |index: usize| forms.iter().any(|form| form.has(base + index));
+        let mut needed: Vec<bool> = (0..self.program.made()).map(occurs).collect();
+        let own = needed.iter_mut().zip(&self.needed);
+        own.for_each(|(needed, own)| *needed |= own);
+        self.program.complete(&mut needed);
+        self.series_of(&needed, z, 0, true, true)
+    }
+
     /// The same with what conditions and resets are made of, where the mode ends.
     pub fn series_at_switch(&self, z: &Vector, order: usize, forward: bool) -> Series {
         self.series_of(&self.at_switch, z, order, true, forward)
@@ -323,6 +334,8 @@ impl Field {
     /// How long the polynomial of degree 16 holds for z, and at most: until it has left out as much as the tolerance
     /// allows, or until an operand of `abs` changes its sign.
     pub fn length(&self, series: &Series, longest: f64, forward: bool) -> f64 {
+        /// Products of the tolerance with what is smaller are none, and have no digits left: a square of a state that has died out.
+        const LOST: f64 = f64::MIN_POSITIVE / (f64::EPSILON * f64::EPSILON);
         let base = self.program.base;
         let counts = |c: &usize| *c < base || self.needed[*c - base];
         // a number that is none has no greatest and no least
@@ -339,7 +352,7 @@ impl Field {
                 let holds = |j: usize| tail * powers[last - j] <= self.tolerance * z[j].abs();
                 // a state whose rate vanishes but for rounding, as that across a surface, has no order of its own
                 let rounding = || self.rounding_of_order(series, c, last);
-                if tail > 0.0 && !(0..last).any(holds) && tail > rounding() {
+                if tail > LOST && !(0..last).any(holds) && tail > rounding() {
                     let first = z[0].abs().max(self.size_of_product(series, c, &powers));
                     let own = |j: usize| if j == 0 { first } else { z[j].abs() };
                     let allowed = |j: usize| self.tolerance * own(j) / tail;

@@ -62,7 +62,7 @@ impl Points {
             let field = &system.modes[mode].field;
             for _ in 0..STEPS {
                 let z = system.lift(mode, &state, phase);
-                let series = field.series(&z, 0, true, true);
+                let series = field.values_for(&forms, &z);
                 let jets = forms.iter().map(|row| series.jet(row, 0));
                 let (values, rows): (Vec<f64>, Vec<Vec<f64>>) = jets
                     .map(|(value, by_z, _)| (value, slopes(&by_z, &z, system.harmonics, units)))
