@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use brakewave::EventType;
 use brakewave::affine::motion::{Halt, Motion, Step, Switching};
 use brakewave::affine::orbit::AffineOrbit;
 use brakewave::affine::orbit::start::NoStart;
@@ -10,6 +11,7 @@ use brakewave::linalg::Vector;
 use brakewave::orbit::{Bifurcations, Examined, Zones};
 
 use crate::affine::branches::{follow, started};
+use crate::affine::counts::{events, rows};
 use crate::affine::systems::{BRAKE_BY_HAND, TWO_MASSES, at, place, system};
 
 /// Every switch of a motion up to a time, and why it does not go on.
@@ -387,4 +389,90 @@ fn sliding_is_the_same_in_any_units_of_the_states() {
         let off = (multiplier / other - 1.0).abs();
         assert!(off <= SAME, "{x:e}, {y:e}: {multiplier} {other}");
     }
+}
+
+/// A relay on v + ax + ex², forced, and the same with V = v + ax + ex² in the place of v, where the surface is flat: the events are the same.
+#[test]
+fn a_curved_surface_is_one_that_is_flat_elsewhere() {
+    let text = |states: &str, velocity: &str, surface: &str, rates: &str| {
+        format!(
+            r#"(system: (states: ["x", "{states}"], parameters: {{"c": 0.38783474954324304, "m": 0.3139856325505693,
+                "A": 1.9719832395937509, "w": 0.6738139972412229, "a": 1.4822412871616704, "e": -0.38649547663361905}}, forcing: "w",
+                define: {{"v": "{velocity}", "f": "A*cos(phase)-c*v-x"}},
+                modes: {{"P": (rates: {{"x": "v", "{states}": "{rates}-m"}}, until: [(zero: "{surface}", to: "M")]),
+                    "M": (rates: {{"x": "v", "{states}": "{rates}+m"}}, until: [(zero: "-({surface})", to: "P")])}},
+                sliding: {{"S": ("P", "M")}}),
+            orbit: (start: Simulate(mode: "P", state: {{"x": 0.5, "{states}": 1.0}}, settle: 100.0)),
+            continuation: (parameter: "A", range: (1.9, 2.4), toward: Up), stability: ())"#
+        )
+    };
+    let curved = text("u", "u", "u+a*x+e*x^2", "f");
+    let flat = text("V", "V-a*x-e*x^2", "V", "f+(a+2*e*x)*v");
+    let [curved, flat] = [curved, flat].map(|text| events(&rows(&text), "A"));
+    assert_eq!(flat.len(), 3, "{flat:?}");
+    assert_eq!(curved.len(), flat.len(), "{curved:?}");
+    for ((kind, value, _), (other, expected, _)) in curved.iter().zip(&flat) {
+        assert_eq!(kind, other);
+        let off = (value - expected).abs();
+        assert!(off <= 1e-11, "{kind:?} {off:e}");
+    }
+}
+
+/// Prey that is harvested above y = al + be x²: a cycle that slides goes on to the edge.
+#[test]
+fn a_cycle_slides_in_a_curved_surface() {
+    let items = rows(
+        r#"(system: (states: ["x", "y"], parameters: {"b": 0.245, "d": 0.489, "h": 0.151, "al": 0.482, "be": -0.249},
+            define: {"eaten": "x*y/(b+x)", "H": "y-al-be*x^2"},
+            modes: {"low": (rates: {"x": "x*(1-x)-eaten", "y": "eaten-d*y"}, until: [(zero: "-H", to: "high")]),
+                "high": (rates: {"x": "x*(1-x)-eaten-0.3*h*x", "y": "eaten-(d+h)*y"}, until: [(zero: "H", to: "low")])},
+            sliding: {"slide": ("low", "high")}),
+        orbit: (start: Simulate(mode: "low", state: {"x": 0.373, "y": 0.1}, settle: 100.0)),
+        continuation: (parameter: "d", range: (0.4, 0.6), toward: Up), stability: ())"#,
+    );
+    assert!(events(&items, "d").is_empty());
+    assert_eq!(items.last().unwrap().point.regimes, "low-slide");
+    // an event-driven integration has this period at d = 0.489
+    let period = items[0].point.period;
+    assert!((period - 17.527_844_675_27).abs() <= 1e-10, "{period}");
+}
+
+/// Van der Pol's oscillator with a relay on x − c + ky: the fields touch the surface at y = ∓g and meet where b = −g/k, where the cycle
+/// shrinks to a point in no time.
+#[test]
+fn a_cycle_shrinks_to_two_tangencies() {
+    let items = rows(
+        r#"(system: (states: ["x", "y"], parameters: {"mu": 0.49, "b": 1.4, "c": -0.45, "k": 0.33, "g": -0.41},
+            define: {"H": "x-c+k*y"},
+            modes: {"P": (rates: {"x": "y-g", "y": "mu*(1-x^2)*y-x-b"}, until: [(zero: "H", to: "M")]),
+                "M": (rates: {"x": "y+g", "y": "mu*(1-x^2)*y-x+b"}, until: [(zero: "-H", to: "P")])},
+            sliding: {"S": ("P", "M")}),
+        orbit: (start: Simulate(mode: "P", state: {"x": 0.55, "y": 0.0}, settle: 100.0)),
+        continuation: (parameter: "b", range: (0.1, 4.0), toward: Up), stability: ())"#,
+    );
+    let end = items.last().and_then(|item| item.event.as_ref()).unwrap();
+    assert_eq!(end.kind, EventType::BP);
+    let off = end
+        .parameters
+        .iter()
+        .find(|(name, _)| name == "b")
+        .unwrap()
+        .1
+        - 0.41 / 0.33;
+    assert!(
+        off.abs() <= end.uncertainty && end.uncertainty <= 1e-7,
+        "{off:e}"
+    );
+}
+
+/// x' = −x − x³ beside a forced state: once x³ is less than the smallest number the motion goes on all the same.
+#[test]
+fn a_state_dies_out_to_nothing() {
+    let items = rows(
+        r#"(system: (states: ["x", "y"], parameters: {"A": 1.0}, forcing: "1",
+            modes: {"m": (rates: {"x": "-x-x^3", "y": "A*cos(phase)-y+x*y"})}),
+        orbit: (start: Simulate(mode: "m", state: {"x": 0.5, "y": 0.3}, settle: 100)),
+        continuation: (parameter: "A", range: (0.5, 2.0)), stability: ())"#,
+    );
+    assert!(items.len() > 2 && events(&items, "A").is_empty());
 }

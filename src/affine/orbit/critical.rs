@@ -39,6 +39,8 @@ pub enum Critical {
     Shrinking,
     /// The orbit has no size: a point on the boundaries of its modes.
     Vanishing,
+    /// The orbit has no size, and its period no length.
+    Instant,
     /// So many multipliers pass −1 together.
     Doublings {
         /// Two or more.
@@ -118,7 +120,8 @@ impl SpecialType<Sequence> for Critical {
             | Critical::Branchings { .. }
             | Critical::Family
             | Critical::Shrinking
-            | Critical::Vanishing => EventType::BP,
+            | Critical::Vanishing
+            | Critical::Instant => EventType::BP,
             Critical::Unlocated { .. } => EventType::MX,
             Critical::Homoclinic { .. }
             | Critical::SaddleNode { .. }
@@ -283,6 +286,11 @@ impl fmt::Display for Critical {
                     "the orbit shrinks to an equilibrium: its Hopf point"
                 )
             }
+            Critical::Instant => write!(
+                formatter,
+                "the orbit and its period shrink to nothing together: switches follow one another ever faster, and in \
+                 the limit without end at one place, as in sliding"
+            ),
             Critical::Vanishing => write!(
                 formatter,
                 "the orbit shrinks in proportion to the parameter, while its period does not, to a point where its modes \

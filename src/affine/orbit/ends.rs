@@ -289,6 +289,25 @@ impl AffineOrbit {
         !self.is_forced() && zones.all(|zone| point[self.duration_index(zone)].abs() <= CLOSING)
     }
 
+    /// Whether an orbit and its period shrink to nothing at one value of the parameter, as where both fields of a sliding mode touch its
+    /// surface from within: they fall in proportion, and what is left of the parameter as their square.
+    fn shrinks_in_no_time(&self, node: &Node) -> Option<OrbitTermination> {
+        /// All durations, in units of the first period.
+        const SHORT: f64 = 1e-4;
+        /// The slope of the parameter is as many times the longest of them at most.
+        const SLOPE: f64 = 1e2;
+        let Node { point, tangent, .. } = node;
+        if self.is_forced() || !self.has_own_period() || self.sequence.switches() == 0 {
+            return None;
+        }
+        let duration = |zone: usize| point[self.duration_index(zone)].abs();
+        let longest = (0..self.zones()).map(duration).fold(0.0, f64::max);
+        let shrinks = (0..self.zones()).all(|zone| tangent[self.duration_index(zone)] < 0.0);
+        let stands = tangent[tangent.len() - 1].abs() <= SLOPE * longest;
+        let is_short = longest <= SHORT && self.varies_within(point, SLOPE * SHORT);
+        (is_short && shrinks && stands).then_some(OrbitTermination::Slides)
+    }
+
     /// Why the branch does not go on from a node.
     pub(super) fn ends(&self, node: &Node) -> Option<OrbitTermination> {
         let unbounded = self.lengthens(node, STATIONARY);
@@ -300,6 +319,7 @@ impl AffineOrbit {
                 Some(self.comes_slowly(node, 0.0).unwrap_or(stalls))
             })
             .or_else(|| self.grows(node))
+            .or_else(|| self.shrinks_in_no_time(node))
             .or_else(|| self.rests(node, AT_REST))
             .or_else(|| {
                 let vanishes = self.comes_to_a_point(node, AT_REST);
@@ -498,6 +518,7 @@ impl Terminations for AffineOrbit {
         let slope = tangent[tangent.len() - 1].abs();
         match stop {
             OrbitTermination::Unbounded => slope,
+            OrbitTermination::Slides => slope * self.extent(point).unwrap_or(1.0),
             // the time beside a focus that becomes a node is the inverse root of what the parameter lacks, beside a node
             // its logarithm, which is less
             OrbitTermination::Stalls { .. } => {

@@ -74,8 +74,11 @@ impl AffineOrbit {
 
     /// The Hopf point of the first mode next to a point and a state, with what is free of the parameters as it is.
     fn hopf_point(&self, point: &Vector, state: &[f64], frequency: f64) -> Option<HopfPoint> {
-        /// Parts of the range to either side within which it is looked for.
-        const NEAR: [f64; 4] = [1e-8, 1e-6, 1e-4, 1e-2];
+        /// Parts of the range to either side within which it is looked for: an equilibrium solves the equations of an orbit at any value,
+        /// and a step may have come to one a little way off.
+        const NEAR: [f64; 5] = [1e-8, 1e-6, 1e-4, 1e-2, 1e-1];
+        /// The pair has the frequency of the orbit to this part.
+        const ALIKE: f64 = 0.1;
         /// Values beside it at which the growth is compared with a straight line, and how many roundings they are apart.
         const SAMPLES: i32 = 4;
         const APART: f64 = 64.0;
@@ -103,6 +106,9 @@ impl AffineOrbit {
             let width = 4.0 * f64::EPSILON * middle.abs();
             let found = zero(bracket, width, growth).ok()?;
             let (parameter, here) = (found.place, found.found);
+            if (here.frequency / frequency - 1.0).abs() > ALIKE {
+                return None;
+            }
             let slope = (high - low) / (ends[1] - ends[0]);
             // what of the growth is not a straight line so near is rounding
             let samples = (-SAMPLES..=SAMPLES).map(|sample| {

@@ -322,11 +322,7 @@ impl fmt::Display for OrbitTermination {
                  than zero, or friction drives what slips"
             ),
             OrbitTermination::Shrinks => Critical::Shrinking.fmt(formatter),
-            OrbitTermination::Slides => write!(
-                formatter,
-                "the orbit and its period shrink to nothing together: switches follow one another ever faster, and in \
-                 the limit without end at one place, as in sliding"
-            ),
+            OrbitTermination::Slides => Critical::Instant.fmt(formatter),
             OrbitTermination::Vanishes => Critical::Vanishing.fmt(formatter),
             OrbitTermination::Accumulates { zones, ratio } => write!(
                 formatter,

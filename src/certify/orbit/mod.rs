@@ -248,7 +248,7 @@ fn prepared(
         }
         Special::Own(Critical::Torus { angle }) => OrbitCondition::Torus { angle: *angle },
         Special::Own(Critical::Branching | Critical::Symmetric) => OrbitCondition::Branching,
-        Special::Own(Critical::Shrinking | Critical::Vanishing) => {
+        Special::Own(Critical::Shrinking | Critical::Vanishing | Critical::Instant) => {
             return Err(OpenOrbit::Shrinking);
         }
         Special::Own(Critical::Family) => return Err(OpenOrbit::Family),
