@@ -329,23 +329,24 @@ impl AffineSystem {
                 .iter()
                 .position(same)
                 .map(|index| second.remove(index));
-            let exits = self.exits_of_both(&surface, &guard.exits, twin.as_ref());
+            let exits = self.exits_of_both(&surface, &guard, twin.as_ref());
             watched.push(Guard { exits, ..guard });
         }
         for guard in second {
-            let exits = self.exits_of_both(&surface, &guard.exits, None);
+            let exits = self.exits_of_both(&surface, &guard, None);
             watched.push(Guard { exits, ..guard });
         }
         self.modes.written_mut()[own].guards.extend(watched);
     }
 
-    /// Where sliding along a surface leads at a guard with these exits, which the mode on the other side has, too, or
-    /// not. Nowhere where the two modes jump differently, or by different conditions.
-    fn exits_of_both(&self, surface: &Row, exits: &[Exit], twin: Option<&Guard>) -> Vec<Exit> {
+    /// Where sliding along a surface leads at a guard, which the mode on the other side has, too, or not. Nowhere where the
+    /// two modes jump differently, or by different conditions.
+    fn exits_of_both(&self, surface: &Row, guard: &Guard, twin: Option<&Guard>) -> Vec<Exit> {
+        let Guard { row, exits, .. } = guard;
         let Some(Guard { exits: others, .. }) = twin else {
             let arrivals = exits
                 .iter()
-                .flat_map(|exit| self.arrivals(surface, exit, exit.to));
+                .flat_map(|exit| self.arrivals(surface, (row, exit), exit.to));
             return arrivals.collect();
         };
         let units = self.units_of_z();
@@ -367,7 +368,7 @@ impl AffineSystem {
         }
         let pairs = exits.iter().zip(others);
         pairs
-            .flat_map(|(one, other)| self.arrivals(surface, one, other.to))
+            .flat_map(|(one, other)| self.arrivals(surface, (row, one), other.to))
             .collect()
     }
 
@@ -376,9 +377,11 @@ impl AffineSystem {
     ///
     /// Where the two modes beyond meet in a surface h = 0 of their own, h > 0 in the first of them, the state after the
     /// reset decides: the mode of its sign, or, on that surface, the one to which both fields point, or the sliding mode
-    /// where both point at it. No field decides where both point away.
-    fn arrivals(&self, surface: &Row, exit: &Exit, other: usize) -> Vec<Exit> {
+    /// where both point at it. Where both point away it is that one which leaves the guard as well, where the other comes back to it;
+    /// no field decides where both leave it.
+    fn arrivals(&self, surface: &Row, (met, exit): (&Row, &Exit), other: usize) -> Vec<Exit> {
         let [one, other] = [exit.to, other];
+        let is_continuous = exit.is_continuous();
         let units = self.units_of_z();
         let after = |row: &Row| self.before_reset(row, &exit.reset);
         let sliding = || {
@@ -416,15 +419,9 @@ impl AffineSystem {
             }
             None if one == other => return vec![exit(one, Vec::new())],
             None => {
-                let Some([guard, _]) = self.meeting(one, other) else {
+                let Some((row, falls)) = self.surface_between(one, other) else {
                     return Vec::new();
                 };
-                let row = self.modes[one].guards[guard].row.clone();
-                let base = self.size() - self.program.made();
-                if (base..self.size()).any(|column| row.has(column)) {
-                    return Vec::new();
-                }
-                let falls = [one, other].map(|side| row.through(&self.modes[side].matrix));
                 (None, [one, other], row, falls)
             }
         };
@@ -438,13 +435,44 @@ impl AffineSystem {
             let [toward, away] = [after(&falls[0])?, after(&falls[1])?];
             let [not_toward, not_away] = [toward.negative(), away.negative()];
             let slides = slides.map(|to| exit(to, vec![not_toward.clone(), away.clone()]));
+            let leaving = self.leaving(met, sides).filter(|_| is_continuous);
+            let parts = leaving.into_iter().flatten().zip(sides);
+            let parts = parts.map(|(leaves, to)| {
+                let apart = [toward.clone(), not_away.clone()].into_iter();
+                exit(to, apart.chain(leaves).collect())
+            });
+            let parts: Vec<Exit> = parts.collect();
             let crosses = [
-                exit(first, vec![toward, away]),
-                exit(second, vec![not_toward, not_away]),
+                exit(first, vec![toward.clone(), away]),
+                exit(second, vec![not_toward, not_away.clone()]),
             ];
-            Some(slides.into_iter().chain(crosses).collect())
+            Some(slides.into_iter().chain(crosses).chain(parts).collect())
         };
         exits().unwrap_or_default()
+    }
+
+    /// The flat surface in which two modes meet, and its rate in each of them.
+    fn surface_between(&self, one: usize, other: usize) -> Option<(Row, [Row; 2])> {
+        let [guard, _] = self.meeting(one, other)?;
+        let row = &self.modes[one].guards[guard].row;
+        let base = self.size() - self.program.made();
+        if (base..self.size()).any(|column| row.has(column)) {
+            return None;
+        }
+        let falls = [one, other].map(|side| row.through(&self.modes[side].matrix));
+        Some((row.clone(), falls))
+    }
+
+    /// What is positive where the first of two modes leaves a guard and the other comes back to it, and the other way round; `None` where
+    /// the guard is curved.
+    fn leaving(&self, guard: &Row, sides: [usize; 2]) -> Option<[[Row; 2]; 2]> {
+        let base = self.size() - self.program.made();
+        let is_flat = (base..self.size()).all(|column| !guard.has(column));
+        let [one, other] = sides.map(|side| guard.through(&self.modes[side].matrix));
+        is_flat.then(|| {
+            let [leaves, leaves_too] = [one.negative(), other.negative()];
+            [[leaves, other], [leaves_too, one]]
+        })
     }
 
     /// The form before a reset whose value a form has after it; `None` where that is not linear in z.

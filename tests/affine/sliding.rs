@@ -476,3 +476,23 @@ fn a_state_dies_out_to_nothing() {
     );
     assert!(items.len() > 2 && events(&items, "A").is_empty());
 }
+
+/// Two genes slide along x = t1 to the corner of both thresholds. Beyond, both fields point away from x = t1, and that of `q01` back to y = t2: the
+/// motion goes on in `q11`, as that of a relay with a little hysteresis does.
+#[test]
+fn a_corner_is_left_by_the_mode_that_leads_away() {
+    let system = system(
+        r#"(states: ["x", "y"], parameters: {"t1": 0.5898282714754193, "t2": 0.6629890010629022}, modes: {
+            "q00": (rates: {"x": "1.3328-x*(1+0.2*y)", "y": "0.2852-1.3*y"}, until: [(zero: "t1-x", to: "q10"), (zero: "t2-y", to: "q01")]),
+            "q01": (rates: {"x": "0.0217-x*(1+0.2*y)", "y": "0.7495-1.3*y"}, until: [(zero: "t1-x", to: "q11"), (zero: "y-t2", to: "q00")]),
+            "q10": (rates: {"x": "0.5481-x*(1+0.2*y)", "y": "1.6207-1.3*y"}, until: [(zero: "x-t1", to: "q00"), (zero: "t2-y", to: "q11")]),
+            "q11": (rates: {"x": "1.3812-x*(1+0.2*y)", "y": "1.2029-1.3*y"}, until: [(zero: "x-t1", to: "q01"), (zero: "y-t2", to: "q10")])},
+            sliding: {"sx0": ("q00", "q10"), "sx1": ("q01", "q11"), "sy0": ("q00", "q01"), "sy1": ("q10", "q11")})"#,
+    );
+    let (found, halt) = switches(&system, ("q00", &[0.33, 0.44], 0.0), 1.6);
+    assert_eq!(halt, None);
+    let names = found
+        .iter()
+        .map(|one| system.mode_name(one.to).into_owned());
+    assert_eq!(names.collect::<Vec<_>>(), ["sx0", "q11"]);
+}
