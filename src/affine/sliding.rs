@@ -99,6 +99,12 @@ impl AffineSystem {
         balance(&all, 0.0).0
     }
 
+    /// Whether a form has to do with what is made of others: its surface need not be flat.
+    fn is_curved(&self, row: &Row) -> bool {
+        let base = self.size() - self.program.made();
+        (base..self.size()).any(|column| row.has(column))
+    }
+
     /// The difference of two fields. Of friction that is zero at one value of a parameter only the direction counts, which is that
     /// nearby.
     fn difference(&self, below: &MatrixBy, above: &MatrixBy) -> Option<MatrixBy> {
@@ -119,8 +125,7 @@ impl AffineSystem {
     /// The field of a sliding mode and the rates of its surface along both fields, where the difference of these keeps
     /// its direction and the surface is flat.
     fn sliding_field(&self, sides: [usize; 2], surface: &Row) -> Option<SlidingField> {
-        let base = self.size() - self.program.made();
-        if (base..self.size()).any(|column| surface.has(column)) {
+        if self.is_curved(surface) {
             return None;
         }
         let [below, above] = sides.map(|side| &self.modes[side].matrix);
@@ -263,11 +268,10 @@ impl AffineSystem {
     /// between them nothing slides but where that rate is zero, too.
     pub(super) fn is_of_second_order(&self, from: usize, guard: usize, to: usize) -> bool {
         let row = &self.modes[from].guards[guard].row;
-        let base = self.size() - self.program.made();
         let meets = self
             .meeting(from, to)
             .is_some_and(|[leave, _]| leave == guard);
-        let plain = !(base..self.size()).any(|column| row.has(column));
+        let plain = !self.is_curved(row);
         let [own, other] = [from, to].map(|mode| row.through(&self.modes[mode].matrix));
         let units = self.units_of_z();
         meets && from != to && plain && is_nothing(&difference(&own, &other), &own, &units)
@@ -455,8 +459,7 @@ impl AffineSystem {
     fn surface_between(&self, one: usize, other: usize) -> Option<(Row, [Row; 2])> {
         let [guard, _] = self.meeting(one, other)?;
         let row = &self.modes[one].guards[guard].row;
-        let base = self.size() - self.program.made();
-        if (base..self.size()).any(|column| row.has(column)) {
+        if self.is_curved(row) {
             return None;
         }
         let falls = [one, other].map(|side| row.through(&self.modes[side].matrix));
@@ -466,10 +469,8 @@ impl AffineSystem {
     /// What is positive where the first of two modes leaves a guard and the other comes back to it, and the other way round; `None` where
     /// the guard is curved.
     fn leaving(&self, guard: &Row, sides: [usize; 2]) -> Option<[[Row; 2]; 2]> {
-        let base = self.size() - self.program.made();
-        let is_flat = (base..self.size()).all(|column| !guard.has(column));
         let [one, other] = sides.map(|side| guard.through(&self.modes[side].matrix));
-        is_flat.then(|| {
+        (!self.is_curved(guard)).then(|| {
             let [leaves, leaves_too] = [one.negative(), other.negative()];
             [[leaves, other], [leaves_too, one]]
         })
