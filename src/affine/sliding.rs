@@ -99,12 +99,6 @@ impl AffineSystem {
         balance(&all, 0.0).0
     }
 
-    /// Whether a form has to do with what is made of others: its surface need not be flat.
-    fn is_curved(&self, row: &Row) -> bool {
-        let base = self.size() - self.program.made();
-        (base..self.size()).any(|column| row.has(column))
-    }
-
     /// The difference of two fields. Of friction that is zero at one value of a parameter only the direction counts, which is that
     /// nearby.
     fn difference(&self, below: &MatrixBy, above: &MatrixBy) -> Option<MatrixBy> {
@@ -125,12 +119,9 @@ impl AffineSystem {
     /// The field of a sliding mode and the rates of its surface along both fields, where the difference of these keeps
     /// its direction and the surface is flat.
     fn sliding_field(&self, sides: [usize; 2], surface: &Row) -> Option<SlidingField> {
-        if self.is_curved(surface) {
-            return None;
-        }
-        let [below, above] = sides.map(|side| &self.modes[side].matrix);
         // ∂/∂t of the surface's form along both fields
-        let [toward, away] = [below, above].map(|matrix| surface.through(matrix));
+        let [toward, away] = self.rates_in(surface, sides)?;
+        let [below, above] = sides.map(|side| &self.modes[side].matrix);
         let difference = self.difference(below, above)?;
         // the largest row of F₊ − F₋; the others are multiples of it
         let rows = 0..self.states;
@@ -271,10 +262,9 @@ impl AffineSystem {
         let meets = self
             .meeting(from, to)
             .is_some_and(|[leave, _]| leave == guard);
-        let plain = !self.is_curved(row);
-        let [own, other] = [from, to].map(|mode| row.through(&self.modes[mode].matrix));
         let units = self.units_of_z();
-        meets && from != to && plain && is_nothing(&difference(&own, &other), &own, &units)
+        let alike = |[own, other]: [Row; 2]| is_nothing(&difference(&own, &other), &own, &units);
+        meets && from != to && self.rates_in(row, [from, to]).is_some_and(alike)
     }
 
     /// The guards of two modes that lead from one to the other and are the same but for their sign: the one pair of them.
@@ -455,25 +445,26 @@ impl AffineSystem {
         exits().unwrap_or_default()
     }
 
+    /// The rates of a form in two modes; `None` where it has to do with what is made of others: its surface need not be flat.
+    fn rates_in(&self, row: &Row, sides: [usize; 2]) -> Option<[Row; 2]> {
+        let base = self.size() - self.program.made();
+        let is_flat = (base..self.size()).all(|column| !row.has(column));
+        is_flat.then(|| sides.map(|side| row.through(&self.modes[side].matrix)))
+    }
+
     /// The flat surface in which two modes meet, and its rate in each of them.
     fn surface_between(&self, one: usize, other: usize) -> Option<(Row, [Row; 2])> {
         let [guard, _] = self.meeting(one, other)?;
         let row = &self.modes[one].guards[guard].row;
-        if self.is_curved(row) {
-            return None;
-        }
-        let falls = [one, other].map(|side| row.through(&self.modes[side].matrix));
-        Some((row.clone(), falls))
+        Some((row.clone(), self.rates_in(row, [one, other])?))
     }
 
     /// What is positive where the first of two modes leaves a guard and the other comes back to it, and the other way round; `None` where
     /// the guard is curved.
     fn leaving(&self, guard: &Row, sides: [usize; 2]) -> Option<[[Row; 2]; 2]> {
-        let [one, other] = sides.map(|side| guard.through(&self.modes[side].matrix));
-        (!self.is_curved(guard)).then(|| {
-            let [leaves, leaves_too] = [one.negative(), other.negative()];
-            [[leaves, other], [leaves_too, one]]
-        })
+        let [one, other] = self.rates_in(guard, sides)?;
+        let [leaves, leaves_too] = [one.negative(), other.negative()];
+        Some([[leaves, other], [leaves_too, one]])
     }
 
     /// The form before a reset whose value a form has after it; `None` where that is not linear in z.

@@ -16,11 +16,11 @@ use crate::tube::flow::FlowError;
 use crate::tube::model::Parameter;
 use crate::tube::model::signature::{Regime, Signature, WaveZone, ZoneEntry};
 use crate::tube::stability::track::Remark;
-use crate::tube::wave::Wave;
 use crate::tube::wave::admissibility::{
     MarginConstraint, RegimeMargin, WaveExamination, WaveWatch, examine,
 };
 use crate::tube::wave::successor::candidates;
+use crate::tube::wave::{Wave, WaveAt};
 
 /// A point of a branch of waves.
 pub type Found = follow::LocatedPoint<Wave>;
@@ -293,7 +293,7 @@ impl Monitored for Wave {}
 impl Wave {
     /// Why the branch ends where a margin vanishes and no candidate goes on.
     fn ends_at_change(&self, point: &Vector, margin: &RegimeMargin) -> Option<WaveTermination> {
-        if is_undriven(self, point) {
+        if self.at(point).is_ok_and(|at| is_undriven(&at)) {
             return Some(WaveTermination::Undriven);
         }
         let alone = margin.watch == WaveWatch::Duration && self.zones() == 2;
@@ -319,7 +319,8 @@ impl Wave {
     /// without bound and everything else tends to a limit, as a power of the excess speed.
     fn ends_in_range(&self, node: &Node, (low, high): (f64, f64)) -> Option<WaveTermination> {
         let Node { point, tangent, .. } = node;
-        if is_undriven(self, point) {
+        let at = self.at(point).ok();
+        if at.as_ref().is_some_and(is_undriven) {
             return Some(WaveTermination::Undriven);
         }
         let last = self.unknowns() - 1;
@@ -336,27 +337,26 @@ impl Wave {
             parameter: self.parameter,
             value,
         });
-        sonic.or_else(|| self.loses_digits(point))
-    }
-
-    /// Whether the end of a sliding zone is the sum of terms so large, in its units, that half of all digits are lost.
-    fn loses_digits(&self, point: &Vector) -> Option<WaveTermination> {
-        /// e¹⁸: the square root of the inverse of rounding.
-        const LOST: f64 = 6.7e7;
-        let at = self.at(point).ok()?;
-        let terms = |zone: usize| {
-            let regime = self.signature.zone(zone).regime;
-            regime.sliding()?;
-            let [y, w] = at.flows.contact(regime).terms(&at.slide(zone))?;
-            let terms = (y / self.scales.time).max(w / self.scales.rate);
-            (terms > LOST).then_some(WaveTermination::LosesDigits { regime, terms })
-        };
-        (0..self.zones()).find_map(terms)
+        sonic.or_else(|| loses_digits(&at?))
     }
 }
 
+/// Whether the end of a sliding zone is the sum of terms so large, in its units, that half of all digits are lost.
+fn loses_digits(at: &WaveAt) -> Option<WaveTermination> {
+    /// e¹⁸: the square root of the inverse of rounding.
+    const LOST: f64 = 6.7e7;
+    let WaveAt { wave, flows, .. } = at;
+    let terms = |zone: usize| {
+        let regime = wave.signature.zone(zone).regime;
+        regime.sliding()?;
+        let [y, w] = flows.contact(regime).terms(&at.slide(zone))?;
+        let terms = (y / wave.scales.time).max(w / wave.scales.rate);
+        (terms > LOST).then_some(WaveTermination::LosesDigits { regime, terms })
+    };
+    (0..wave.zones()).find_map(terms)
+}
+
 /// Whether D = 0 but for rounding.
-fn is_undriven(wave: &Wave, point: &Vector) -> bool {
-    let coupling = wave.flows(point).map(|flows| flows.frame.at.kappa);
-    coupling.is_ok_and(|kappa| kappa.abs() < AT_ZERO * wave.scales.pressure)
+fn is_undriven(at: &WaveAt) -> bool {
+    at.flows.frame.at.kappa.abs() < AT_ZERO * at.wave.scales.pressure
 }

@@ -94,8 +94,8 @@ impl<'a> MotionFolder<'a> {
                 let names = [switching.from, switching.to].map(mode);
                 // between two modes of one name a contact changes nothing: a damped spring that parts is open, before its gap is and
                 // after it
-                let changes = switching.from == switching.to || names[0] != names[1];
-                if switching.of_contact && !changes {
+                let moves = switching.of_contact && switching.from != switching.to;
+                if moves && names[0] == names[1] {
                     return Ok(());
                 }
                 self.switched += 1;

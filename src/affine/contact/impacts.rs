@@ -189,7 +189,15 @@ impl<C: Measured> Instant<'_, C> {
                 }
             }
             Law::Jenkins { .. } if digit == HELD => same(),
-            Law::Jenkins { .. } => self.slider_followers(contact, digit, held)?,
+            Law::Jenkins {
+                slip,
+                stiffness,
+                bound,
+            } => {
+                let stretch = self.forms.own[self.own].kinematics[contact].stretch;
+                let stretch = Form::state(stretch.unwrap_or_default());
+                self.slider_followers([slip, stiffness, bound, &stretch], digit, held)?
+            }
             Law::Stop { gap, .. } => {
                 let (gap, speed) = (self.moved(gap, held)?, self.moved(speed, held)?);
                 match digit {
@@ -232,22 +240,12 @@ impl<C: Measured> Instant<'_, C> {
     /// Those of a Jenkins element that slips: it holds where its slip has turned, or its stretch is no more that of its bound.
     fn slider_followers(
         &self,
-        contact: usize,
+        [slip, stiffness, bound, stretch]: [&Form<C>; 4],
         digit: usize,
         held: &[Form<C>],
     ) -> Result<Vec<Follower<C>>, Obstacle> {
         let same = || vec![to(digit, Vec::new())];
-        let Law::Jenkins {
-            slip,
-            stiffness,
-            bound,
-        } = &self.forms.laws[contact]
-        else {
-            return Ok(same());
-        };
-        let stretch = self.forms.own[self.own].kinematics[contact].stretch;
-        let stretch = Form::state(stretch.unwrap_or_default());
-        let stretch = self.moved(&stretch, held)?;
+        let stretch = self.moved(stretch, held)?;
         if !stretch.stays(self.guard) {
             let force = stretch.after.times(stiffness.clone())?;
             let force = match digit {

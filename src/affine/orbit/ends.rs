@@ -544,7 +544,15 @@ impl Terminations for AffineOrbit {
     }
 
     fn limit(&self, termination: &OrbitTermination, node: &Node) -> Option<Limit<Critical>> {
-        self.limit_of(termination, node)
+        if *termination != OrbitTermination::Slides {
+            return self.limit_of(termination, node);
+        }
+        let short = self.short_of(termination, node) * self.unit().abs();
+        Some(Limit {
+            special: Critical::Instant,
+            parameter: self.parameter_at(&node.point),
+            uncertainty: short + rounding_at(self, node),
+        })
     }
 
     /// An orbit of amplitude a is off by a², and so is the parameter, which changes by its slope times a.
@@ -554,15 +562,9 @@ impl Terminations for AffineOrbit {
             return None;
         }
         let beside = || {
-            let extremes = self.extremes(point).ok()?;
-            let units = &self.setting.scales.states;
-            let sizes = extremes
-                .iter()
-                .zip(units)
-                .map(|((low, high), unit)| (high - low) / unit);
             let slope = node.tangent[node.tangent.len() - 1].abs();
-            let left = slope * sizes.fold(0.0, f64::max) * self.unit().abs();
-            let known = self.hopf_error(point);
+            let left = slope * self.extent(point)? * self.unit().abs();
+            let known = self.hopf_point(point).map(|hopf| hopf.error);
             let known = known.unwrap_or_else(|| rounding_at(self, node));
             Some((point.clone(), left + known))
         };

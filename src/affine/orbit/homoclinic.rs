@@ -11,7 +11,7 @@ use crate::affine::connection::{
 };
 use crate::continuation::Node;
 use crate::linalg::Vector;
-use crate::orbit::{Limit, Terminations as _, rounding_at};
+use crate::orbit::{Limit, rounding_at};
 
 /// A connection is that of the branch where its parameter is no farther than so many times what the last turn changed:
 /// what is left falls by a factor e at least in a turn, but for what is small beside that.
@@ -129,14 +129,6 @@ impl AffineOrbit {
                     special: special.clone(),
                     parameter: *limit,
                     uncertainty: *error,
-                });
-            }
-            OrbitTermination::Slides => {
-                let short = self.short_of(stop, node) * self.setting.scales.parameter.abs();
-                return Some(Limit {
-                    special: Critical::Instant,
-                    parameter: self.parameter_at(&node.point),
-                    uncertainty: short + rounding_at(self, node),
                 });
             }
             _ => return None,

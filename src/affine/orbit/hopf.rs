@@ -72,8 +72,8 @@ impl AffineOrbit {
         pair().unwrap_or(false)
     }
 
-    /// The Hopf point of the first mode next to a point and a state, with what is free of the parameters as it is.
-    fn hopf_point(&self, point: &Vector, state: &[f64], frequency: f64) -> Option<HopfPoint> {
+    /// The Hopf point of the first mode next to an orbit, with its frequency and what is free of the parameters as it is.
+    pub(super) fn hopf_point(&self, point: &Vector) -> Option<HopfPoint> {
         /// Parts of the range to either side within which it is looked for: an equilibrium solves the equations of an orbit at any value,
         /// and a step may have come to one a little way off.
         const NEAR: [f64; 5] = [1e-8, 1e-6, 1e-4, 1e-2, 1e-1];
@@ -82,6 +82,9 @@ impl AffineOrbit {
         /// Values beside it at which the growth is compared with a straight line, and how many roundings they are apart.
         const SAMPLES: i32 = 4;
         const APART: f64 = 64.0;
+        let at = self.at(point).ok()?;
+        let state = &at.zones.first()?.state;
+        let frequency = TAU / at.period();
         let (mut values, middle) = (self.values_at(point), self.parameter_at(point));
         let mut pair = |value: f64| {
             values[self.setting.parameter] = value;
@@ -126,25 +129,13 @@ impl AffineOrbit {
         })
     }
 
-    /// The error of the parameter where an orbit of prescribed period is a Hopf point: what the growth is not known to.
-    pub(super) fn hopf_error(&self, point: &Vector) -> Option<f64> {
-        let at = self.at(point).ok()?;
-        let ZonePoint { state, .. } = at.zones.first()?;
-        let hopf = self.hopf_point(point, state, TAU / at.period())?;
-        Some(hopf.error)
-    }
-
     /// The Hopf point next to an orbit that never switches and is nearly one, as an orbit of no size, and the error of the
     /// parameter there.
     pub(super) fn hopf(&self, point: &Vector) -> Option<(Vector, f64)> {
         if !self.has_own_period() {
             return None;
         }
-        let at = self.at(point).ok()?;
-        let ZonePoint {
-            state, duration, ..
-        } = at.zones.first()?;
-        let hopf = self.hopf_point(point, state, TAU / duration)?;
+        let hopf = self.hopf_point(point)?;
         let zone = ZonePoint::new(hopf.state, TAU / hopf.frequency, 0.0);
         Some((
             self.pack(&[zone], &self.setting.values_at(hopf.parameter)),
@@ -157,10 +148,7 @@ impl AffineOrbit {
         if !self.has_own_period() || self.sequence.switches() == 0 {
             return None;
         }
-        let at = self.at(point).ok()?;
-        let period = at.period();
-        let state = &at.zones.first()?.state;
-        let hopf = self.hopf_point(point, state, TAU / period)?;
+        let hopf = self.hopf_point(point)?;
         self.is_smooth_at(&hopf)?.then_some(hopf)
     }
 
