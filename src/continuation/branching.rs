@@ -67,6 +67,24 @@ impl Branching {
         (is_zero && z.iter().all(|one| one.is_finite())).then(|| (&self.null_space * z).normalize())
     }
 
+    /// The unit tangents of two curves that cross, where they do so in a plane: the zeros of az² + 2bzw + cw². `None` where
+    /// it has no two real ones.
+    pub fn tangents(&self) -> Option<[Vector; 2]> {
+        let [form] = &self.forms[..] else {
+            return None;
+        };
+        if form.ncols() != 2 {
+            return None;
+        }
+        let (a, b, c) = (form[(0, 0)], form[(0, 1)], form[(1, 1)]);
+        let root = (b * b - a * c).sqrt();
+        let q = -(b + root.copysign(b));
+        let line =
+            |z: f64, w: f64| (&self.null_space * Vector::from_vec(vec![z, w])).try_normalize(0.0);
+        let lines = (root > 0.0).then(|| Some([line(q, a)?, line(c, q)?]));
+        lines.flatten()
+    }
+
     /// The forms and (z·z − 1)/2, with their derivatives.
     fn evaluate(&self, z: &Vector) -> (Vector, Matrix) {
         let count = self.forms.len();
@@ -153,10 +171,17 @@ mod tests {
                 let exact = a.sqrt() * sign;
                 assert!((tangent[0] / tangent[1] - exact).abs() < 1e-8, "{tangent}");
                 assert!(tangent[2].abs() < 1e-8);
+                let tangents = branching.tangents().unwrap();
+                let along = tangents.map(|one| one.dot(&tangent).abs());
+                assert!(
+                    along.iter().any(|along| (along - 1.0).abs() < 1e-8),
+                    "{along:?}"
+                );
             }
         }
         let none = Branching::at(&Crossing { a: -1.0 }, &Vector::zeros(3), 1e-9).unwrap();
         assert_eq!(none.tangent_from(&Vector::from_vec(vec![1.0, 0.3])), None);
+        assert_eq!(none.tangents(), None);
         let regular = Vector::from_vec(vec![0.5, 0.2, 0.1]);
         assert!(Branching::at(&Crossing { a: 1.0 }, &regular, 1e-9).is_none());
     }

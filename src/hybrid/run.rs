@@ -207,6 +207,9 @@ impl SystemOrbit for AffineOrbit {
         let mut orbit = AffineOrbit::saved(&found.orbit, &found.node.point).ok()?;
         // the value that was asked for, not the scaled unknown's
         orbit.values.clone_from(&point.parameters);
+        if point.kind == Some(EventType::BP) {
+            orbit.beside = found.orbit.beside(&found.node).ok();
+        }
         Some(LabelledOrbit { label, orbit })
     }
 }

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+use crate::affine::orbit::layout::ZonePoint;
 use crate::affine::orbit::row::SavedOrbit;
 use crate::affine::orbit::{AffineOrbit, Scales, Setting};
 use crate::problem::SystemProblem;
@@ -25,18 +26,24 @@ impl LabelledOrbit {
             sequence,
             zones,
             values,
+            beside,
             ..
         } = &self.orbit;
         let known = |numbers: &[f64]| numbers.iter().all(|number| number.is_finite());
+        let whole = |zones: &[ZonePoint], values: &[f64]| {
+            zones.len() == sequence.len()
+                && zones.iter().all(|zone| {
+                    zone.state.len() == states
+                        && known(&zone.state)
+                        && known(&[zone.duration, zone.phase])
+                })
+                && values.len() == parameters
+                && known(values)
+        };
+        let beside = beside.iter();
         !zones.is_empty()
-            && zones.len() == sequence.len()
-            && zones.iter().all(|zone| {
-                zone.state.len() == states
-                    && known(&zone.state)
-                    && known(&[zone.duration, zone.phase])
-            })
-            && values.len() == parameters
-            && known(values)
+            && whole(zones, values)
+            && beside.into_iter().all(|one| whole(&one.zones, &one.values))
     }
 
     /// Whether no state differs between its switches by more than a part of one million of what it does in the largest

@@ -1,14 +1,16 @@
 //! The other branch at an orbit whose equations are singular at a fixed parameter.
 //!
 //! The branch that is known moves in the parameter there; the other one leaves along the null vector of the equations
-//! at a fixed parameter, or along this and the parameter: it is looked for in planes that do not meet the known one. At the event they are singular whatever borders them: both branches pass; a short way along
-//! the null vector they are not. At a doubling the orbit is taken as one that is traversed twice: there the null
-//! vector is (ξ, −ξ).
+//! at a fixed parameter, or along this and the parameter. The tangents of both are the zeros of the algebraic branching
+//! equation, and the other branch is looked for in planes that do not meet the known one. At the event the equations are
+//! singular whatever borders them: both branches pass; a short way along the other they are not. At a doubling the orbit is
+//! taken as one that is traversed twice: there the null vector is (ξ, −ξ), of one that never switches ξ at its beginning.
 
 use super::sign::SignVerdict;
 use super::{Examined, Orbit};
 use crate::continuation::Node;
 use crate::continuation::arclength::correct;
+use crate::continuation::branching::Branching;
 use crate::continuation::newton::{self, Plane, Settings, Solution};
 use crate::linalg::{self, Vector};
 
@@ -61,6 +63,46 @@ const BESIDE: Settings = Settings {
     polish: 1,
 };
 
+/// How the other branch leaves: its direction, and the normal of planes that it meets and the known one does not.
+struct Leaving {
+    along: Vector,
+    across: Vector,
+}
+
+impl Leaving {
+    /// Of two tangents that which is less along the known branch or, where nothing is known of it, more along the null vector.
+    fn along(tangents: [Vector; 2], known: Option<&Vector>, null: &Vector) -> Option<Leaving> {
+        let [one, two] = tangents;
+        let own = |tangent: &Vector| match known {
+            Some(known) => tangent.dot(known).abs(),
+            None => -tangent.dot(null).abs(),
+        };
+        let (known, along) = if own(&one) > own(&two) {
+            (one, two)
+        } else {
+            (two, one)
+        };
+        let across = beside(&along, &known)?;
+        Some(Leaving { along, across })
+    }
+
+    /// The same to the side of this sign.
+    fn times(&self, sign: f64) -> Leaving {
+        Leaving {
+            along: &self.along * sign,
+            across: &self.across * sign,
+        }
+    }
+}
+
+/// The unit vector of what is left of a direction beside another; `None` where they are one.
+fn beside(direction: &Vector, known: &Vector) -> Option<Vector> {
+    /// Less of a unit vector is nothing.
+    const LEFT: f64 = 1e-3;
+    let across = direction - known * (direction.dot(known) / known.norm_squared());
+    (across.norm() > LEFT).then(|| across.normalize())
+}
+
 /// The first orbit of the other branch at an event, and the ways that the branch goes from there, of those asked for. At
 /// a doubling and at a loss of symmetry its two sides go one way, and one is the other shifted in time or mirrored: a
 /// branch that goes one way only is found from either. `known` is the direction of the known branch, where that is not the one of the
@@ -73,8 +115,6 @@ pub fn other<O: Orbit>(
     (at, known): (&Vector, Option<Vector>),
     directions: &[bool],
 ) -> Result<(Vector, Vec<bool>), NoBranch<O>> {
-    /// A null vector of which less is left is that direction: the known branch is vertical.
-    const LEFT: f64 = 1e-3;
     let evaluated = newton::jacobian(orbit, at).map_err(newton::Failure::System);
     let (matrix, _) = evaluated.map_err(NoBranch::Newton)?;
     let square = matrix.columns(0, at.len() - 1).clone_owned();
@@ -83,12 +123,19 @@ pub fn other<O: Orbit>(
         return Err(NoBranch::Regular(least.value / least.largest));
     }
     let null = least.right.insert_row(at.len() - 1, 0.0);
-    let across = known
-        .filter(|known| known.len() == at.len() && known.norm() > 0.0)
-        .map(|known| &null - &known * (null.dot(&known) / known.norm_squared()));
-    let across = across.filter(|across| across.norm() > LEFT);
-    let along = across.map_or(null, |across| across.normalize());
-    let found = [1.0, -1.0].map(|sign| side(orbit, at, &(&along * sign)));
+    let known = known.filter(|known| known.len() == at.len() && known.norm() > 0.0);
+    let tangents = Branching::at(orbit, at, SINGULAR).and_then(|branching| branching.tangents());
+    let leaving = tangents.and_then(|tangents| Leaving::along(tangents, known.as_ref(), &null));
+    let leaving = leaving.unwrap_or_else(|| {
+        let across = known
+            .and_then(|known| beside(&null, &known))
+            .unwrap_or(null);
+        Leaving {
+            along: across.clone(),
+            across,
+        }
+    });
+    let found = [1.0, -1.0].map(|sign| side(orbit, at, &leaving.times(sign)));
     if let [Err(_), Err(refused)] = found {
         return Err(refused);
     }
@@ -173,13 +220,17 @@ pub fn admitted<O: Orbit>(orbit: &O, point: &Vector) -> Result<(), NoBranch<O>> 
     }
 }
 
-/// The branch that leaves a singular point along a null vector.
-fn side<O: Orbit>(orbit: &O, at: &Vector, along: &Vector) -> Result<BranchSide, NoBranch<O>> {
+/// The branch that leaves a singular point.
+fn side<O: Orbit>(
+    orbit: &O,
+    at: &Vector,
+    Leaving { along, across }: &Leaving,
+) -> Result<BranchSide, NoBranch<O>> {
     let last = at.len() - 1;
     let begun = |away: f64| {
         let guess = at + along * away;
         let mut plane = Plane {
-            normal: along,
+            normal: across,
             through: &guess,
         };
         let corrected = correct(orbit, &mut plane, &guess, along, &BESIDE);

@@ -234,6 +234,71 @@ fn a_loss_of_symmetry() {
     assert!(skews[19] > 0.02, "{skews:?}");
 }
 
+/// Lorenz's equations at large r, where a symmetric cycle loses its symmetry and its halves double (AUTO's demo `lor`).
+const LORENZ: &str = r#"(
+    system: (
+        states: ["x", "y", "z"],
+        parameters: {"r": 280.0, "b": "8/3", "s": 10.0},
+        modes: {"flow": (rates: {"x": "s*(y - x)", "y": "r*x - y - x*z", "z": "x*y - b*z"})},
+    ),
+    orbit: (start: Simulate(mode: "flow", state: {"x": 1.0, "y": 2.0, "z": 200.0}, settle: 100)),
+    continuation: (parameter: "r", range: (200.0, 400.0)),
+    stability: (),
+)"#;
+
+/// A cycle that never switches is one zone, and traversed twice one of twice the duration: its null vector at a doubling is no
+/// difference of two halves, and the known branch is not across it. The cascade is that of AUTO-07p with 300 intervals, which
+/// prints eleven digits.
+#[test]
+fn a_cycle_without_switches_doubles() {
+    let (problem, mut along) = problem(LORENZ, "r", (200.0, 300.0), Toward::Down);
+    along.stop_after = until(EventType::PD);
+    let mut run = OrbitRunner::begin(&problem, &along, None).unwrap();
+    let mut before = f64::INFINITY;
+    for (r, period) in [
+        (229.406_708_56, 0.480_866_820_3),
+        (218.210_127_78, 0.987_948_936_4),
+        (215.965_930_62, 1.986_752_37),
+    ] {
+        let items = collect(run, 200);
+        let doubling = first(&items, EventType::PD);
+        near(doubling.point.parameters[0], r, 1e-10);
+        near(doubling.point.period, period, 2e-9);
+        // it is no part of its own that is traversed twice
+        assert!(items.iter().all(|item| item.point.parameters[0] < before));
+        before = doubling.point.parameters[0];
+        run = switched(&problem, &along, doubling).unwrap();
+    }
+}
+
+/// A branch of cycles without symmetry ends at a symmetric one: the other branch there is that of symmetric cycles, and at the
+/// loss of symmetry on that one the other is that of those without.
+#[test]
+fn the_other_branch_is_not_the_one_that_is_known() {
+    let skew = |item: &OrbitItem| {
+        let (low, high) = item.point.extremes[0];
+        (low + high).abs() / high
+    };
+    let (problem, mut along) = problem(LORENZ, "r", (270.0, 330.0), Toward::Up);
+    along.stop_after = until(EventType::BP);
+    let own = collect(OrbitRunner::begin(&problem, &along, None).unwrap(), 200);
+    assert!(skew(&own[0]) > 0.1);
+    along.toward = Toward::Both;
+    let symmetric = collect(
+        switched(&problem, &along, first(&own, EventType::BP)).unwrap(),
+        200,
+    );
+    assert!(symmetric.iter().all(|item| skew(item) < 1e-10));
+    let [end, loss] = [&own, &symmetric].map(|items| first(items, EventType::BP));
+    near(loss.point.parameters[0], end.point.parameters[0], 1e-11);
+    let back = collect(switched(&problem, &along, loss).unwrap(), 20);
+    let skews: Vec<f64> = back.iter().map(skew).collect();
+    assert!(
+        skews[0] > 1e-3 && skews.windows(2).all(|pair| pair[1] > pair[0]),
+        "{skews:?}"
+    );
+}
+
 /// A body between two stops: the branch of orbits that are not symmetric begins at a loss of symmetry and, beyond
 /// of its ends, would be its own mirror image. It ends at either once, and the loss of symmetry is where the branch of
 /// symmetric orbits has it.

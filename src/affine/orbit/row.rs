@@ -12,6 +12,7 @@ use super::setting::{OrbitFailure, Setting};
 use super::signature::{Sequence, Zone};
 use crate::affine::flow::ModeFlow;
 use crate::affine::mode::AffineSystem;
+use crate::continuation::Node;
 use crate::linalg::Vector;
 use crate::orbit::Zones;
 
@@ -51,6 +52,18 @@ pub struct SavedOrbit {
     pub zones: Vec<ZonePoint>,
     /// Forcing periods in it.
     pub periods: u32,
+    /// Values of all parameters in the order of the file.
+    pub values: Vec<f64>,
+    /// Of a branch point, what is beside it along the branch.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub beside: Option<OrbitBeside>,
+}
+
+/// An orbit beside another along their branch, to first order.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct OrbitBeside {
+    /// Where its zones begin and how long they last.
+    pub zones: Vec<ZonePoint>,
     /// Values of all parameters in the order of the file.
     pub values: Vec<f64>,
 }
@@ -96,6 +109,7 @@ impl SavedOrbit {
             zones,
             periods: (self.periods / times as u32).max(1),
             values: self.values.clone(),
+            beside: None,
         }
     }
 }
@@ -227,7 +241,38 @@ impl AffineOrbit {
             zones: self.at(point)?.zones,
             periods: self.setting.periods,
             values: self.values_at(point),
+            beside: None,
         })
+    }
+
+    /// What is beside an orbit along the branch, to first order.
+    ///
+    /// # Errors
+    /// The system makes no sense there.
+    pub fn beside(&self, node: &Node) -> Result<OrbitBeside, OrbitFailure> {
+        /// So far that differences have nine digits, and so little that the system makes sense where it does at the orbit.
+        const BESIDE: f64 = 1e-6;
+        let point = &node.point + &node.tangent * BESIDE;
+        Ok(OrbitBeside {
+            zones: self.at(&point)?.zones,
+            values: self.values_at(&point),
+        })
+    }
+
+    /// The direction in which that lies, of whatever length; `None` where it is none of these orbits.
+    pub fn direction_to(&self, at: &Vector, beside: &OrbitBeside) -> Option<Vector> {
+        let states = self.states();
+        let fits = beside.zones.len() == self.zones()
+            && beside.zones.iter().all(|zone| zone.state.len() == states)
+            && beside.values.len() == self.setting.values.len();
+        if !fits {
+            return None;
+        }
+        let mut direction = self.pack(&beside.zones, &beside.values) - at;
+        if let Some(phase) = self.phase_index() {
+            direction[phase] -= (direction[phase] / TAU).round() * TAU;
+        }
+        direction.try_normalize(0.0)
     }
 
     /// Whether an orbit without forcing and switches is a point but for a small part of its units.

@@ -150,6 +150,16 @@ impl AffineOrbit {
         Some(moved)
     }
 
+    /// A guess in as many shots as the motion through it asks for, where these are others.
+    pub(super) fn parted(&self, guess: &Vector) -> Option<(AffineOrbit, Vector)> {
+        let at = self.at(guess).ok()?;
+        let growths = at.growths(&at.passages().ok()?, false);
+        let parted = self.in_shots_for_growth(guess, &growths, false)?;
+        let node = Node::at(guess.clone(), Vector::zeros(guess.len()));
+        let Node { point, .. } = self.carried_to(&parted, &node)?;
+        Some((parted, point))
+    }
+
     /// The same orbits in as many shots as the growth along one of them asks for, where these are others; `creeps` where
     /// steps are short.
     pub(super) fn in_shots_for_growth(

@@ -14,13 +14,13 @@ use crate::linalg::Vector;
 use crate::orbit::switch::other;
 use crate::orbit::{CoordinateChanges, Zones};
 
-/// The same orbit in as many shots as its growth asks for, where these are others: traversed twice the square of it.
-fn parted(orbit: &AffineOrbit, at: &Vector) -> Option<(AffineOrbit, Vector)> {
-    let examination = orbit.examination(at).ok()?;
-    let parted = orbit.renewed(at, &examination, false)?;
-    let node = Node::at(at.clone(), Vector::zeros(at.len()));
-    let Node { point, .. } = orbit.carried(&parted, &node)?;
-    Some((parted, point))
+/// The same orbit, and a direction there, in as many shots as its growth asks for, where these are others: traversed twice the square
+/// of it.
+fn parted(orbit: &AffineOrbit, node: &Node) -> Option<(AffineOrbit, Node)> {
+    let examination = orbit.examination(&node.point).ok()?;
+    let parted = orbit.renewed(&node.point, &examination, false)?;
+    let node = orbit.carried(&parted, node)?;
+    Some((parted, node))
 }
 
 /// The first orbit of the other branch at a saved event, at a multiplier −1 where it is `doubled`, and the ways that
@@ -42,6 +42,8 @@ pub fn switch(
         let (orbit, point) = restart(wanted, &saved.part(times))?;
         return Ok((orbit, point, directions.to_vec()));
     }
+    let along = saved.beside.as_ref().filter(|_| !doubled);
+    let along = along.and_then(|beside| own.direction_to(&at, beside));
     let (orbit, at) = if doubled {
         let mut zones = saved.zones.clone();
         twice(&saved.sequence, &mut zones);
@@ -50,8 +52,12 @@ pub fn switch(
     } else {
         (own, at)
     };
-    let (orbit, at) = parted(&orbit, &at).unwrap_or((orbit, at));
-    let (point, ways) = other(&orbit, (&at, None), directions)?;
+    let is_known = along.is_some();
+    let along = along.unwrap_or_else(|| Vector::zeros(at.len()));
+    let node = Node::at(at, along);
+    let (orbit, node) = parted(&orbit, &node).unwrap_or((orbit, node));
+    let known = is_known.then_some(node.tangent);
+    let (point, ways) = other(&orbit, (&node.point, known), directions)?;
     let setting = Setting {
         values: orbit.values_at(&point),
         ..(*orbit.setting).clone()

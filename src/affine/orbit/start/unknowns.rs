@@ -27,6 +27,7 @@ pub(super) fn pose(
     /// Parts of an orbit that differ by less, in its own units, are the same.
     const SAME: f64 = 1e-9;
     let (orbit, guess) = scaled(wanted, parts, periods)?;
+    let (orbit, guess) = orbit.parted(&guess).unwrap_or((orbit, guess));
     let index = guess.len() - 1;
     let mut fixed = Fixed {
         index,
