@@ -205,7 +205,8 @@ pub fn branch_point<S: Equations>(
     if fall == 0 || fall + 1 >= system.unknowns() {
         return None;
     }
-    let mut point = node_at(system, from, 0.5 * (low + high), tolerance)?.point;
+    let middle = node_at(system, from, 0.5 * (low + high), tolerance)?.point;
+    let mut point = middle.clone();
     for iteration in 1..=MOST {
         let bordered = Reduction::new(system, point, fall)?;
         let here = bordered.solve(&Vector::zeros(fall + 1))?;
@@ -229,7 +230,9 @@ pub fn branch_point<S: Equations>(
         }
         let s = from.tangent.dot(&(&next.point - &from.point));
         let perfect = next.mu.amax().max(next.gradient.amax()) <= PERFECT;
-        if !perfect || s < low || s > high {
+        // along the curve that crosses iterates may have come to another crossing
+        let is_away = (&next.point - &middle).norm() > high - low;
+        if !perfect || s < low || s > high || is_away {
             return None;
         }
         // H is known to 1e-8, and so much of the last iterate is left

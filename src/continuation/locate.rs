@@ -99,8 +99,18 @@ pub fn node_beside<S: Equations>(
         through: &through,
     };
     let solution = newton::solve(system, &mut plane, &predicted, &settings(tolerance)).ok()?;
+    // beside a place where curves cross the plane meets others, too
+    let off = (&solution.point - &near.point).norm();
+    if off > SIDEWAYS * (s - known).abs() + BESIDE * near.point.amax().max(1.0) {
+        return None;
+    }
     retangent(system, &solution.point, &from.tangent, solution.iterations)
 }
+
+/// A point of a step lies no further from another than so many times the arclength between them, as beyond a corner of 84 degrees, and
+/// a part of unknowns of order one, far above what they are known to.
+const SIDEWAYS: f64 = 10.0;
+const BESIDE: f64 = 1e-3;
 
 /// The node just beyond a kink of a curve within a step of this length; `None` where the curve turns smoothly. The part of the step within
 /// which it turns too far is halved; a smooth curve turns by half as much then.
