@@ -4,6 +4,10 @@
 //! keeps forms h at zero, as one that slides, sticks or is closed, its rates satisfy ∇h·f = 0, or what it is is one of the other
 //! forms, so that some of them follow from the others: those of the states by which these surfaces change most give way to
 //! h(x, p) = 0.
+//!
+//! Rates of a mode that slides between two others are a quotient, which has no value where both fields are tangent to the surface,
+//! and at an equilibrium of sliding they are so at once: (1 − l)f₁ + lf₂ = 0. That equation is regular there. With l from the
+//! state j in which the fields differ most it is followed in the place of the quotient: f₁ − l(f₁ − f₂) = 0 in all other states.
 
 use std::sync::Arc;
 
@@ -293,6 +297,53 @@ impl EquilibriumCurve {
     }
 }
 
+impl EquilibriumCurve {
+    /// The equations that are followed, and their derivatives in the scaled unknowns.
+    pub(super) fn followed(&self, at: &Linearised, place: &[f64]) -> Vec<Linear> {
+        let mode = &self.lifted.modes[self.signature.mode];
+        let sides = mode
+            .sides
+            .filter(|_| mode.surface.is_some() && mode.held.is_empty());
+        let between = sides.and_then(|sides| self.between(sides, at, place));
+        between.unwrap_or_else(|| self.rows(at))
+    }
+
+    /// Those of an equilibrium of sliding between two modes; `None` where their fields are the same, or have no value.
+    fn between(&self, sides: [usize; 2], at: &Linearised, place: &[f64]) -> Option<Vec<Linear>> {
+        let field = |mode: usize| {
+            let local = LocalField {
+                mode,
+                ..self.local(place)
+            };
+            Some(local.linearised()?.rates)
+        };
+        let [first, second] = sides.map(field);
+        let (first, second) = (first?, second?);
+        let pairs = first.iter().zip(&second);
+        let apart: Vec<Linear> = pairs.map(|(one, other)| one.plus(-1.0, other)).collect();
+        let size = |state: &usize| (apart[*state].value * self.rates[*state]).abs();
+        let widest = (0..apart.len()).max_by(|one, other| size(one).total_cmp(&size(other)))?;
+        let divisor = apart[widest].value;
+        if divisor == 0.0 {
+            return None;
+        }
+        let l = first[widest].value / divisor;
+        let slope = first[widest].plus(-l, &apart[widest]).by / divisor;
+        let units = &self.setting.scales.units;
+        let rows = (0..apart.len()).map(|state| {
+            if state == widest {
+                // whichever state that is, the determinant of all rows has one sign
+                let factor = self.surfaces[0].copysign(divisor);
+                return at.surfaces[0].scaled(units, factor);
+            }
+            let mut row = first[state].plus(-l, &apart[state]);
+            row.by -= &slope * apart[state].value;
+            row.scaled(units, self.rates[state])
+        });
+        Some(rows.collect())
+    }
+}
+
 impl Equations for EquilibriumCurve {
     type Failure = EquilibriumFailure;
 
@@ -311,7 +362,7 @@ impl Equations for EquilibriumCurve {
         jacobian: &mut Matrix,
     ) -> Result<(), EquilibriumFailure> {
         let at = self.linearised(point)?;
-        for (row, linear) in self.rows(&at).iter().enumerate() {
+        for (row, linear) in self.followed(&at, &self.place(point)).iter().enumerate() {
             residual[row] = linear.value;
             for (column, by) in linear.by.iter().enumerate() {
                 jacobian[(row, column)] = *by;

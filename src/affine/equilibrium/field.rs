@@ -87,6 +87,15 @@ impl Linear {
         }
     }
 
+    /// The sum with another one times a factor.
+    pub fn plus(&self, factor: f64, other: &Linear) -> Linear {
+        Linear {
+            value: self.value + factor * other.value,
+            by: &self.by + &other.by * factor,
+            size: self.size + factor.abs() * other.size,
+        }
+    }
+
     fn is_finite(&self) -> bool {
         self.value.is_finite() && self.by.iter().all(|by| by.is_finite())
     }

@@ -83,7 +83,7 @@ pub(super) fn critical_pair(values: &[Eigenvalue]) -> Option<f64> {
 /// The function of [`BRANCHING`] at a node: rows of length 1.
 pub(super) fn bordered(curve: &EquilibriumCurve, node: &Node) -> Option<f64> {
     let at = curve.linearised(&node.point).ok()?;
-    let rows = curve.rows(&at);
+    let rows = curve.followed(&at, &curve.place(&node.point));
     let n = rows.len() + 1;
     let matrix = Matrix::from_fn(n, n, |row, column| match rows.get(row) {
         Some(row) => row.by[column],
