@@ -160,6 +160,9 @@ pub fn beyond_together<O: Orbit>(
     for margins in rest {
         let mut longer: Vec<(&O::Margin, O::Signature, Candidate<O>)> = Vec::new();
         for (margin, between, candidate) in list {
+            if longer.len() >= MOST_TOGETHER {
+                break;
+            }
             let solved = solved(&candidate.orbit, &candidate.point);
             let examination = solved.map(|node| candidate.orbit.examination(&node.point));
             let Some(Ok(examination)) = examination else {

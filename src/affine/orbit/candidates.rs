@@ -18,8 +18,10 @@ use crate::affine::mode::Row;
 use crate::linalg::Vector;
 use crate::orbit::{Candidate, Changes, EventType, Zones};
 
-/// Zones of no length between two others.
+/// Zones of no length between two others, and how many ways with fewer are enough: where several contacts change at one instant
+/// there are thousands.
 const LONGEST: usize = 4;
+const MANY: usize = 100;
 
 /// A state of an event is known to 1e-13; what is zero there is smaller than this, in its own units, and what is not
 /// is larger but for a second event nearby, which would then be tried too.
@@ -337,6 +339,9 @@ impl OrbitAt<'_> {
         let mut found = Vec::new();
         let mut open: Vec<Vec<Stage>> = vec![Vec::new()];
         for _ in 0..=LONGEST {
+            if found.len() >= MANY {
+                break;
+            }
             let mut longer = Vec::new();
             for chain in open {
                 let (mode, z) = match chain.last() {
@@ -349,13 +354,20 @@ impl OrbitAt<'_> {
                     ),
                 };
                 for stage in self.exits(mode, &z) {
+                    let there = Vector::from_column_slice(&stage.state);
+                    // a mode that begins twice in one state leads on as it did before
+                    let again = |one: &Stage| {
+                        one.mode == stage.mode && self.agree(&there, &one.state, &[])
+                    };
+                    let repeats = chain.iter().any(again);
                     let mut chain = chain.clone();
                     chain.push(stage.clone());
-                    let there = Vector::from_column_slice(&stage.state);
                     if stage.mode == to && self.agree(&there, state, &opened.moved) {
                         found.push(chain.clone());
                     }
-                    longer.push(chain);
+                    if !repeats {
+                        longer.push(chain);
+                    }
                 }
             }
             open = longer;
