@@ -7,10 +7,11 @@ use std::cmp::Ordering;
 use std::f64::consts::TAU;
 
 use super::motion::{Motions, OrbitMark, Settled, SettledOrbit};
+use crate::affine::flow::{FlowPiece, ModeFlow};
 use crate::affine::mode::AffineSystem;
 use crate::affine::system::System;
 use crate::hybrid::{LabelledOrbit, OrbitPoint};
-use crate::linalg::product;
+use crate::linalg::{Vector, product};
 
 /// Points of attractors are the same where no state differs by more than this part of its largest size there, and no phase by
 /// more of a turn: Newton's method leaves 1e-10 in the worst of orbits that attract.
@@ -30,10 +31,6 @@ pub struct SettledCell<'a> {
     pub regimes: &'a str,
     /// Periods of the forcing, if there is one.
     pub periods: Option<u32>,
-    /// Its period; no number of a point of rest.
-    pub period: f64,
-    /// Least and largest values of the states.
-    pub extremes: Vec<(f64, f64)>,
     /// A point of it.
     pub mark: OrbitMark,
 }
@@ -53,6 +50,8 @@ pub struct Attractor {
     pub cells: usize,
     /// Points that a mark may be.
     marks: Vec<OrbitMark>,
+    /// All of them, of a cycle without switches and forcing.
+    trace: Option<CycleTrace>,
     /// Largest sizes of the states.
     sizes: Vec<f64>,
 }
@@ -132,6 +131,7 @@ impl<'a> Attractors<'a> {
             orbit: None,
             cells: 0,
             marks: vec![cell.mark.clone()],
+            trace: None,
             sizes: {
                 let pairs = cell.mark.state.iter().zip(&self.scales);
                 pairs.map(|(x, scale)| x.abs().max(*scale)).collect()
@@ -160,7 +160,14 @@ impl<'a> Attractors<'a> {
                     state: zone.state.clone(),
                 });
                 let never = point.switches.is_empty();
+                let affine = self.affine.as_ref().filter(|_| never && strobes.is_empty());
+                let trace = affine.and_then(|affine| {
+                    let (part, at) = saved.sequence.0.iter().zip(&saved.zones).next()?;
+                    let begin = affine.lift(part.mode, &at.state, 0.0);
+                    Some(CycleTrace::new(affine, part.mode, begin, at.duration))
+                });
                 Some(Attractor {
+                    trace,
                     state: first_of(&strobes).unwrap_or(plain.state),
                     marks: match never && !strobes.is_empty() {
                         true => strobes,
@@ -196,11 +203,13 @@ impl<'a> Attractors<'a> {
             let known = &attractor.marks[0];
             return attractor.has(known, &cell.mark) || self.rest_together(known, cell);
         }
-        attractor
-            .marks
-            .iter()
-            .any(|mark| attractor.has(mark, &cell.mark))
-            || attractor.is_closed_like(cell)
+        let mut marks = attractor.marks.iter();
+        let passes = |trace: &CycleTrace| {
+            let affine = self.affine.as_ref();
+            affine.is_some_and(|affine| trace.passes(affine, &cell.mark.state, &attractor.sizes))
+        };
+        marks.any(|mark| attractor.has(mark, &cell.mark))
+            || attractor.trace.as_ref().is_some_and(passes)
     }
 
     /// Whether two points of rest of a mode belong to one family: all between them rests, as it always does where rates are
@@ -234,23 +243,69 @@ fn first_of(marks: &[OrbitMark]) -> Option<Vec<f64>> {
     marks.iter().min_by(order).map(|mark| mark.state.clone())
 }
 
-impl Attractor {
-    /// Whether a cycle without switches and forcing, which has no first point, is that of a cell.
-    fn is_closed_like(&self, cell: &SettledCell) -> bool {
-        let Some((point, _)) = &self.orbit else {
-            return false;
-        };
-        let never = point.switches.is_empty() && self.periods.is_none();
-        let close = |one: f64, other: f64, size: f64| (one - other).abs() <= SAME * size;
-        let mut pairs = point.extremes.iter().zip(&cell.extremes).zip(&self.sizes);
-        never
-            && close(point.period, cell.period, point.period)
-            && point.extremes.len() == cell.extremes.len()
-            && pairs.all(|((one, other), size)| {
-                close(one.0, other.0, *size) && close(one.1, other.1, *size)
-            })
+/// A cycle without switches and forcing, which has no first point.
+#[derive(Clone, Debug)]
+struct CycleTrace {
+    flow: ModeFlow,
+    mode: usize,
+    /// Its pieces, and how much of each belongs to it.
+    pieces: Vec<(FlowPiece, f64)>,
+}
+
+impl CycleTrace {
+    /// The motion from z in a mode over a period.
+    fn new(affine: &AffineSystem, mode: usize, begin: Vector, period: f64) -> CycleTrace {
+        let flow = ModeFlow::new(&affine.modes[mode], period);
+        let (mut piece, mut rest) = (flow.piece(begin), period);
+        let mut pieces = Vec::new();
+        while piece.length > 0.0 && rest > 0.0 {
+            let part = piece.length.min(rest);
+            rest -= part;
+            let next = flow.piece(flow.advance(&piece));
+            pieces.push((std::mem::replace(&mut piece, next), part));
+        }
+        CycleTrace { flow, mode, pieces }
     }
 
+    /// Whether it passes a state but for a part of these sizes: where it is nearest to it.
+    fn passes(&self, affine: &AffineSystem, state: &[f64], sizes: &[f64]) -> bool {
+        /// Places of a piece that are looked at first, and steps from the nearest of all: a piece turns by less than a radian.
+        const PLACES: u32 = 8;
+        const STEPS: usize = 6;
+        let off = |z: &Vector| -> Vec<f64> {
+            let pairs = state.iter().zip(z).zip(sizes);
+            pairs.map(|((x, z), size)| (x - z) / size).collect()
+        };
+        let places = self.pieces.iter().flat_map(|(piece, part)| {
+            (0..=PLACES).map(move |place| {
+                let time = part * f64::from(place) / f64::from(PLACES);
+                let off = off(&self.flow.within(piece, time));
+                let distance: f64 = off.iter().map(|off| off * off).sum();
+                (distance, piece, (time, *part))
+            })
+        });
+        let nearest = places.min_by(|(one, ..), (other, ..)| one.total_cmp(other));
+        let Some((_, piece, (mut time, part))) = nearest else {
+            return false;
+        };
+        for _ in 0..STEPS {
+            let z = self.flow.within(piece, time);
+            let rates = product(&affine.modes[self.mode].matrix.at, &z);
+            let rates = rates.iter().zip(sizes).map(|(rate, size)| rate / size);
+            let sums = off(&z)
+                .iter()
+                .zip(rates)
+                .fold((0.0, 0.0), |sums, (off, rate)| {
+                    (sums.0 + off * rate, sums.1 + rate * rate)
+                });
+            time = (time + sums.0 / sums.1).clamp(0.0, part);
+        }
+        let off = off(&self.flow.within(piece, time));
+        off.iter().all(|off| off.abs() <= SAME)
+    }
+}
+
+impl Attractor {
     /// Whether two points on it are the same.
     fn has(&self, known: &OrbitMark, mark: &OrbitMark) -> bool {
         let turn = (known.phase - mark.phase).rem_euclid(TAU) / TAU;

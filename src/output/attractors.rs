@@ -79,14 +79,9 @@ pub(crate) fn number(
     let fault = |error: csv::Error| resumable(path, error.to_string());
     let table = Table::parse((header.to_owned() + cells).as_bytes()).map_err(fault)?;
     let columns: Vec<String> = table.columns().map(str::to_owned).collect();
-    let states = attractors.states().to_vec();
     let mut text = String::new();
     for row in 0..table.len() {
         let count = |column: &str| table.field(row, column).unwrap_or(0);
-        let value = |column: String| table.field(row, &column).unwrap_or(f64::NAN);
-        let extremes = states
-            .iter()
-            .map(|state| (value(format!("min_{state}")), value(format!("max_{state}"))));
         let mark = table.list(row, "mark");
         let (phase, state) = mark.split_first().unwrap_or((&0.0, &[]));
         let number = attractors.number(&SettledCell {
@@ -94,8 +89,6 @@ pub(crate) fn number(
             found: table.text(row, "found"),
             regimes: table.text(row, "regimes"),
             periods: table.field(row, "periods"),
-            period: table.field(row, "period").unwrap_or(f64::NAN),
-            extremes: extremes.collect(),
             mark: OrbitMark {
                 phase: *phase,
                 state: state.to_vec(),

@@ -392,6 +392,32 @@ fn a_branch_ends_where_the_field_beyond_points_away() {
     }
 }
 
+/// An equilibrium of sliding comes to a point where both fields are tangent to the surface: there they are opposite, what pushes
+/// vanishes on both sides at once, and beyond both lead away. It rests at x = 2/3, y = 1/3 with l = 1/3, for every value of the
+/// parameter, and both pushes are multiples of mu + x.
+#[test]
+fn sliding_ends_where_both_fields_are_tangent() {
+    let course = Course {
+        system: r#"(states: ["x", "y", "z"], parameters: {"mu": 0.0}, modes: {
+            "above": (rates: {"x": "1", "y": "y - x", "z": "-(mu + x)"}, until: [(zero: "z", to: "below")]),
+            "below": (rates: {"x": "-2", "y": "1 - y", "z": "2*(mu + x) + x + y - 1"}, until: [(zero: "-z", to: "above")]),
+        }, sliding: {"slide": ("above", "below")})"#,
+        mode: "slide",
+        state: &[0.66, 0.33, 0.0],
+        parameter: "mu",
+        range: (-2.0, 0.5),
+    };
+    for (units, reversed) in [([1.0; 3], false), ([1e3, 1.0, 1e-3], true)] {
+        let found = events(&course.all(&units, reversed));
+        let [end] = &found[..] else {
+            panic!("{found:#?}");
+        };
+        assert_eq!(end.kind, BE);
+        assert!((number(end, "mu") + 2.0 / 3.0).abs() < 1e-12, "{end:?}");
+        assert!(end.what.contains("the branch ends"), "{}", end.what);
+    }
+}
+
 /// Where a relay leaves its sliding, no rate of the mode that it comes to has the state that slides: that mode is at rest at this value of
 /// the parameter alone, with any such state. Nothing goes on, as at a wall. There px + ry is the bound of the relay.
 #[test]

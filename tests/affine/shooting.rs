@@ -30,7 +30,12 @@ const NERVE: &str = r#"(
 
 /// The train of a length of 10.
 fn train() -> (AffineOrbit, Vector) {
-    let system = system(NERVE);
+    train_from(NERVE, 10.0, vec![0.15, 0.47, 0.24])
+}
+
+/// The train of this length next to states where `high` begins, and to a speed.
+fn train_from(text: &str, length: f64, state: Vec<f64>) -> (AffineOrbit, Vector) {
+    let system = system(text);
     let free = system.source.parameters.index("c").unwrap();
     let prescribed = Prescribed::new(&system.source, "L", free).unwrap();
     let wanted = Wanted {
@@ -39,10 +44,10 @@ fn train() -> (AffineOrbit, Vector) {
     };
     let beginning = Beginning {
         mode: 0,
-        state: vec![0.15, 0.47, 0.24],
+        state,
         phase: 0.0,
     };
-    first(&wanted, &beginning, Search::Guess(10.0)).unwrap()
+    first(&wanted, &beginning, Search::Guess(length)).unwrap()
 }
 
 /// Length and speed of trains, from a length down through the fold to the other branch, or up.
@@ -86,6 +91,29 @@ fn long_trains_are_known_to_rounding() {
             let (_, residual) = newton::jacobian(one.orbit.as_ref(), &one.node.point).unwrap();
             assert!(residual <= ALLOWED, "{length}: {residual:e}");
         }
+    }
+}
+
+/// A train that is found from a guess is known as well as one that is followed, from its first point on.
+#[test]
+fn the_first_train_is_known_to_rounding() {
+    for (length, speed, state) in [
+        (
+            16.0,
+            0.21565525936823059705,
+            [0.15, 0.18496489286450214172, 0.031900766742370266536],
+        ),
+        (
+            20.0,
+            0.55633574595310983432,
+            [0.15, 0.47491583864666794046, 0.19983387500299],
+        ),
+    ] {
+        let values = format!("\"L\": {length:?}, \"c\": {speed:?}");
+        let text = NERVE.replace("\"L\": 10.0, \"c\": 0.32", &values);
+        let (orbit, point) = train_from(&text, length, state.to_vec());
+        let off = orbit.values_at(&point)[1] / speed - 1.0;
+        assert!(off.abs() <= 1e-12, "{length}: {off:e}");
     }
 }
 

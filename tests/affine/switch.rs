@@ -299,6 +299,53 @@ fn the_other_branch_is_not_the_one_that_is_known() {
     );
 }
 
+/// A doubled orbit of two masses, with friction and two stops, comes to the single one, in units in which a plane across a step
+/// meets the branch of the single one far away: it ends where the multiplier of that is -1, as in other units.
+#[test]
+fn a_doubled_branch_ends_beside_its_last_step() {
+    let text = |[unit, other]: [f64; 2], d1: f64| {
+        format!(
+            r#"(
+            system: (
+                states: ["x", "v", "y", "w"],
+                parameters: {{"A": 3.47, "c": 0.0725, "k0": 1.45, "h0": 0.493, "k1": 1.49, "d1": {d1:?}}},
+                forcing: "0.828",
+                contacts: {{
+                    "p": Stop(gap: "1.44 - {unit}*x", restitution: "0.678"),
+                    "q": Friction(slip: "{other}*w", bound: "0.161"),
+                    "r": Stop(gap: "d1 - {other}*y", restitution: "0.797"),
+                }},
+                rates: {{
+                    "x": "v", "y": "w",
+                    "v": "(-k0*{unit}*x - c*{unit}*v - h0*({unit}*x - {other}*y) + A*cos(phase) - p)/(1.47*{unit})",
+                    "w": "(-k1*{other}*y - c*{other}*w - h0*({other}*y - {unit}*x) + 0.5*A*sin(phase) + q - r)/{other}",
+                }},
+            ),
+            orbit: (start: Simulate(mode: "open.stick.open", state: {{"x": 0.0, "v": 0.0, "y": 0.0, "w": 0.0}}, settle: 150), periods: 4),
+            continuation: (parameter: "d1", range: (0.55, 1.98)),
+            stability: (),
+        )"#
+        )
+    };
+    let doublings = [[1.0, 1.0], [320.0, 77.8], [1e-3, 1e3]].map(|units| {
+        let (problem, along) = problem(&text(units, 1.1), "d1", (0.55, 1.98), Toward::Up);
+        let items = collect(OrbitRunner::begin(&problem, &along, None).unwrap(), 1500);
+        let last = items.last().unwrap().point.clone();
+        assert_eq!(last.kind, Some(EventType::PD));
+        // the multiplier of the single orbit is squared
+        let of_one = |one: &brakewave::affine::orbit::Multiplier| (one.value.re - 1.0).abs() < 1e-6;
+        assert!(
+            last.multipliers.iter().any(of_one),
+            "{:?}",
+            last.multipliers
+        );
+        last.parameters[5]
+    });
+    doublings
+        .iter()
+        .for_each(|one| near(*one, 1.126_729_947_838_089, 1e-12));
+}
+
 /// A body between two stops: the branch of orbits that are not symmetric begins at a loss of symmetry and, beyond
 /// of its ends, would be its own mirror image. It ends at either once, and the loss of symmetry is where the branch of
 /// symmetric orbits has it.

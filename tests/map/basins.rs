@@ -132,6 +132,47 @@ fn a_cycle_is_one_attractor_from_all_sides() {
     }
 }
 
+/// Two rotations, p' = p(i + g(p, q)) and q' = q(-i + g(q, p)), of which the larger one survives, seen as sums and differences: the
+/// cycles turn opposite ways, with one period and the same extremes of all states.
+#[test]
+fn cycles_that_turn_opposite_ways_are_two() {
+    let text = r#"(
+    system: (
+        states: ["x", "y", "u", "v"],
+        parameters: {"c": 0.5},
+        define: {
+            "a": "(x + v)/2", "b": "(y + u)/2", "g": "(x - v)/2", "h": "(y - u)/2",
+            "P": "c*(1 - a^2 - b^2 - 2*(g^2 + h^2))", "Q": "c*(1 - g^2 - h^2 - 2*(a^2 + b^2))",
+            "da": "a*P - b", "db": "b*P + a", "dg": "g*Q + h", "dh": "h*Q - g",
+        },
+        modes: {"m": (rates: {"x": "da + dg", "y": "db + dh", "u": "db - dh", "v": "da - dg"})},
+    ),
+    orbit: (start: Simulate(mode: "m", state: {"x": 0.0, "y": 0.0, "u": 0.3, "v": 0.1}, settle: 100)),
+    map: (
+        first: (state: "x", range: (-1.5, 1.4)), second: (state: "y", range: (-1.4, 1.5)),
+        points: Grid(rows: 4, columns: 4),
+    ),
+)"#;
+    let folder = mapped(text);
+    let path = folder.path();
+    let (_, rows) = table(&path.join("m"), "attractors.csv");
+    assert_eq!(rows.len(), 2, "{rows:?}");
+    // |p| > |q| where xv + yu > 0
+    let turns = |index: usize| {
+        let part = |steps: usize| 2.9 / 3.0 * steps as f64;
+        let (x, y) = (-1.5 + part(index / 4), -1.4 + part(index % 4));
+        0.1 * x + 0.3 * y > 0.0
+    };
+    let found = numbers(&path.join("m"));
+    for (index, number) in found.iter().enumerate() {
+        assert_eq!(
+            *number == found[0],
+            turns(index) == turns(0),
+            "{index}: {found:?}"
+        );
+    }
+}
+
 /// A block at rest anywhere within the reach of its friction is one attractor, a family.
 #[test]
 fn points_of_rest_of_a_family_are_one_attractor() {

@@ -356,9 +356,8 @@ impl OrbitAt<'_> {
                 for stage in self.exits(mode, &z) {
                     let there = Vector::from_column_slice(&stage.state);
                     // a mode that begins twice in one state leads on as it did before
-                    let again = |one: &Stage| {
-                        one.mode == stage.mode && self.agree(&there, &one.state, &[])
-                    };
+                    let again =
+                        |one: &Stage| one.mode == stage.mode && self.agree(&there, &one.state, &[]);
                     let repeats = chain.iter().any(again);
                     let mut chain = chain.clone();
                     chain.push(stage.clone());
