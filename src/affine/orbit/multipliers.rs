@@ -51,6 +51,41 @@ struct Link {
     error: f64,
 }
 
+impl Link {
+    /// The same as several, one after another: flows along parts of it, with ẋ at the beginning of each.
+    fn in_parts(self, parts: Vec<(Matrix, Vector)>) -> Vec<Link> {
+        let ends: Vec<Vector> = parts.iter().skip(1).map(|(_, rate)| rate.clone()).collect();
+        let (error, last) = (self.error, ends.len());
+        let [_, end] = self.rates.clone();
+        let mut whole = Some(self);
+        let parts = parts.into_iter().enumerate();
+        let links = parts.map(|(index, (flow, begin))| {
+            let noise = Matrix::zeros(flow.nrows(), flow.ncols());
+            let rates = [begin, ends.get(index).unwrap_or(&end).clone()];
+            match whole.take_if(|_| index == last) {
+                Some(whole) => Link {
+                    flow,
+                    noise,
+                    rates,
+                    ..whole
+                },
+                None => Link {
+                    flow,
+                    noise,
+                    rates,
+                    jump: None,
+                    closes: 0.0,
+                    fall: 1.0,
+                    has_pole: false,
+                    magnified: 1.0,
+                    error,
+                },
+            }
+        });
+        links.collect()
+    }
+}
+
 /// Error of a factor relative to its norm: the rounding of an exponential, or of a series.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
@@ -305,9 +340,14 @@ impl OrbitAt<'_> {
         let zones = (0..self.zones.len())
             .flat_map(|zone| std::iter::repeat_n(zone, self.orbit.shots(zone)));
         let links = passages.iter().zip(zones);
-        links
-            .map(|(passage, zone)| self.link(zone, passage))
-            .collect()
+        let links = links.flat_map(|(passage, zone)| {
+            let whole = self.link(zone, passage);
+            match self.parts_that_decay(zone, passage) {
+                Some(parts) => whole.in_parts(parts),
+                None => vec![whole],
+            }
+        });
+        links.collect()
     }
 
     /// The linearised motion over half a period, with the image at its end: some states change their sign.

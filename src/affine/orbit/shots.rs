@@ -22,7 +22,7 @@ use super::signature::{Sequence, ZonePoint};
 use crate::affine::flow::ModeFlow;
 use crate::affine::mode::Row;
 use crate::continuation::Node;
-use crate::linalg::{Matrix, Vector};
+use crate::linalg::{Matrix, Vector, product};
 
 /// Growth over a shot, as a power of e, from which a zone is gone through in more: a quarter of all digits.
 const GROWS: f64 = 9.0;
@@ -391,6 +391,50 @@ impl OrbitAt<'_> {
             }
         }
         [whole, most]
+    }
+
+    /// The flows of the states along parts of an integrated shot, with ẋ at the beginning of each, where so much decays along it that its
+    /// product has lost what decays most: of every part it is known.
+    pub(super) fn parts_that_decay(
+        &self,
+        zone: usize,
+        passage: &Passage,
+    ) -> Option<Vec<(Matrix, Vector)>> {
+        /// Determinants of a shot and of a part, beside the power of the largest entry that they are the sum of products of.
+        const LOST: f64 = 1e-8;
+        const PART: f64 = 1e-4;
+        let (mode, number) = (self.mode(zone), self.orbit.sequence.zone(zone).mode);
+        let (states, base) = (mode.states, mode.field.base());
+        let units = &self.orbit.setting.scales.states;
+        let loses = |flow: &Matrix, part: f64| {
+            let scaled = Matrix::from_fn(states, states, |row, column| {
+                flow[(row, column)] * units[column] / units[row]
+            });
+            scaled.determinant().abs() < part * scaled.amax().powi(states as i32)
+        };
+        if mode.field.is_exact || !loses(&passage.flow, LOST) {
+            return None;
+        }
+        let known = self.known(number, &passage.entry, passage.time).0;
+        let begun = (
+            Matrix::identity(base, base),
+            std::array::from_fn(|_| Vector::zeros(base)),
+        );
+        let of_states = |flow: &Matrix| flow.view((0, 0), (states, states)).into_owned();
+        let mut parts: Vec<(Matrix, Vector)> = Vec::new();
+        let mut flow: Option<Derivatives> = None;
+        for stage in &known.stages {
+            let longer = flow.map(|flow| moved(&stage.series, &flow, stage.time));
+            let longer = longer.filter(|(flow, _)| !loses(flow, PART));
+            let next = longer.unwrap_or_else(|| {
+                let rate = product(&mode.matrix.at, &stage.series.first());
+                parts.push((Matrix::default(), rate.rows(0, states).into_owned()));
+                moved(&stage.series, &begun, stage.time)
+            });
+            parts.last_mut()?.0 = of_states(&next.0);
+            flow = Some(next);
+        }
+        Some(parts).filter(|parts| parts.len() > 1)
     }
 
     /// The largest entry of a flow, in units of the states.
