@@ -150,12 +150,12 @@ impl AffineOrbit {
         Some(moved)
     }
 
-    /// A guess in as many shots as the motion through it asks for, where these are others.
-    pub(super) fn parted(&self, guess: &Vector) -> Option<(AffineOrbit, Vector)> {
-        let at = self.at(guess).ok()?;
+    /// An orbit in as many shots as it asks for, where these are others.
+    pub(super) fn parted(&self, point: &Vector) -> Option<(AffineOrbit, Vector)> {
+        let at = self.at(point).ok()?;
         let growths = at.growths(&at.passages().ok()?, false);
-        let parted = self.in_shots_for_growth(guess, &growths, false)?;
-        let node = Node::at(guess.clone(), Vector::zeros(guess.len()));
+        let parted = self.in_shots_for_growth(point, &growths, false)?;
+        let node = Node::at(point.clone(), Vector::zeros(point.len()));
         let Node { point, .. } = self.carried_to(&parted, &node)?;
         Some((parted, point))
     }

@@ -27,7 +27,6 @@ pub(super) fn pose(
     /// Parts of an orbit that differ by less, in its own units, are the same.
     const SAME: f64 = 1e-9;
     let (orbit, guess) = scaled(wanted, parts, periods)?;
-    let (orbit, guess) = orbit.parted(&guess).unwrap_or((orbit, guess));
     let index = guess.len() - 1;
     let mut fixed = Fixed {
         index,
@@ -62,8 +61,27 @@ pub(super) fn pose(
         let periods = periods / if orbit.is_forced() { times as u32 } else { 1 };
         return pose(wanted, parts, periods, settings);
     }
+    let (orbit, point) = in_shots(&orbit, &point, settings).unwrap_or((orbit, point));
     admitted(&orbit, &point)?;
     Ok((orbit, point))
+}
+
+/// The same orbit in as many shots as it asks for, where it was found in others and is known better in these: as well as one that is
+/// followed.
+fn in_shots(
+    orbit: &AffineOrbit,
+    point: &Vector,
+    settings: &Settings,
+) -> Option<(AffineOrbit, Vector)> {
+    let (orbit, guess) = orbit.parted(point)?;
+    let index = guess.len() - 1;
+    let mut fixed = Fixed {
+        index,
+        value: guess[index],
+    };
+    let solution = newton::solve(&orbit, &mut fixed, &guess, settings).ok()?;
+    let is_better = (&solution.point - &guess).amax() > settings.tolerance;
+    is_better.then_some((orbit, solution.point))
 }
 
 /// The mode of a zone that has lasted in a guess and lasts no more in its solution.
