@@ -418,6 +418,30 @@ fn sliding_ends_where_both_fields_are_tangent() {
     }
 }
 
+/// At a kink of the rates a pair of eigenvalues jumps across the imaginary axis, from -0.2 ± i to 0.1 ± 0.95i: no pair lies on it, and
+/// nothing is said of a frequency there.
+#[test]
+fn a_pair_that_jumps_is_no_hopf_point() {
+    let course = Course {
+        system: r#"(states: ["x", "y"], parameters: {"m": 0.5},
+            modes: {"bent": (rates: {"x": "0.1*x - 0.3*abs(x) - y + m", "y": "x - 0.2*y"})})"#,
+        mode: "bent",
+        state: &[0.1, 0.5],
+        parameter: "m",
+        range: (-1.0, 1.0),
+    };
+    let found = events(&course.all(&[1.0; 2], false));
+    let [change] = &found[..] else {
+        panic!("{found:#?}");
+    };
+    assert!(number(change, "m").abs() < 1e-9, "{change:?}");
+    assert!(
+        change.what.contains("changes from 0 to 2"),
+        "{}",
+        change.what
+    );
+}
+
 /// Where a relay leaves its sliding, no rate of the mode that it comes to has the state that slides: that mode is at rest at this value of
 /// the parameter alone, with any such state. Nothing goes on, as at a wall. There px + ry is the bound of the relay.
 #[test]

@@ -245,7 +245,7 @@ impl Bifurcations for EquilibriumCurve {
     fn crossing(&self, test: usize, node: &Node) -> Option<EquilibriumBifurcation> {
         match test {
             BRANCHING => Some(EquilibriumBifurcation::Branching),
-            _ => self.hopf(node),
+            _ => self.hopf(node).or_else(|| self.jump(node)),
         }
     }
 
@@ -474,10 +474,37 @@ impl EquilibriumCurve {
         own.is_some_and(|own| own.modes[self.signature.mode].field.is_exact)
     }
 
-    /// The Hopf point at a node; none where the two eigenvalues of sum zero are real.
+    /// The change of the number of eigenvalues that grow where they jump, as at a kink of the rates.
+    fn jump(&self, node: &Node) -> Option<EquilibriumBifurcation> {
+        /// So far to either side, in scaled unknowns.
+        const BESIDE: f64 = 1e-6;
+        let beside = |s: f64| {
+            let point = &node.point + &node.tangent * s;
+            let growing = self.examined(&point).ok()?.growing();
+            Some((growing, self.place(&point)[self.states()]))
+        };
+        let (before, after) = (beside(-BESIDE)?, beside(BESIDE)?);
+        // a saddle whose eigenvalues have the sum zero changes nothing
+        (before.0 != after.0).then_some(EquilibriumBifurcation::Unlocated {
+            growing: [before.0, after.0],
+            between: [before.1, after.1],
+        })
+    }
+
+    /// The Hopf point at a node; none where the two eigenvalues of sum zero are real, or where they jump across the imaginary axis.
     fn hopf(&self, node: &Node) -> Option<EquilibriumBifurcation> {
+        /// A pair farther from the axis, as a part of its frequency, is none on it: the place is known to rounding, and a pair at a
+        /// multiple one to a root of it.
+        const ON_AXIS: f64 = 1e-3;
         let examination = self.examined(&node.point).ok()?;
         let omega = critical_pair(&examination.eigenvalues)?;
+        let mut pairs = examination.eigenvalues.iter();
+        let is_on_axis = pairs.any(|one| {
+            one.value.im.abs() == omega && one.value.re.abs() <= ON_AXIS * omega + one.error
+        });
+        if !is_on_axis {
+            return None;
+        }
         let lyapunov = match self.is_affine(&node.point) {
             true => Some(Lyapunov::Vertical),
             false => {

@@ -150,8 +150,8 @@ impl AffineOrbit {
         Some(moved)
     }
 
-    /// An orbit in as many shots as it asks for, where these are others.
-    pub(super) fn parted(&self, point: &Vector) -> Option<(AffineOrbit, Vector)> {
+    /// An orbit in as many shots as the growth along it asks for, where these are others.
+    pub(super) fn in_own_shots(&self, point: &Vector) -> Option<(AffineOrbit, Vector)> {
         let at = self.at(point).ok()?;
         let growths = at.growths(&at.passages().ok()?, false);
         let parted = self.in_shots_for_growth(point, &growths, false)?;

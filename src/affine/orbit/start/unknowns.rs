@@ -61,19 +61,19 @@ pub(super) fn pose(
         let periods = periods / if orbit.is_forced() { times as u32 } else { 1 };
         return pose(wanted, parts, periods, settings);
     }
-    let (orbit, point) = in_shots(&orbit, &point, settings).unwrap_or((orbit, point));
+    let (orbit, point) = in_better_shots(&orbit, &point, settings).unwrap_or((orbit, point));
     admitted(&orbit, &point)?;
     Ok((orbit, point))
 }
 
 /// The same orbit in as many shots as it asks for, where it was found in others and is known better in these: as well as one that is
 /// followed.
-fn in_shots(
+fn in_better_shots(
     orbit: &AffineOrbit,
     point: &Vector,
     settings: &Settings,
 ) -> Option<(AffineOrbit, Vector)> {
-    let (orbit, guess) = orbit.parted(point)?;
+    let (orbit, guess) = orbit.in_own_shots(point)?;
     let index = guess.len() - 1;
     let mut fixed = Fixed {
         index,
