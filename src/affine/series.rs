@@ -159,9 +159,12 @@ impl Field {
     }
 
     /// Appends every component of z that is made of others, with its derivatives along the directions of those before them;
-    /// zero where the mode has nothing to do with it.
-    pub(super) fn differentiate(&self, z: &mut Vec<HyperDual>) {
-        for (step, needed) in self.program.steps.iter().zip(&self.needed) {
+    /// zero where the mode has nothing to do with it. `signs` are those of the operands of `abs`, by the number of its step, where they are
+    /// known.
+    pub(super) fn differentiate(&self, z: &mut Vec<HyperDual>, signs: &[f64]) {
+        let signs = signs.iter().copied().chain(std::iter::repeat(0.0));
+        let steps = self.program.steps.iter().zip(&self.needed);
+        for ((step, needed), sign) in steps.zip(signs) {
             let operand = |operand: &Sparse| {
                 let mut sum = HyperDual::default();
                 let terms = operand.terms.iter();
@@ -169,6 +172,11 @@ impl Field {
                 sum
             };
             let made = match needed {
+                true if sign != 0.0 => {
+                    let mut made = HyperDual::default();
+                    made.add(sign, &operand(&step.operands[0]));
+                    made
+                }
                 true => {
                     let [a, b] = step.operands.each_ref().map(operand);
                     HyperDual::by_rule(step.rule, &a, &b)
@@ -177,6 +185,20 @@ impl Field {
             };
             z.push(made);
         }
+    }
+
+    /// The operands of `abs` that the mode has to do with, as rows of z, each with the number of its step.
+    pub(super) fn kinks(&self) -> impl Iterator<Item = (usize, Vec<f64>)> {
+        let abs = Rule::Function(Function::Abs);
+        let steps = self.program.steps.iter().zip(&self.needed).enumerate();
+        let kinks = steps.filter(move |(_, (step, needed))| **needed && step.rule == abs);
+        kinks.map(|(index, (step, _))| {
+            let mut row = vec![0.0; self.program.size()];
+            for (c, by) in &step.operands[0].terms {
+                row[*c] += by.value;
+            }
+            (index, row)
+        })
     }
 
     /// The series of z with its derivatives, up to an order.

@@ -43,6 +43,12 @@ pub trait Changes: Zones {
         None
     }
 
+    /// Whether a margin is that of a kink of the equations: beyond it they have the same name, and what is told of it is whether the
+    /// parameter turns back there, or the stability changes.
+    fn is_kink(&self, _margin: &Self::Margin) -> bool {
+        false
+    }
+
     /// Whether the parameter is stationary at a point because a zone opens there.
     fn opens(&self, point: &Vector) -> bool;
 

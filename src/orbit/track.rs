@@ -164,7 +164,11 @@ impl<O: Orbit> WatchedCurve for Track<O> {
                     return Ok(Outcome::Ended(vec![found], end));
                 }
                 let margins = self.vanishing(step, &place, together, &found.examination);
-                return Ok(self.change(found, &margins, step));
+                let outcome = self.change(found, &margins, step);
+                return Ok(match orbit.is_kink(margin) {
+                    true => self.round_corner(outcome),
+                    false => outcome,
+                });
             }
         }
         Ok(Outcome::Passed(found))
@@ -288,6 +292,40 @@ fn ended<O: Orbit>(found: LocatedPoint<O>, stop: O::Termination) -> Outcome<Trac
 }
 
 impl<O: Orbit> Track<O> {
+    /// What comes of a kink of the equations: a row where the parameter turns back there, or where the stability changes.
+    fn round_corner(&self, outcome: Outcome<Track<O>>) -> Outcome<Track<O>> {
+        let Outcome::Entered(points, entry) = outcome else {
+            return outcome;
+        };
+        let Some(corner) = points.into_iter().next() else {
+            return Outcome::Entered(Vec::new(), entry);
+        };
+        let slope = |node: &Node| node.tangent[node.tangent.len() - 1];
+        let growing = |examination: &O::Examination| {
+            let growths = examination.growths();
+            growths.map(|all| all.iter().filter(|one| one.log > 0.0).count())
+        };
+        let counts = growing(&corner.examination).zip(growing(&entry.watched));
+        let value = corner.parameter;
+        let special = match counts {
+            _ if slope(&corner.node) * slope(&entry.node) < 0.0 => {
+                Some(Special::Fold(self.orbit.parameter()))
+            }
+            Some((before, after)) if before != after => {
+                let passing = self
+                    .orbit
+                    .passing(&corner.node, [before, after], Some([value; 2]));
+                passing.map(Special::Own)
+            }
+            _ => None,
+        };
+        let row = special.map(|special| LocatedPoint {
+            special: Some(special),
+            ..corner
+        });
+        Outcome::Entered(row.into_iter().collect(), entry)
+    }
+
     /// The point of an event, before it is said what makes it special: where several margins vanish at once at the place
     /// where they do so together.
     fn located(

@@ -418,28 +418,59 @@ fn sliding_ends_where_both_fields_are_tangent() {
     }
 }
 
-/// At a kink of the rates a pair of eigenvalues jumps across the imaginary axis, from -0.2 ± i to 0.1 ± 0.95i: no pair lies on it, and
-/// nothing is said of a frequency there.
+/// x' = Ax + bm + d|kx - c|: on either side of the kink x is affine in m, and from one to the other the branch goes on whatever units
+/// make of its corner. There the parameter turns back, or the number of eigenvalues that grow jumps, or nothing is said. At m = 0 the
+/// kink is met at x = y = 0.
 #[test]
-fn a_pair_that_jumps_is_no_hopf_point() {
-    let course = Course {
-        system: r#"(states: ["x", "y"], parameters: {"m": 0.5},
-            modes: {"bent": (rates: {"x": "0.1*x - 0.3*abs(x) - y + m", "y": "x - 0.2*y"})})"#,
-        mode: "bent",
-        state: &[0.1, 0.5],
-        parameter: "m",
-        range: (-1.0, 1.0),
+fn a_branch_goes_round_the_corners_of_its_rates() {
+    let bent = |rates: [&str; 2]| {
+        format!(
+            r#"(states: ["x", "y"], parameters: {{"m": 0.5}},
+            modes: {{"bent": (rates: {{"x": "{}", "y": "{}"}})}})"#,
+            rates[0], rates[1]
+        )
     };
-    let found = events(&course.all(&[1.0; 2], false));
-    let [change] = &found[..] else {
-        panic!("{found:#?}");
-    };
-    assert!(number(change, "m").abs() < 1e-9, "{change:?}");
-    assert!(
-        change.what.contains("changes from 0 to 2"),
-        "{}",
-        change.what
-    );
+    // by A ± dk: both determinants have one sign, or not; and how many eigenvalues grow where the operand is negative, and positive
+    for (rates, state, said) in [
+        (
+            ["0.2*x + 0.3*abs(x) - y", "x - 0.4*y + m"],
+            [-0.48, 0.05],
+            Some((HB, "jumps from 0 to 2")),
+        ),
+        (
+            ["0.1*x - 0.3*abs(x) - y + m", "x - 0.2*y"],
+            [0.096, 0.48],
+            Some((HB, "jumps from 0 to 2")),
+        ),
+        (
+            ["-x - 0.5*max(x, 0) - y + m", "x - 0.2*y"],
+            [0.077, 0.38],
+            None,
+        ),
+        (["m - abs(x)", "x - y"], [0.5, 0.5], Some((LP, "fold in m"))),
+    ] {
+        for (units, reversed) in [([1.0; 2], false), ([1e4, 1e-3], true), ([1e-2, 1e5], false)] {
+            let system = bent(rates);
+            let course = Course {
+                system: &system,
+                mode: "bent",
+                state: &state,
+                parameter: "m",
+                range: (-1.0, 1.0),
+            };
+            let items = course.all(&units, reversed);
+            let found = events(&items);
+            match (&found[..], said) {
+                ([], None) => {}
+                ([one], Some((kind, words))) => {
+                    assert_eq!(one.kind, kind, "{rates:?}");
+                    assert!(number(one, "m").abs() < 1e-12, "{one:?}");
+                    assert!(one.what.contains(words), "{}", one.what);
+                }
+                _ => panic!("{rates:?} {units:?}: {found:#?}"),
+            }
+        }
+    }
 }
 
 /// Where a relay leaves its sliding, no rate of the mode that it comes to has the state that slides: that mode is at rest at this value of

@@ -75,7 +75,8 @@ impl Zones for EquilibriumCurve {
     }
 
     fn posed(&self, signature: RestMode) -> Option<EquilibriumCurve> {
-        let posed = self.in_mode(signature.mode)?;
+        let mut posed = self.in_mode(signature.mode)?;
+        posed.signature.signs.clone_from(&signature.signs);
         (posed.signature == signature).then_some(posed)
     }
 
@@ -183,6 +184,14 @@ impl Changes for EquilibriumCurve {
         point: &Vector,
         margin: &EquilibriumMargin,
     ) -> Result<Vec<Candidate<EquilibriumCurve>>, EquilibriumFailure> {
+        if let Some(kink) = self.kink(margin) {
+            let beyond = self.beyond_kink(kink, point).map(|orbit| Candidate {
+                orbit,
+                point: point.clone(),
+                nascent: Vec::new(),
+            });
+            return Ok(beyond.into_iter().collect());
+        }
         let mode = self.signature.mode;
         let mut found: Vec<Candidate<EquilibriumCurve>> = Vec::new();
         let guards = &self.lifted.modes[mode].guards;
@@ -207,6 +216,10 @@ impl Changes for EquilibriumCurve {
 
     fn opens(&self, _point: &Vector) -> bool {
         false
+    }
+
+    fn is_kink(&self, margin: &EquilibriumMargin) -> bool {
+        self.kink(margin).is_some()
     }
 }
 
@@ -245,7 +258,7 @@ impl Bifurcations for EquilibriumCurve {
     fn crossing(&self, test: usize, node: &Node) -> Option<EquilibriumBifurcation> {
         match test {
             BRANCHING => Some(EquilibriumBifurcation::Branching),
-            _ => self.hopf(node).or_else(|| self.jump(node)),
+            _ => self.hopf(node),
         }
     }
 
@@ -382,7 +395,8 @@ impl EquilibriumCurve {
             }
             // equilibria at this value of the parameter alone are no branch, as where no rate of a mode has some state
             let single = |orbit: &EquilibriumCurve| !is_in_family(orbit, point);
-            found.extend(self.in_mode(to).filter(single).map(|orbit| Candidate {
+            let own = self.in_mode(to).map(|own| own.on_side_of(point));
+            found.extend(own.filter(single).map(|orbit| Candidate {
                 orbit,
                 point: point.clone(),
                 nascent: Vec::new(),
@@ -474,37 +488,10 @@ impl EquilibriumCurve {
         own.is_some_and(|own| own.modes[self.signature.mode].field.is_exact)
     }
 
-    /// The change of the number of eigenvalues that grow where they jump, as at a kink of the rates.
-    fn jump(&self, node: &Node) -> Option<EquilibriumBifurcation> {
-        /// So far to either side, in scaled unknowns.
-        const BESIDE: f64 = 1e-6;
-        let beside = |s: f64| {
-            let point = &node.point + &node.tangent * s;
-            let growing = self.examined(&point).ok()?.growing();
-            Some((growing, self.place(&point)[self.states()]))
-        };
-        let (before, after) = (beside(-BESIDE)?, beside(BESIDE)?);
-        // a saddle whose eigenvalues have the sum zero changes nothing
-        (before.0 != after.0).then_some(EquilibriumBifurcation::Unlocated {
-            growing: [before.0, after.0],
-            between: [before.1, after.1],
-        })
-    }
-
-    /// The Hopf point at a node; none where the two eigenvalues of sum zero are real, or where they jump across the imaginary axis.
+    /// The Hopf point at a node; none where the two eigenvalues of sum zero are real.
     fn hopf(&self, node: &Node) -> Option<EquilibriumBifurcation> {
-        /// A pair farther from the axis, as a part of its frequency, is none on it: the place is known to rounding, and a pair at a
-        /// multiple one to a root of it.
-        const ON_AXIS: f64 = 1e-3;
         let examination = self.examined(&node.point).ok()?;
         let omega = critical_pair(&examination.eigenvalues)?;
-        let mut pairs = examination.eigenvalues.iter();
-        let is_on_axis = pairs.any(|one| {
-            one.value.im.abs() == omega && one.value.re.abs() <= ON_AXIS * omega + one.error
-        });
-        if !is_on_axis {
-            return None;
-        }
         let lyapunov = match self.is_affine(&node.point) {
             true => Some(Lyapunov::Vertical),
             false => {

@@ -21,12 +21,16 @@ use crate::continuation::newton::Equations;
 use crate::linalg::{Matrix, Vector, balance, known_eigenvalues, solve};
 
 /// The mode that an equilibrium is one of.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RestMode {
     /// Its index: those of the file, then the sliding ones.
     pub mode: usize,
     /// Its name.
     pub name: String,
+    /// Signs of the operands of `abs`, by the number of its step, where equilibria are followed on one side of the kinks of their rates:
+    /// zero of one that stays zero, and of what is none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub signs: Vec<f64>,
 }
 
 impl std::fmt::Display for RestMode {
@@ -45,6 +49,9 @@ pub struct EquilibriumScales {
     /// Of the eigenvalues.
     pub rate: f64,
 }
+
+/// An operand of `abs`, of order one, is zero where it is no larger: an equilibrium is known to about 1e-13.
+const AT_KINK: f64 = 1e-9;
 
 /// What all equilibria of a branch have in common.
 #[derive(Clone, Debug, PartialEq)]
@@ -98,7 +105,7 @@ pub struct EquilibriumCurve {
 
 /// The factor that makes a function of order one, by its changes over the units of its argument; where these are nothing beside its
 /// order, as those of a rate may be at a branch point, it is of that order.
-fn factor(linear: &Linear, units: &[f64], order: f64) -> f64 {
+pub(super) fn factor(linear: &Linear, units: &[f64], order: f64) -> f64 {
     /// Changes that are a smaller part of its order are nothing.
     const NOTHING: f64 = 1e-9;
     let terms = linear.by.iter().zip(units);
@@ -178,6 +185,7 @@ impl EquilibriumCurve {
             states,
             variables: units.len(),
             place: &place,
+            signs: &[],
         };
         let at = at.linearised();
         let all = |list: Option<&Vec<Linear>>, orders: &[f64]| match list {
@@ -194,7 +202,11 @@ impl EquilibriumCurve {
         let orders: Vec<f64> = orders.map(|unit| unit * setting.scales.rate).collect();
         let unknown = |count: usize| vec![0.0; count];
         Some(EquilibriumCurve {
-            signature: RestMode { mode, name },
+            signature: RestMode {
+                mode,
+                name,
+                signs: Vec::new(),
+            },
             rates: all(at.as_ref().map(|at| &at.rates), &orders),
             surfaces: all(
                 at.as_ref().map(|at| &at.surfaces),
@@ -260,7 +272,39 @@ impl EquilibriumCurve {
             states: self.states(),
             variables: self.setting.scales.units.len(),
             place,
+            signs: &self.signature.signs,
         }
+    }
+
+    /// The same equilibria on the side of all kinks of their rates on which a point is.
+    pub fn on_side_of(mut self, point: &Vector) -> EquilibriumCurve {
+        if !self.lifted.program.has_kinks() {
+            return self;
+        }
+        self.signature.signs = Vec::new();
+        let Ok(at) = self.linearised(point) else {
+            return self;
+        };
+        let units = &self.setting.scales.units;
+        let mut signs = vec![0.0; self.lifted.program.made()];
+        for (step, operand) in &at.kinks {
+            let scaled = operand.scaled(units, factor(operand, units, 0.0));
+            // one that is zero on all equilibria has no side
+            if scaled.value.abs() > AT_KINK {
+                signs[*step] = scaled.value.signum();
+            }
+        }
+        self.signature.signs = signs;
+        self
+    }
+
+    /// The same beyond the kink of this number among those of the mode.
+    pub(super) fn beyond_kink(&self, kink: usize, point: &Vector) -> Option<EquilibriumCurve> {
+        let at = self.linearised(point).ok()?;
+        let (step, _) = at.kinks.get(kink)?;
+        let mut beyond = self.clone();
+        *beyond.signature.signs.get_mut(*step)? *= -1.0;
+        Some(beyond)
     }
 
     /// The functions of the mode at scaled unknowns.
@@ -348,7 +392,7 @@ impl Equations for EquilibriumCurve {
     type Failure = EquilibriumFailure;
 
     fn has_kinks(&self) -> bool {
-        self.lifted.program.has_kinks()
+        self.lifted.program.has_kinks() && self.signature.signs.is_empty()
     }
 
     fn unknowns(&self) -> usize {
@@ -395,6 +439,7 @@ pub(super) fn scales(
         states: state.len(),
         variables: first.len(),
         place: &first,
+        signs: &[],
     };
     let at = field.linearised()?;
     let slopes = at.slopes();

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::curve::{EquilibriumCurve, EquilibriumFailure};
+use super::curve::{EquilibriumCurve, EquilibriumFailure, factor};
 use super::spectrum::{bordered, eigenvalues, growths, is_told, sums};
 use super::{EquilibriumGuard, VirtualEquilibrium};
 use crate::continuation::Node;
@@ -100,9 +100,20 @@ impl EquilibriumCurve {
                 gradient: scaled.by.iter().copied().collect(),
             }
         });
+        let kinks = at.kinks.iter().enumerate().map(|(index, (step, operand))| {
+            let sign = self.signature.signs.get(*step).copied().unwrap_or(0.0);
+            let scaled = operand.scaled(units, sign * factor(operand, units, 0.0));
+            EquilibriumMargin {
+                guard: at.guards.len() + index,
+                value: if sign == 0.0 { 1.0 } else { scaled.value },
+                error: EquilibriumCurve::ROUNDINGS * scaled.size.abs().max(scaled.by.amax()),
+                gradient: scaled.by.iter().copied().collect(),
+            }
+        });
+        let margins = margins.chain(kinks).collect();
         let eigenvalues = eigenvalues(&at);
         Ok(EquilibriumExamination {
-            margins: margins.collect(),
+            margins,
             // the sign of the first takes a tangent: see `across`
             tests: [1.0, sums(&eigenvalues)],
             eigenvalues,
@@ -115,11 +126,21 @@ impl EquilibriumCurve {
         bordered(self, node).unwrap_or(f64::NAN)
     }
 
+    /// Which kink of the rates a margin is, if it is none of the guards.
+    pub(super) fn kink(&self, margin: &EquilibriumMargin) -> Option<usize> {
+        let guards = &self.lifted.modes[self.signature.mode].guards;
+        margin.guard.checked_sub(guards.len())
+    }
+
     pub(super) fn guard_of(&self, margin: &EquilibriumMargin) -> EquilibriumGuard {
         let mode = self.signature.mode;
+        let guard = match self.kink(margin) {
+            Some(_) => "the operand of an `abs`, `min` or `max`".to_owned(),
+            None => self.setting.system.guard_name(mode, margin.guard),
+        };
         EquilibriumGuard {
             mode: self.signature.name.clone(),
-            guard: self.setting.system.guard_name(mode, margin.guard),
+            guard,
         }
     }
 
@@ -130,7 +151,7 @@ impl EquilibriumCurve {
         match worst {
             Some(margin) if margin.value < -margin.error => VirtualEquilibrium::Guard {
                 guard: self.guard_of(margin),
-                value: margin.value / self.guards[margin.guard],
+                value: margin.value / self.guards.get(margin.guard).copied().unwrap_or(1.0),
             },
             Some(margin) => VirtualEquilibrium::Zero {
                 guard: self.guard_of(margin),

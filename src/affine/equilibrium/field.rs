@@ -110,6 +110,8 @@ pub(super) struct Linearised {
     pub surfaces: Vec<Linear>,
     /// Guards, those of a sliding mode with what holds it.
     pub guards: Vec<Linear>,
+    /// Operands of `abs`, each with the number of its step.
+    pub kinks: Vec<(usize, Linear)>,
 }
 
 impl Linearised {
@@ -161,6 +163,8 @@ pub(super) struct LocalField<'a> {
     pub variables: usize,
     /// States and parameters.
     pub place: &'a [f64],
+    /// Signs of the operands of `abs` where the mode is followed on one side of its kinks; none where it is not.
+    pub signs: &'a [f64],
 }
 
 impl LocalField<'_> {
@@ -180,7 +184,7 @@ impl LocalField<'_> {
             z.push(HyperDual::along(*value, by));
         }
         z.push(HyperDual::constant(1.0));
-        field.differentiate(&mut z);
+        field.differentiate(&mut z, self.signs);
         z
     }
 
@@ -248,6 +252,12 @@ impl LocalField<'_> {
             rates: rates.collect(),
             surfaces: mode.surfaces().map(of_row).collect(),
             guards: mode.guards.iter().map(|guard| of_row(&guard.row)).collect(),
+            kinks: {
+                let kinks = mode.field.kinks();
+                kinks
+                    .map(|(step, row)| (step, linear(&mut row.iter())))
+                    .collect()
+            },
         };
         let all = found.rates.iter().chain(&found.surfaces);
         let is_finite = all.chain(&found.guards).all(Linear::is_finite);

@@ -146,6 +146,13 @@ impl fmt::Display for EquilibriumBifurcation {
             EquilibriumBifurcation::Unlocated {
                 growing: [before, after],
                 between: [from, to],
+            } if from == to => write!(
+                f,
+                "the number of eigenvalues that grow jumps from {before} to {after} at a kink of the rates"
+            ),
+            EquilibriumBifurcation::Unlocated {
+                growing: [before, after],
+                between: [from, to],
             } => write!(
                 f,
                 "the number of eigenvalues that grow changes from {before} to {after} between {from} and {to}: where is \

@@ -16,6 +16,7 @@ impl EquilibriumCurve {
         let place = self.place(point);
         let local = LocalField {
             lifted: &observed.system,
+            signs: &[],
             ..self.local(&place)
         };
         let linear = local.form(form).scaled(&self.setting.scales.units, 1.0);

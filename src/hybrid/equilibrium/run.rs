@@ -36,6 +36,7 @@ impl EquilibriumRunner {
             point,
             directions,
         } = begin(problem, continuation, named)?;
+        let curve = curve.on_side_of(&point);
         let values = curve.values_at(&point);
         SystemRunner::set_out(
             (problem, continuation),
@@ -73,7 +74,12 @@ impl SystemOrbit for EquilibriumCurve {
         scales: EquilibriumScales,
     ) -> Option<EquilibriumCurve> {
         let system = problem.system.clone().with_monitors(problem.monitors());
-        EquilibriumCurve::posed_in(&system, &saved.values, parameter, (&saved.mode, scales))
+        let curve =
+            EquilibriumCurve::posed_in(&system, &saved.values, parameter, (&saved.mode, scales))?;
+        let index = problem.system.source.parameters.index(parameter)?;
+        let value = *saved.values.get(index)?;
+        let point = curve.pack(&saved.state, value);
+        Some(curve.on_side_of(&point))
     }
 
     fn point(
