@@ -66,8 +66,9 @@ pub(in crate::hybrid) fn born(
         width: wanted.width,
         mode: problem.system.mode(mode).ok_or(NoFirstPoint::Unknown)?,
     };
-    let at = EquilibriumCurve::at(&request, state).map_err(|_| NoFirstPoint::Unknown)?;
-    let (curve, point) = at;
+    // at a kink the rates have no derivatives, and their eigenvalues jump
+    let at = EquilibriumCurve::at(&request, state);
+    let (curve, point) = at.map_err(|_| NoFirstPoint::NoCycle(NoCycle::NoHopf))?;
     let guesses = match kind {
         Some(EventType::BE) => curve.boundary_cycles(&point),
         _ => curve.cycles(&point),
