@@ -40,10 +40,10 @@ impl LabelledOrbit {
                 && values.len() == parameters
                 && known(values)
         };
-        let beside = beside.iter();
+        let beside = beside.as_ref();
         !zones.is_empty()
             && whole(zones, values)
-            && beside.into_iter().all(|one| whole(&one.zones, &one.values))
+            && beside.is_none_or(|one| whole(&one.zones, &one.values))
     }
 
     /// Whether no state differs between its switches by more than a part of one million of what it does in the largest

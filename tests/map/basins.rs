@@ -99,6 +99,14 @@ fn mapped(text: &str) -> tempfile::TempDir {
     folder
 }
 
+/// A basin with two attractors, and their rows.
+fn with_two_attractors(text: &str) -> (tempfile::TempDir, Vec<Vec<String>>) {
+    let folder = mapped(text);
+    let (_, rows) = table(&folder.path().join("m"), "attractors.csv");
+    assert_eq!(rows.len(), 2, "{rows:?}");
+    (folder, rows)
+}
+
 /// A cycle of radius 2 around a point of rest, with the circle of radius 1 between their basins. The cycle has neither
 /// switches nor a forcing: wherever a motion comes to it, it is the same.
 #[test]
@@ -116,17 +124,14 @@ fn a_cycle_is_one_attractor_from_all_sides() {
         points: Grid(rows: 4, columns: 4),
     ),
 )"#;
-    let folder = mapped(text);
-    let path = folder.path();
-    let (_, rows) = table(&path.join("m"), "attractors.csv");
-    assert_eq!(rows.len(), 2, "{rows:?}");
+    let (folder, rows) = with_two_attractors(text);
     let cycle = &rows[0];
     assert!((number(&cycle[2]) - TAU / 1.5).abs() < 1e-12);
     assert!((number(&cycle[6]).hypot(number(&cycle[7])) - 2.0).abs() < 1e-12);
     let rest = &rows[1];
     assert_eq!((&*rest[2], &*rest[3]), ("", ""));
     assert!(number(&rest[6]).abs() < 1e-9 && number(&rest[7]).abs() < 1e-9);
-    for (index, found) in numbers(&path.join("m")).iter().enumerate() {
+    for (index, found) in numbers(&folder.path().join("m")).iter().enumerate() {
         let (x, y) = (-1.4 + (index % 4) as f64, -1.3 + (index / 4) as f64);
         assert_eq!(found == "1", x.hypot(y) > 1.0, "{x} {y}");
     }
@@ -153,17 +158,14 @@ fn cycles_that_turn_opposite_ways_are_two() {
         points: Grid(rows: 4, columns: 4),
     ),
 )"#;
-    let folder = mapped(text);
-    let path = folder.path();
-    let (_, rows) = table(&path.join("m"), "attractors.csv");
-    assert_eq!(rows.len(), 2, "{rows:?}");
+    let (folder, _) = with_two_attractors(text);
     // |p| > |q| where xv + yu > 0
     let turns = |index: usize| {
         let part = |steps: usize| 2.9 / 3.0 * steps as f64;
         let (x, y) = (-1.5 + part(index / 4), -1.4 + part(index % 4));
         0.1 * x + 0.3 * y > 0.0
     };
-    let found = numbers(&path.join("m"));
+    let found = numbers(&folder.path().join("m"));
     for (index, number) in found.iter().enumerate() {
         assert_eq!(
             *number == found[0],

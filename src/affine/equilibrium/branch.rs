@@ -185,7 +185,7 @@ impl Changes for EquilibriumCurve {
         margin: &EquilibriumMargin,
     ) -> Result<Vec<Candidate<EquilibriumCurve>>, EquilibriumFailure> {
         if let Some(kink) = self.kink(margin) {
-            let beyond = self.beyond_kink(kink, point).map(|orbit| Candidate {
+            let beyond = self.beyond_kink(kink).map(|orbit| Candidate {
                 orbit,
                 point: point.clone(),
                 nascent: Vec::new(),

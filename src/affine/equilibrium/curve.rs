@@ -105,7 +105,7 @@ pub struct EquilibriumCurve {
 
 /// The factor that makes a function of order one, by its changes over the units of its argument; where these are nothing beside its
 /// order, as those of a rate may be at a branch point, it is of that order.
-pub(super) fn factor(linear: &Linear, units: &[f64], order: f64) -> f64 {
+fn factor(linear: &Linear, units: &[f64], order: f64) -> f64 {
     /// Changes that are a smaller part of its order are nothing.
     const NOTHING: f64 = 1e-9;
     let terms = linear.by.iter().zip(units);
@@ -285,25 +285,30 @@ impl EquilibriumCurve {
         let Ok(at) = self.linearised(point) else {
             return self;
         };
-        let units = &self.setting.scales.units;
         let mut signs = vec![0.0; self.lifted.program.made()];
         for (step, operand) in &at.kinks {
-            let scaled = operand.scaled(units, factor(operand, units, 0.0));
+            let value = self.scaled_operand(operand).value;
             // one that is zero on all equilibria has no side
-            if scaled.value.abs() > AT_KINK {
-                signs[*step] = scaled.value.signum();
+            if value.abs() > AT_KINK {
+                signs[*step] = value.signum();
             }
         }
         self.signature.signs = signs;
         self
     }
 
+    /// An operand of `abs`, scaled to order one.
+    pub(super) fn scaled_operand(&self, operand: &Linear) -> Linear {
+        let units = &self.setting.scales.units;
+        operand.scaled(units, factor(operand, units, 0.0))
+    }
+
     /// The same beyond the kink of this number among those of the mode.
-    pub(super) fn beyond_kink(&self, kink: usize, point: &Vector) -> Option<EquilibriumCurve> {
-        let at = self.linearised(point).ok()?;
-        let (step, _) = at.kinks.get(kink)?;
+    pub(super) fn beyond_kink(&self, kink: usize) -> Option<EquilibriumCurve> {
+        let field = &self.lifted.modes[self.signature.mode].field;
+        let (step, _) = field.kinks().nth(kink)?;
         let mut beyond = self.clone();
-        *beyond.signature.signs.get_mut(*step)? *= -1.0;
+        *beyond.signature.signs.get_mut(step)? *= -1.0;
         Some(beyond)
     }
 
@@ -339,9 +344,7 @@ impl EquilibriumCurve {
         });
         rows.collect()
     }
-}
 
-impl EquilibriumCurve {
     /// The equations that are followed, and their derivatives in the scaled unknowns.
     pub(super) fn followed(&self, at: &Linearised, place: &[f64]) -> Vec<Linear> {
         let mode = &self.lifted.modes[self.signature.mode];
@@ -359,7 +362,7 @@ impl EquilibriumCurve {
                 mode,
                 ..self.local(place)
             };
-            Some(local.linearised()?.rates)
+            local.rates()
         };
         let [first, second] = sides.map(field);
         let (first, second) = (first?, second?);

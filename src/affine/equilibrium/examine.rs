@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::curve::{EquilibriumCurve, EquilibriumFailure, factor};
+use super::curve::{EquilibriumCurve, EquilibriumFailure};
+use super::field::Linear;
 use super::spectrum::{bordered, eigenvalues, growths, is_told, sums};
 use super::{EquilibriumGuard, VirtualEquilibrium};
 use crate::continuation::Node;
@@ -21,6 +22,21 @@ pub struct EquilibriumMargin {
     pub error: f64,
     /// Its derivatives in the scaled unknowns.
     pub gradient: Vec<f64>,
+}
+
+impl EquilibriumMargin {
+    /// Roundings of a guard, relative to its terms.
+    const ROUNDINGS: f64 = 8.0 * f64::EPSILON;
+
+    /// That of a scaled function with this value.
+    fn of(guard: usize, scaled: &Linear, value: f64) -> EquilibriumMargin {
+        EquilibriumMargin {
+            guard,
+            value,
+            error: EquilibriumMargin::ROUNDINGS * scaled.size.max(scaled.by.amax()),
+            gradient: scaled.by.iter().copied().collect(),
+        }
+    }
 }
 
 /// What an examination of an equilibrium found.
@@ -80,9 +96,6 @@ impl EquilibriumExamination {
 }
 
 impl EquilibriumCurve {
-    /// Roundings of a guard, relative to its terms.
-    const ROUNDINGS: f64 = 8.0 * f64::EPSILON;
-
     /// Guards and stability at scaled unknowns.
     pub(super) fn examined(
         &self,
@@ -91,26 +104,18 @@ impl EquilibriumCurve {
         let at = self.linearised(point)?;
         let units = &self.setting.scales.units;
         let guards = at.guards.iter().zip(&self.guards).enumerate();
-        let margins = guards.map(|(guard, (linear, factor))| {
+        let guards = guards.map(|(guard, (linear, factor))| {
             let scaled = linear.scaled(units, *factor);
-            EquilibriumMargin {
-                guard,
-                value: scaled.value,
-                error: EquilibriumCurve::ROUNDINGS * scaled.size.max(scaled.by.amax()),
-                gradient: scaled.by.iter().copied().collect(),
-            }
+            EquilibriumMargin::of(guard, &scaled, scaled.value)
         });
         let kinks = at.kinks.iter().enumerate().map(|(index, (step, operand))| {
             let sign = self.signature.signs.get(*step).copied().unwrap_or(0.0);
-            let scaled = operand.scaled(units, sign * factor(operand, units, 0.0));
-            EquilibriumMargin {
-                guard: at.guards.len() + index,
-                value: if sign == 0.0 { 1.0 } else { scaled.value },
-                error: EquilibriumCurve::ROUNDINGS * scaled.size.abs().max(scaled.by.amax()),
-                gradient: scaled.by.iter().copied().collect(),
-            }
+            let signed = self.scaled_operand(operand).times(sign);
+            // one that has no side is on none
+            let value = if sign == 0.0 { 1.0 } else { signed.value };
+            EquilibriumMargin::of(at.guards.len() + index, &signed, value)
         });
-        let margins = margins.chain(kinks).collect();
+        let margins = guards.chain(kinks).collect();
         let eigenvalues = eigenvalues(&at);
         Ok(EquilibriumExamination {
             margins,

@@ -87,6 +87,15 @@ impl Linear {
         }
     }
 
+    /// The function times a sign.
+    pub fn times(self, sign: f64) -> Linear {
+        Linear {
+            value: sign * self.value,
+            by: self.by * sign,
+            size: self.size * sign.abs(),
+        }
+    }
+
     /// The sum with another one times a factor.
     pub fn plus(&self, factor: f64, other: &Linear) -> Linear {
         Linear {
@@ -240,16 +249,28 @@ impl LocalField<'_> {
         self.linear(&self.passes(&field), &mut form.at.iter())
     }
 
+    /// The rates of the mode with their first derivatives; `None` where one has no finite value.
+    pub fn rates(&self) -> Option<Vec<Linear>> {
+        let rates = self.rates_by(&self.passes(&self.lifted.modes[self.mode].field));
+        rates.iter().all(Linear::is_finite).then_some(rates)
+    }
+
+    fn rates_by(&self, passes: &[Vec<HyperDual>]) -> Vec<Linear> {
+        let matrix = &self.lifted.modes[self.mode].matrix.at;
+        let rates = 0..self.states;
+        rates
+            .map(|state| self.linear(passes, &mut matrix.row(state).iter()))
+            .collect()
+    }
+
     /// All functions of the mode with their first derivatives; `None` where one has no finite value.
     pub fn linearised(&self) -> Option<Linearised> {
         let mode = &self.lifted.modes[self.mode];
-        let states = self.states;
         let passes = self.passes(&mode.field);
         let linear = |row: &mut dyn Iterator<Item = &f64>| self.linear(&passes, row);
         let of_row = |row: &Row| linear(&mut row.at.iter());
-        let rates = (0..states).map(|state| linear(&mut mode.matrix.at.row(state).iter()));
         let found = Linearised {
-            rates: rates.collect(),
+            rates: self.rates_by(&passes),
             surfaces: mode.surfaces().map(of_row).collect(),
             guards: mode.guards.iter().map(|guard| of_row(&guard.row)).collect(),
             kinks: {

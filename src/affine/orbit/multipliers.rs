@@ -52,37 +52,45 @@ struct Link {
 }
 
 impl Link {
+    /// One without a switch at its end.
+    fn without_jump(
+        [flow, noise]: [Matrix; 2],
+        rates: [Vector; 2],
+        (closes, error): (f64, f64),
+    ) -> Link {
+        Link {
+            flow,
+            noise,
+            rates,
+            jump: None,
+            closes,
+            fall: 1.0,
+            has_pole: false,
+            magnified: 1.0,
+            error,
+        }
+    }
+
     /// The same as several, one after another: flows along parts of it, with ẋ at the beginning of each.
     fn in_parts(self, parts: Vec<(Matrix, Vector)>) -> Vec<Link> {
-        let ends: Vec<Vector> = parts.iter().skip(1).map(|(_, rate)| rate.clone()).collect();
-        let (error, last) = (self.error, ends.len());
-        let [_, end] = self.rates.clone();
-        let mut whole = Some(self);
-        let parts = parts.into_iter().enumerate();
-        let links = parts.map(|(index, (flow, begin))| {
+        let next = parts.iter().skip(1).map(|(_, rate)| rate.clone());
+        let ends: Vec<Vector> = next.chain([self.rates[1].clone()]).collect();
+        let parts = parts.into_iter().zip(ends);
+        let links = parts.map(|((flow, begin), end)| {
             let noise = Matrix::zeros(flow.nrows(), flow.ncols());
-            let rates = [begin, ends.get(index).unwrap_or(&end).clone()];
-            match whole.take_if(|_| index == last) {
-                Some(whole) => Link {
-                    flow,
-                    noise,
-                    rates,
-                    ..whole
-                },
-                None => Link {
-                    flow,
-                    noise,
-                    rates,
-                    jump: None,
-                    closes: 0.0,
-                    fall: 1.0,
-                    has_pole: false,
-                    magnified: 1.0,
-                    error,
-                },
-            }
+            Link::without_jump([flow, noise], [begin, end], (0.0, self.error))
         });
-        links.collect()
+        let mut links: Vec<Link> = links.collect();
+        // what the whole has at its end the last part has
+        if let Some(last) = links.pop() {
+            links.push(Link {
+                flow: last.flow,
+                noise: last.noise,
+                rates: last.rates,
+                ..self
+            });
+        }
+        links
     }
 }
 
@@ -202,18 +210,14 @@ impl OrbitAt<'_> {
     fn link_of_shots(&self, zone: usize, passage: &Passage) -> Link {
         let next = self.shot_entry(zone, passage.shot + 1);
         let closes = self.apart(&next, &passage.end);
-        let [flow, noise] = self.flow_of_states(zone, passage, closes);
-        Link {
-            flow,
-            noise,
-            rates: self.rates_of(zone, passage, &passage.rate),
-            closes,
-            jump: None,
-            fall: 1.0,
-            has_pole: false,
-            magnified: 1.0,
-            error: self.error_of_flow(zone),
-        }
+        self.link_within(zone, passage, closes)
+    }
+
+    /// What leads along a passage at whose end nothing switches.
+    fn link_within(&self, zone: usize, passage: &Passage, closes: f64) -> Link {
+        let flow = self.flow_of_states(zone, passage, closes);
+        let rates = self.rates_of(zone, passage, &passage.rate);
+        Link::without_jump(flow, rates, (closes, self.error_of_flow(zone)))
     }
 
     /// The jump of the rates at a switch over the speed of its guard, where that is low or nothing jumps by what the switch is, and how
@@ -251,21 +255,13 @@ impl OrbitAt<'_> {
     /// What leads from a zone that no switch ends to itself a period later.
     fn link_without_switch(&self, zone: usize, passage: &Passage) -> Link {
         let closes = self.closes(zone, &passage.end);
-        let [flow, noise] = self.flow_of_states(zone, passage, closes);
         Link {
-            flow,
-            noise,
-            rates: self.rates_of(zone, passage, &passage.rate),
-            closes,
             jump: self.onto_surface(zone + 1).map(|matrix| Jump {
                 matrix,
                 lost: 1,
                 after: passage.rate.rows(0, self.orbit.states()).into_owned(),
             }),
-            fall: 1.0,
-            has_pole: false,
-            magnified: 1.0,
-            error: self.error_of_flow(zone),
+            ..self.link_within(zone, passage, closes)
         }
     }
 

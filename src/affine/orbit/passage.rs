@@ -189,10 +189,7 @@ impl Integrated {
         let (base, forward, whole) = (field.base(), time >= 0.0, time.abs());
         let series = |z: &Vector| field.series(z, ORDER, true, forward);
         let first = series(entry);
-        let mut by: Derivatives = (
-            Matrix::identity(base, base),
-            std::array::from_fn(|_| Vector::zeros(base)),
-        );
+        let mut by = in_no_time(base);
         let (mut last, mut z, mut stages) = (first.clone(), entry.clone(), Vec::new());
         let (mut begun, mut before) = (0.0, f64::INFINITY);
         while begun < whole {
@@ -271,6 +268,12 @@ pub(super) fn share(rest: f64, length: f64) -> f64 {
         ratio if ratio <= 2.0 => 0.5 * rest,
         _ => length,
     }
+}
+
+/// Those where no time has passed, of so many components.
+pub(super) fn in_no_time(base: usize) -> Derivatives {
+    let nothing = std::array::from_fn(|_| Vector::zeros(base));
+    (Matrix::identity(base, base), nothing)
 }
 
 /// Derivatives at a time after the beginning of a series, where those at its beginning are known.

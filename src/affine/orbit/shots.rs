@@ -16,7 +16,7 @@
 use std::sync::Arc;
 
 use super::layout::{AffineOrbit, OrbitAt};
-use super::passage::{Derivatives, Integrated, Passage, moved};
+use super::passage::{Derivatives, Integrated, Passage, in_no_time, moved};
 use super::setting::OrbitFailure;
 use super::signature::{Sequence, ZonePoint};
 use crate::affine::flow::ModeFlow;
@@ -376,18 +376,15 @@ impl OrbitAt<'_> {
         }
         let known = self.known(number, &passage.entry, passage.time).0;
         let states = mode.states;
-        let base = mode.field.base();
-        let identity = || Matrix::identity(base, base);
-        let nothing = || std::array::from_fn(|_| Vector::zeros(base));
-        let (mut flow, mut most) = (identity(), whole);
+        let begun = in_no_time(mode.field.base());
+        let (mut flow, mut most) = (begun.clone(), whole);
         for stage in &known.stages {
-            let along: Derivatives = moved(&stage.series, &(flow, nothing()), stage.time);
-            flow = along.0;
-            let grown = log(&flow.view((0, 0), (states, states)).into_owned());
+            flow = moved(&stage.series, &flow, stage.time);
+            let grown = log(&flow.0.view((0, 0), (states, states)).into_owned());
             most = most.max(grown);
             // what has decayed has no part in what grows from here
             if grown < 0.0 {
-                flow = identity();
+                flow = begun.clone();
             }
         }
         [whole, most]
@@ -404,23 +401,18 @@ impl OrbitAt<'_> {
         const LOST: f64 = 1e-8;
         const PART: f64 = 1e-4;
         let (mode, number) = (self.mode(zone), self.orbit.sequence.zone(zone).mode);
-        let (states, base) = (mode.states, mode.field.base());
-        let units = &self.orbit.setting.scales.states;
+        let states = mode.states;
+        let of_states = |flow: &Matrix| flow.view((0, 0), (states, states)).into_owned();
+        // units of the states leave the determinant as it is
         let loses = |flow: &Matrix, part: f64| {
-            let scaled = Matrix::from_fn(states, states, |row, column| {
-                flow[(row, column)] * units[column] / units[row]
-            });
-            scaled.determinant().abs() < part * scaled.amax().powi(states as i32)
+            let size = self.norm(flow).powi(states as i32);
+            of_states(flow).determinant().abs() < part * size
         };
         if mode.field.is_exact || !loses(&passage.flow, LOST) {
             return None;
         }
         let known = self.known(number, &passage.entry, passage.time).0;
-        let begun = (
-            Matrix::identity(base, base),
-            std::array::from_fn(|_| Vector::zeros(base)),
-        );
-        let of_states = |flow: &Matrix| flow.view((0, 0), (states, states)).into_owned();
+        let begun = in_no_time(mode.field.base());
         let mut parts: Vec<(Matrix, Vector)> = Vec::new();
         let mut flow: Option<Derivatives> = None;
         for stage in &known.stages {

@@ -52,12 +52,11 @@ pub fn switch(
     } else {
         (own, at)
     };
-    let is_known = along.is_some();
+    // one of no length is none
     let along = along.unwrap_or_else(|| Vector::zeros(at.len()));
     let node = Node::at(at, along);
     let (orbit, node) = parted(&orbit, &node).unwrap_or((orbit, node));
-    let known = is_known.then_some(node.tangent);
-    let (point, ways) = other(&orbit, (&node.point, known), directions)?;
+    let (point, ways) = other(&orbit, (&node.point, Some(node.tangent)), directions)?;
     let setting = Setting {
         values: orbit.values_at(&point),
         ..(*orbit.setting).clone()
