@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::crossings::OutsideCount;
+use super::crossings::{OutsideCount, outside};
 use super::follow::{LocatedPoint, Track};
 use super::located::{BranchEvent, LocatedEvent};
 use super::monitor::MonitorStop;
@@ -301,11 +301,7 @@ impl<O: Orbit> Track<O> {
             return Outcome::Entered(Vec::new(), entry);
         };
         let slope = |node: &Node| node.tangent[node.tangent.len() - 1];
-        let growing = |examination: &O::Examination| {
-            let growths = examination.growths();
-            growths.map(|all| all.iter().filter(|one| one.log > 0.0).count())
-        };
-        let counts = growing(&corner.examination).zip(growing(&entry.watched));
+        let counts = outside(&corner.examination).zip(outside(&entry.watched));
         let value = corner.parameter;
         let special = match counts {
             _ if slope(&corner.node) * slope(&entry.node) < 0.0 => {
