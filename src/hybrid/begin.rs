@@ -91,6 +91,11 @@ impl NoFirstPoint {
                 "orbit",
                 "let it settle longer, admit more `periods`, or begin at other values of the parameters",
             ),
+            NoFirstPoint::NoOrbit(start::NoStart::Drifts { .. }) => (
+                "system.modes",
+                "let a reset bring the state back, as `\"s\": \"s - 1\"` does for a clock, or a bound hold it; leave it out where it \
+                 only adds up",
+            ),
             NoFirstPoint::NoOrbit(start::NoStart::Halted(Halt::Chattering { .. })) => (
                 "orbit.start",
                 "name in `rest` of the switch the mode that begins where infinitely many of them end, or begin \

@@ -449,6 +449,35 @@ fn zones_open_each_at_a_rate_of_its_own() {
     assert!((without[1].value - 0.478_122_834_989_434).abs() < 1e-14);
 }
 
+/// A block that never slips keeps its place while another one swings. Where the spring between them reaches the bound of its friction
+/// at the turns of that other one, on both sides, it begins to slip both ways, before and after each turn: four zones open like
+/// square roots, and what was a family is one orbit. The branch meets it from either side.
+#[test]
+fn a_block_that_kept_its_place_slips_both_ways() {
+    let text = r#"(states: ["x", "v", "y", "u"], parameters: {"w": 2.13, "h": 0.379, "F": 0.107, "G": 0.61}, forcing: "w",
+        contacts: {"p": Friction(slip: "v", bound: "F"), "q": Friction(slip: "u", bound: "G")},
+        rates: {"x": "v", "v": "(-2.57*x - 0.0238*v - h*(x - y) + 3.28*cos(phase) + p)/1.63",
+            "y": "u", "u": "-2.01*y - 0.0238*u - h*(y - x) + q"})"#;
+    let from: From = ("stick.stick", &[0.0; 4], 150.0);
+    let range = ("w", (1.735, 2.13));
+    let (orbit, point) = started(&system(text), from, range).unwrap();
+    let (seen, points) = follow(&orbit, &point, false, range.1, 2000);
+    let kinds: Vec<_> = seen.iter().map(|one| one.kind).collect();
+    assert_eq!(kinds, [CO, EP]);
+    let slips = points.iter().find(|one| one.special.is_some()).unwrap();
+    let beyond = &points.last().unwrap().orbit;
+    assert_eq!((slips.orbit.zones(), beyond.zones()), (2, 6));
+    let back = met(&text.replace("2.13", "1.735"), from, range);
+    meets(&back, &[(CO, slips.parameter)]);
+    // the spring alone acts on the block that rests at zero: it reaches the bound where the other one turns at G/h
+    let (low, high) = slips.orbit.extremes(&slips.node.point).unwrap()[0];
+    let turn = 0.61 / 0.379;
+    assert!(
+        (high - turn).abs() < 1e-12 && (low + turn).abs() < 1e-12,
+        "{low} {high}"
+    );
+}
+
 /// An inelastic ball rests on its table until that falls faster than it, and leaves it with g, ġ and g̈ zero.
 #[test]
 fn an_inelastic_ball() {

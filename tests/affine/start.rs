@@ -597,6 +597,12 @@ fn motions_are_told_by_how_their_neighbours_part() {
         looks(&free("0.1"), &[1.0, 0.0], 1.0),
         Some(Behaviour::Settles)
     );
+    let winds_up = r#"(states: ["s", "y"], modes: {"ticks": (rates: {"s": "1", "y": "0.3*s"},
+        until: [(zero: "1 - s", to: "ticks", reset: {"s": "0"})])})"#;
+    let Some(Behaviour::Drifts(1, by)) = looks(winds_up, &[0.5, 0.0], 1.0) else {
+        panic!("no drift")
+    };
+    assert!((by - 0.15).abs() < 1e-12, "{by}");
 }
 
 /// A relay whose signal passes twelve lags: what one state makes of the next falls along the chain in units alike, and the last one is

@@ -14,6 +14,8 @@ pub enum Behaviour {
     QuasiPeriodic,
     /// They part at this rate: its largest Lyapunov exponent.
     Chaotic(f64),
+    /// The state with this number moves by as much in every interval, while what is left comes back.
+    Drifts(usize, f64),
     /// They part at times and come nearer at others.
     Unclear,
 }
@@ -122,6 +124,11 @@ fn parting(
         .iter()
         .rev()
         .position(|(mode, state)| *mode == last_mode && apart(state, &last, sizes) <= RETURNED);
+    seen.push((last_mode, last));
+    let is_calm = first.max(second) <= SLOW;
+    if let Some((state, by)) = drift(&seen, sizes).filter(|_| is_calm && back.is_none()) {
+        return Some(Behaviour::Drifts(state, by));
+    }
     Some(match back {
         Some(before) if first + second <= 2.0 * SLOW => Behaviour::Periodic(before + 1),
         _ if first.min(second) > 0.0 && first + second > 2.0 * SLOW => {
@@ -131,6 +138,22 @@ fn parting(
         _ if first.abs().max(second.abs()) <= SLOW => Behaviour::QuasiPeriodic,
         _ => Behaviour::Unclear,
     })
+}
+
+/// A state that moves on by as much in every one of these intervals, and by how much: all others are where they were, or
+/// move on, too.
+fn drift(seen: &[(usize, Vec<f64>)], sizes: &[f64]) -> Option<(usize, f64)> {
+    let (_, last) = seen.last()?;
+    let steps = || seen.windows(2).map(|pair| (&pair[0].1, &pair[1].1));
+    let mean = |state: usize| (last[state] - seen[0].1[state]) / (seen.len() - 1) as f64;
+    let is_even = |state: usize| {
+        let even = |by: f64| (by - mean(state)).abs() <= RETURNED * sizes[state];
+        steps().all(|(one, next)| even(next[state] - one[state]))
+    };
+    let moves = |state: &usize| mean(*state).abs() > RETURNED * sizes[*state];
+    let state = (0..last.len()).find(moves)?;
+    let same_mode = seen.iter().all(|(mode, _)| *mode == seen[0].0);
+    (same_mode && (0..last.len()).all(is_even)).then(|| (state, mean(state)))
 }
 
 /// Where a motion that does not switch is after a time, and how long it takes from there until it is back, to a thousandth of

@@ -31,14 +31,15 @@ impl AffineOrbit {
         point: &Vector,
         side: f64,
     ) -> Option<Candidate<AffineOrbit>> {
-        // motions of a family need not keep what its branch keeps
-        let is_single = self.conserved.count() == 0;
-        if !is_single || !matches!(self.fate(point, None, side), Some(Fate::Returns)) {
+        if !matches!(self.fate(point, None, side), Some(Fate::Returns)) {
             return None;
         }
         let [far, near] = BESIDE.map(|part| self.next_to(point, side * part));
         let ((before, _), (last, found)) = far.zip(near)?;
-        (last <= NEAR && last <= FALLS * before).then_some(found)
+        // motions of a family need not keep what its branch keeps: beyond it they tell of what keeps nothing
+        let is_single = [self, &found.orbit].map(|orbit| orbit.conserved.count() == 0);
+        let tells = is_single.contains(&true);
+        (tells && last <= NEAR && last <= FALLS * before).then_some(found)
     }
 
     /// The orbit by motion this far from an event, and how far off it is: from the orbit of the event, or from where that leads after a

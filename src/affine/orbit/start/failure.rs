@@ -74,6 +74,16 @@ pub enum NoStart {
         /// What it looks like, where it was asked.
         looks: Option<Behaviour>,
     },
+    /// A state moves on by as much from one return to the next.
+    #[error(
+        "`{state}` runs away: it moves by {by:.6e} from each return to the next, for ever, while what is left comes back"
+    )]
+    Drifts {
+        /// Name of the state.
+        state: String,
+        /// By how much it moves.
+        by: f64,
+    },
     /// More switches than an orbit is followed through.
     #[error("{0} switches in one period are more than are followed")]
     Switches(usize),
@@ -121,7 +131,7 @@ pub enum NoStart {
 /// What a motion that does not return looks like, in words.
 fn in_words(looks: Option<Behaviour>) -> String {
     match looks {
-        None | Some(Behaviour::Unclear) => String::new(),
+        None | Some(Behaviour::Unclear | Behaviour::Drifts(..)) => String::new(),
         Some(Behaviour::Periodic(count)) => {
             format!("; later it is seen to be periodic: it is back after {count} of them")
         }

@@ -14,6 +14,7 @@ pub(super) use unknowns::scaled;
 
 use serde::{Deserialize, Serialize};
 
+use super::behaviour::Behaviour;
 use super::layout::AffineOrbit;
 use super::row::SavedOrbit;
 use crate::affine::closure::Prescribed;
@@ -270,9 +271,15 @@ pub fn explained(
     let Ok(mut approach) = Approach::settled(wanted, &system, beginning, search) else {
         return reason;
     };
-    NoStart::NotPeriodic {
-        periods,
-        off,
-        looks: approach.behaviour(),
+    match approach.behaviour() {
+        Some(Behaviour::Drifts(state, by)) => NoStart::Drifts {
+            state: wanted.system.source.states[state].clone(),
+            by,
+        },
+        looks => NoStart::NotPeriodic {
+            periods,
+            off,
+            looks,
+        },
     }
 }
