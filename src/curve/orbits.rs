@@ -1,5 +1,6 @@
 //! Orbits of a user's system over a plane of two parameters.
 
+use std::iter;
 use std::sync::Arc;
 
 use nalgebra::Complex;
@@ -381,7 +382,15 @@ impl EventCurves for OrbitsInPlane {
         let doubling = passed(Some(PointType::One(EventType::PD)), doubling);
         let turns = monodromy.angle_on_circle().is_some();
         let pair = |order: u8, both: f64| test_of_pair((cosine, turns), (order, both), torus);
-        let double = |multiplier: f64| orbit.is_double(point, multiplier);
+        // the multiplier of the event is a double one where the derivative of its own equations in the multiplier vanishes;
+        // another pair with the product 1 is an event of its own
+        let double = |order: u8, multiplier: f64| match orbit.is_double(point, multiplier) {
+            None => vec![pair(order, multiplier)],
+            Some(met) => {
+                let other = without(pair(order, f64::NAN), met);
+                vec![passed(Some(PointType::Resonance(order)), met), other]
+            }
+        };
         let of_half = |kept: Kept, test: usize| {
             let half = orbit.half_monodromy(kept, point).ok().flatten();
             half.map_or(f64::NAN, |half| half.tests(&half.multipliers())[test])
@@ -390,23 +399,8 @@ impl EventCurves for OrbitsInPlane {
             EventCondition::Spectral(MultiplierEvent::Torus) => {
                 tests_of_torus((cosine, self.half_cosine(orbit, point)), doubling)
             }
-            // the multiplier of the event is a double one where the derivative of its own equations in the multiplier vanishes;
-            // another pair with the product 1 is an event of its own
-            EventCondition::Spectral(MultiplierEvent::PeriodDoubling) => double(-1.0).map_or_else(
-                || vec![pair(2, -1.0)],
-                |met| {
-                    let kind = Some(PointType::Resonance(2));
-                    vec![passed(kind, met), without(pair(2, f64::NAN), met)]
-                },
-            ),
-            EventCondition::Fold => double(1.0).map_or_else(
-                || vec![doubling, pair(1, 1.0)],
-                |met| {
-                    let kind = Some(PointType::Resonance(1));
-                    let other = without(pair(1, f64::NAN), met);
-                    vec![doubling, passed(kind, met), other]
-                },
-            ),
+            EventCondition::Spectral(MultiplierEvent::PeriodDoubling) => double(2, -1.0),
+            EventCondition::Fold => iter::once(doubling).chain(double(1, 1.0)).collect(),
             // a multiplier −1 of the whole is a pair ±i of the half, which touches and does not cross
             EventCondition::Spectral(MultiplierEvent::Branching { kept }) => {
                 vec![passed(pair(1, 1.0).kind, of_half(*kept, 2))]
