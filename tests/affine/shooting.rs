@@ -108,6 +108,12 @@ fn the_first_train_is_known_to_rounding() {
             0.55633574595310983432,
             [0.15, 0.47491583864666794046, 0.19983387500299],
         ),
+        // the motion from there leaves the train before it is round, and is a thousand million times as large then
+        (
+            20.0,
+            0.21814442815047859239,
+            [0.15, 0.18229648011186575091, 0.029594104033101431665],
+        ),
     ] {
         let values = format!("\"L\": {length:?}, \"c\": {speed:?}");
         let text = NERVE.replace("\"L\": 10.0, \"c\": 0.32", &values);

@@ -27,14 +27,12 @@ pub(super) fn pose(
     /// Parts of an orbit that differ by less, in its own units, are the same.
     const SAME: f64 = 1e-9;
     let (orbit, guess) = scaled(wanted, parts, periods)?;
-    let index = guess.len() - 1;
-    let mut fixed = Fixed {
-        index,
-        value: guess[index],
-    };
+    if let Some(found) = by_shots(wanted, (&orbit, &guess), periods, settings) {
+        return Ok(found);
+    }
     let stays = !orbit.is_forced() && orbit.sequence.switches() == 0;
     let rests = |point: &Vector| stays && orbit.varies_within(point, SAME);
-    let solution = newton::solve(&orbit, &mut fixed, &guess, settings).map_err(|failure| {
+    let point = solved(&orbit, &guess, settings).map_err(|failure| {
         let singular = matches!(failure, newton::Failure::Singular);
         if singular && rests(&guess) {
             NoStart::Equilibrium
@@ -44,7 +42,6 @@ pub(super) fn pose(
             NoStart::Newton(failure)
         }
     })?;
-    let point = solution.point;
     if let Some(mode) = collapsed(&orbit, &guess, &point) {
         return Err(NoStart::Shrinks { mode });
     }
@@ -74,14 +71,46 @@ fn in_better_shots(
     settings: &Settings,
 ) -> Option<(AffineOrbit, Vector)> {
     let (orbit, guess) = orbit.in_own_shots(point)?;
+    let point = solved(&orbit, &guess, settings).ok()?;
+    let is_better = (&point - &guess).amax() > settings.tolerance;
+    is_better.then_some((orbit, point))
+}
+
+/// The orbit next to a guess along which a motion grows by so much that it asks for several shots: of such a guess the places in between
+/// are known, and its end has few digits, or none. What is found has units of its own.
+fn by_shots(
+    wanted: &Wanted,
+    (orbit, guess): (&AffineOrbit, &Vector),
+    periods: u32,
+    settings: &Settings,
+) -> Option<(AffineOrbit, Vector)> {
+    if orbit.sequence.further_shots() > 0 {
+        return None;
+    }
+    let (orbit, guess) = orbit.in_own_shots(guess)?;
+    let point = solved(&orbit, &guess, settings).ok()?;
+    let at = orbit.at(&point).ok()?;
+    let zones = orbit.sequence.0.iter().cloned();
+    let parts = zones.zip(at.zones).collect();
+    let wanted = Wanted {
+        values: at.values,
+        ..wanted.clone()
+    };
+    pose(&wanted, parts, periods, settings).ok()
+}
+
+/// The unknowns of the orbit next to a guess at its value of the parameter.
+fn solved(
+    orbit: &AffineOrbit,
+    guess: &Vector,
+    settings: &Settings,
+) -> Result<Vector, newton::Failure<OrbitFailure>> {
     let index = guess.len() - 1;
     let mut fixed = Fixed {
         index,
         value: guess[index],
     };
-    let solution = newton::solve(&orbit, &mut fixed, &guess, settings).ok()?;
-    let is_better = (&solution.point - &guess).amax() > settings.tolerance;
-    is_better.then_some((orbit, solution.point))
+    newton::solve(orbit, &mut fixed, guess, settings).map(|solution| solution.point)
 }
 
 /// The mode of a zone that has lasted in a guess and lasts no more in its solution.
