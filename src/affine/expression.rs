@@ -93,7 +93,8 @@ impl Function {
             Function::Ln => (x.ln(), x.recip()),
             Function::Sqrt => (x.sqrt(), 0.5 / x.sqrt()),
             Function::Abs => (x.abs(), x.signum()),
-            Function::Tanh => (x.tanh(), 1.0 - x.tanh() * x.tanh()),
+            // of 1 − tanh² nothing would be left where the tangent is nearly 1
+            Function::Tanh => (x.tanh(), x.cosh().powi(2).recip()),
             Function::Asin => (x.asin(), root(x).recip()),
             Function::Acos => (x.acos(), -root(x).recip()),
             Function::Atan => (x.atan(), (1.0 + x * x).recip()),

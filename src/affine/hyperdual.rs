@@ -57,15 +57,19 @@ impl HyperDual {
         self.0.iter().all(|x| x.is_finite())
     }
 
-    /// The product. A smooth factor that vanishes takes the kink of the other one away: where b = 0, (ab)′ = ab′ of any continuous a.
+    /// The product. A smooth factor that vanishes takes the kink of the other one away: where b = 0, (ab)′ = ab′ of any continuous a. So
+    /// does one with a kink from the first derivatives.
     fn times(&self, other: &HyperDual) -> HyperDual {
         let vanishes = |one: &HyperDual, beside: &HyperDual| {
             one.0[0] == 0.0 && one.is_smooth() && beside.0[0].is_finite()
         };
         let (own, others) = (vanishes(self, other), vanishes(other, self));
+        let is_continuous = self.0[0].is_finite() && other.0[0].is_finite();
         let of = |subset: usize| {
             let parts = (0..SUBSETS).filter(|part| part & !subset == 0);
             let pairs = parts.map(|part| (self.0[part], other.0[subset & !part]));
+            let is_first = is_continuous && subset.is_power_of_two();
+            let (own, others) = (own || is_first, others || is_first);
             let product = |(a, b): (f64, f64)| match own && a == 0.0 || others && b == 0.0 {
                 true => 0.0,
                 false => a * b,
@@ -75,20 +79,22 @@ impl HyperDual {
         HyperDual(std::array::from_fn(of))
     }
 
-    /// f of it, by f and its first three derivatives at its value (Faà di Bruno).
+    /// f of it, by f and its first three derivatives at its value (Faà di Bruno). Where f does not change to first order it takes a kink away
+    /// from the first derivatives, and along directions that do not change it no derivative of f counts.
     fn composed(&self, [f0, f1, f2, f3]: [f64; 4]) -> HyperDual {
         let u = &self.0;
-        let two = |i: usize, j: usize| f1 * u[i | j] + f2 * u[i] * u[j];
+        let by = |f: f64, u: f64| if f == 0.0 || u == 0.0 { 0.0 } else { f * u };
+        let two = |i: usize, j: usize| by(f1, u[i | j]) + by(f2, u[i] * u[j]);
         let mixed = u[1] * u[6] + u[2] * u[5] + u[4] * u[3];
         HyperDual([
             f0,
-            f1 * u[1],
-            f1 * u[2],
+            by(f1, u[1]),
+            by(f1, u[2]),
             two(1, 2),
-            f1 * u[4],
+            by(f1, u[4]),
             two(1, 4),
             two(2, 4),
-            f1 * u[7] + f2 * mixed + f3 * u[1] * u[2] * u[4],
+            by(f1, u[7]) + by(f2, mixed) + by(f3, u[1] * u[2] * u[4]),
         ])
     }
 
@@ -122,7 +128,7 @@ impl HyperDual {
                 [t, slope, 2.0 * t * slope, slope * (2.0 + 6.0 * t * t)]
             }
             Function::Tanh => {
-                let (t, slope) = (x.tanh(), 1.0 - x.tanh().powi(2));
+                let (t, slope) = Function::Tanh.at(x);
                 [t, slope, -2.0 * t * slope, slope * (6.0 * t * t - 2.0)]
             }
             Function::Asin | Function::Acos => {

@@ -4,7 +4,7 @@
 //! parameters; [`form`] is what expressions of such a system are evaluated in, with coefficients that are [`dual`] numbers,
 //! [`evaluation`] does that, [`mode`] is the linear flow that a mode is made into at given parameters: `shape` and `matrices` lay it
 //! out, `products` what contacts make, `sliding` puts modes between two others, and [`origin`] leads a system along a parameter.
-//! [`program`] makes components of z of others, [`series`] has the flow of a mode whose rates are not affine, by [`recurrence`], `exponential` those of matrices, `stiff` what is
+//! [`program`] makes components of z of others, [`series`] has the flow of a mode whose rates are not affine, by [`recurrence`], `length` how long that holds, `exponential` those of matrices, `stiff` what is
 //! slow of one, [`flow`] either with the signs of its guards, [`motion`] follows it through its switches, [`course`] sees it at equal
 //! times, and [`tangent`] has its perturbations; [`steady`] has the equilibria, within the `surfaces` that a mode does not leave, [`equilibrium`] branches of them, [`orbit`] the periodic
 //! orbits, whose period [`closure`] may prescribe, [`connection`] those to which they come beside saddles, and of which [`monitor`]s are numbers, laid out in a [`monitored`] system.
@@ -23,6 +23,7 @@ pub mod expression;
 pub mod flow;
 pub mod form;
 mod hyperdual;
+mod length;
 mod matrices;
 pub mod mode;
 pub mod monitor;

@@ -114,6 +114,9 @@ impl CoefficientTable {
             }
         }
         let over_k = |i: usize| i as f64 / k as f64;
+        if k == 0 && a >= components {
+            self.round_to_zero(step, a);
+        }
         let (x, later) = (self.value(a, 0), (1..k + 1, k));
         match step.rule {
             Rule::Product => self.convolve(own, [a, b], (0..k + 1, k), |_| 1.0),
@@ -125,6 +128,10 @@ impl CoefficientTable {
                 };
                 if k == 0 {
                     return self.scale(own, (a, 0), (x.powf(r), r * x.powf(r - 1.0)));
+                }
+                // it has no series from zero on, and is nothing there for a while
+                if x == 0.0 && r > 1.0 {
+                    return;
                 }
                 let weight = |i: usize| (r * i as f64 - (k - i) as f64) / k as f64;
                 self.divide((own, a), None, [a, own], later, weight);
@@ -158,17 +165,30 @@ impl CoefficientTable {
         }
     }
 
+    /// An operand of a power that has no series at zero is zero where it is rounding of its terms, as at a switch.
+    #[inline(always)]
+    fn round_to_zero(&mut self, step: &ProgramStep, a: usize) {
+        const ROUNDING: f64 = 64.0 * f64::EPSILON;
+        if matches!(step.rule, Rule::Power(r) if r > 1.0 && r.fract() != 0.0) {
+            let terms = step.operands[0].terms.iter();
+            let sizes = terms.map(|(c, by)| (by.value * self.value(*c, 0)).abs());
+            if self.value(a, 0).abs() <= ROUNDING * sizes.sum::<f64>() {
+                self.set(a, 0, 0.0);
+            }
+        }
+    }
+
     /// The value of a function of a, and that of its helper.
     #[inline(always)]
     fn begin(&mut self, function: Function, a: usize, own: usize, helper: usize) {
         let x = self.value(a, 0);
-        self.scale(own, (a, 0), function.at(x));
-        let u = self.value(own, 0);
+        let (u, slope) = function.at(x);
+        self.scale(own, (a, 0), (u, slope));
         match function {
             Function::Sin => self.scale(helper, (a, 0), (x.cos(), -u)),
             Function::Cos => self.scale(helper, (a, 0), (x.sin(), u)),
             Function::Tan => self.scale(helper, (own, 0), (1.0 + u * u, 2.0 * u)),
-            Function::Tanh => self.scale(helper, (own, 0), (1.0 - u * u, -2.0 * u)),
+            Function::Tanh => self.scale(helper, (own, 0), (slope, -2.0 * u)),
             Function::Sinh => self.scale(helper, (a, 0), (x.cosh(), u)),
             Function::Cosh => self.scale(helper, (a, 0), (x.sinh(), u)),
             Function::Atan => self.scale(helper, (a, 0), (1.0 + x * x, 2.0 * x)),
@@ -395,6 +415,24 @@ impl Series {
     /// Coefficient of this order of the first operand of a step.
     pub(super) fn operand(&self, k: usize, step: usize) -> f64 {
         self.value(k, self.places[step][0])
+    }
+
+    /// An operand of a step at the beginning, and the sum of the sizes of its further terms over a length of these powers.
+    pub(super) fn of_operand(&self, (step, operand): (usize, usize), powers: &[f64]) -> (f64, f64) {
+        let place = self.places[step][operand];
+        (self.value(0, place), self.change(place, powers))
+    }
+
+    /// The sum of the sizes of the terms of a component but for the first, over a length of these powers.
+    pub(super) fn change(&self, c: usize, powers: &[f64]) -> f64 {
+        let terms = self.values(c).iter().zip(powers).skip(1);
+        terms.map(|(z, power)| z.abs() * power).sum()
+    }
+
+    /// The largest of its terms.
+    pub(super) fn largest(&self, c: usize, powers: &[f64]) -> f64 {
+        let orders = self.values(c).iter().zip(powers);
+        orders.fold(0.0, |most: f64, (z, power)| most.max(z.abs() * power))
     }
 
     /// Order of the first coefficient of the first operand of a step that is not zero but for rounding.

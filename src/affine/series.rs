@@ -16,7 +16,7 @@ use super::recurrence::{Places, Recurrences, Series};
 use super::rows::{MatrixBy, Row};
 use crate::interval::Interval;
 use crate::linalg::Vector;
-use crate::orbit::sign::{Bernstein, COEFFICIENTS};
+use crate::orbit::sign::COEFFICIENTS;
 
 /// Highest order of a series: two more than what signs are decided by, so that these know what they leave out.
 pub(super) const ORDER: usize = COEFFICIENTS + 1;
@@ -24,13 +24,15 @@ pub(super) const ORDER: usize = COEFFICIENTS + 1;
 /// How z moves in a mode.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Field {
-    program: Arc<Program>,
+    pub(super) program: Arc<Program>,
     /// Which components beyond states and phase the mode has to do with along its flow: others may have no value in it.
-    needed: Vec<bool>,
-    /// The same at the instants at which it ends, where conditions and resets count, too.
+    pub(super) needed: Vec<bool>,
+    /// Forms of z that are looked at along it, of those that have such components.
+    pub(super) looked_at: Vec<Sparse>,
+    /// Which it has to do with at the instants at which it ends, where conditions and resets count, too.
     at_switch: Vec<bool>,
     /// Rates of the components before them; none where everything is linear.
-    rates: Vec<Sparse>,
+    pub(super) rates: Vec<Sparse>,
     /// Where coefficients stand.
     places: Places,
     /// How many of the parameters that vary have to do with it: the first, if any, or both.
@@ -38,7 +40,7 @@ pub struct Field {
     /// Whether the mode has to do with none of them.
     pub is_exact: bool,
     /// Part of a component of z by which the terms of degree 17 may change it over a piece.
-    tolerance: f64,
+    pub(super) tolerance: f64,
 }
 
 impl Default for Field {
@@ -47,6 +49,7 @@ impl Default for Field {
         Field {
             program: Arc::default(),
             needed: Vec::new(),
+            looked_at: Vec::new(),
             at_switch: Vec::new(),
             rates: Vec::new(),
             places: Places::default(),
@@ -67,6 +70,7 @@ impl Field {
     ) -> Field {
         let base = program.base;
         let mut needed = vec![false; program.made()];
+        let mut looked_at = Vec::new();
         let mut at_switch = needed.clone();
         if program.made() > 0 {
             let take = |row: Row, needed: &mut [bool]| {
@@ -75,7 +79,11 @@ impl Field {
                 }
             };
             let rates = (0..base).map(|row| matrix.row(row));
-            rates.chain(along).for_each(|row| take(row, &mut needed));
+            rates.for_each(|row| take(row, &mut needed));
+            for row in along {
+                looked_at.extend(of_made(&row.at, base));
+                take(row, &mut needed);
+            }
             program.complete(&mut needed);
             at_switch.clone_from(&needed);
             at_end.for_each(|row| take(row, &mut at_switch));
@@ -100,6 +108,7 @@ impl Field {
             program: program.clone(),
             is_exact,
             needed,
+            looked_at,
             at_switch,
             tolerance,
         }
@@ -107,6 +116,7 @@ impl Field {
 
     /// Makes the components that a form has, too.
     pub fn watch(&mut self, form: &Vector) {
+        self.looked_at.extend(of_made(form, self.program.base));
         for needed in [&mut self.needed, &mut self.at_switch] {
             for (index, needed) in needed.iter_mut().enumerate() {
                 *needed |= form[self.program.base + index] != 0.0;
@@ -317,157 +327,16 @@ impl Field {
         rates.filter(|(c, _)| form[*c] != 0.0).map(of).sum()
     }
 
-    /// What rounding of the terms of its rate leaves in an order of a state; zero of other components.
-    fn rounding_of_order(&self, series: &Series, component: usize, order: usize) -> f64 {
-        let terms = self
-            .rates
-            .get(component)
-            .map_or(&[][..], |rate| &rate.terms);
-        let size = terms
-            .iter()
-            .map(|(j, by)| (by.value * series.values(*j)[order - 1]).abs());
-        2.0 * f64::EPSILON * size.sum::<f64>() / order as f64
-    }
-
-    /// Sizes of the terms of which a product is made, over a length of these powers: where they cancel, as in x(μ − x² − y²) on
-    /// the circle, the product has their rounding. Zero of other components.
-    fn size_of_product(&self, series: &Series, component: usize, powers: &[f64; ORDER + 1]) -> f64 {
-        let step = component.checked_sub(self.program.base);
-        let step = step.map(|index| &self.program.steps[index]);
-        let Some(step) = step.filter(|step| step.rule == Rule::Product) else {
-            return 0.0;
-        };
-        let largest = |j: usize| {
-            let orders = series.values(j).iter().zip(powers);
-            orders.fold(0.0, |most: f64, (z, power)| most.max(z.abs() * power))
-        };
-        let of = |operand: &Sparse| -> f64 {
-            let terms = operand.terms.iter();
-            terms.map(|(j, by)| by.value.abs() * largest(*j)).sum()
-        };
-        step.operands.iter().map(of).product()
-    }
-
     /// Components before those that are made of others.
     pub fn base(&self) -> usize {
         self.program.base
     }
-
-    /// How long the polynomial of degree 16 holds for z, and at most: until it has left out as much as the tolerance
-    /// allows, or until an operand of `abs` changes its sign.
-    pub fn length(&self, series: &Series, longest: f64, forward: bool) -> f64 {
-        /// Products of the tolerance with what is smaller are none, and have no digits left: a square of a state that has died out.
-        const LOST: f64 = f64::MIN_POSITIVE / (f64::EPSILON * f64::EPSILON);
-        let base = self.program.base;
-        let counts = |c: &usize| *c < base || self.needed[*c - base];
-        // a number that is none has no greatest and no least
-        if !series.is_finite() {
-            return f64::NAN;
-        }
-        let mut length = longest;
-        let mut powers = self::powers(length);
-        for c in (0..series.size()).filter(counts) {
-            let z = series.values(c);
-            for last in [COEFFICIENTS, COEFFICIENTS + 1] {
-                let tail = z[last].abs();
-                // |z_K|hᴷ is at most the allowed part of |z_j|hʲ for one j: most components hold as long as others
-                let holds = |j: usize| tail * powers[last - j] <= self.tolerance * z[j].abs();
-                // a state whose rate vanishes but for rounding, as that across a surface, has no order of its own
-                let rounding = || self.rounding_of_order(series, c, last);
-                if tail > LOST && !(0..last).any(holds) && tail > rounding() {
-                    let first = z[0].abs().max(self.size_of_product(series, c, &powers));
-                    let own = |j: usize| if j == 0 { first } else { z[j].abs() };
-                    let allowed = |j: usize| self.tolerance * own(j) / tail;
-                    length = length.min(longest_of(allowed, last));
-                    powers = self::powers(length);
-                }
-            }
-        }
-        if series.has_derivatives() {
-            length = self.length_of_derivatives(series, length);
-        }
-        let direction = if forward { 1.0 } else { -1.0 };
-        for (index, step) in self.program.steps.iter().enumerate() {
-            if step.rule == Rule::Function(Function::Abs) && self.needed[index] {
-                let sign = series.signs[index];
-                let mut taylor: [f64; COEFFICIENTS] = std::array::from_fn(|k| {
-                    sign * series.operand(k, index) * (direction * length).powi(k as i32)
-                });
-                let order = series.first_order(&self.program.steps, index);
-                taylor[..order.min(COEFFICIENTS)].fill(0.0);
-                taylor.rotate_left(order.min(COEFFICIENTS));
-                if let Some(place) = Bernstein::from_taylor(&taylor, 0.0).first_crossing() {
-                    length *= place;
-                }
-            }
-        }
-        length
-    }
 }
 
-impl Field {
-    /// How long the polynomials of the derivatives of the components before the terms hold, and at most. A motion on a slow
-    /// manifold is smooth however fast perturbations of it decay: where a piece is long for these, their polynomials grow
-    /// instead, and of the flow nothing is left.
-    ///
-    /// What perturbations of the sizes of the components make of one is looked at, against the largest of its own orders.
-    fn length_of_derivatives(&self, series: &Series, longest: f64) -> f64 {
-        /// How much more may be left out than of the motion, so that no piece is shorter for it where perturbations are as
-        /// smooth as the motion.
-        const MORE: f64 = 1e3;
-        let (base, left_out) = (self.program.base, MORE * self.tolerance);
-        let largest = |l: usize| {
-            let (mut power, mut size) = (1.0, 0.0_f64);
-            for z in &series.values(l)[..=COEFFICIENTS] {
-                size = size.max(z.abs() * power);
-                power *= longest;
-            }
-            size
-        };
-        // the phase moves by a radian, as cosines and sines do by their size
-        let states = (0..self.program.states).map(largest);
-        let moved: Vec<f64> = states.chain([1.0]).collect();
-        let (mut length, mut powers) = (longest, powers(longest));
-        for c in 0..base {
-            let size = |j: usize| {
-                let lanes = series.by_inner(j, c).zip(&moved);
-                lanes.fold(0.0_f64, |most, (by, size)| most.max(by.abs() * size))
-            };
-            for last in [COEFFICIENTS, COEFFICIENTS + 1] {
-                let tail = size(last);
-                let long = |own: f64| tail * powers[last] <= left_out * own;
-                // the first order is enough for most
-                if tail > 0.0 && !long(series.value(0, c).abs()) && !long(largest(c)) {
-                    let allowed = |j: usize| left_out * size(j) / tail;
-                    length = length.min(longest_of(allowed, last));
-                    powers = self::powers(length);
-                }
-            }
-        }
-        length
-    }
-}
-
-/// 1, h, h², … up to the highest order.
-fn powers(h: f64) -> [f64; ORDER + 1] {
-    let mut next = 1.0;
-    std::array::from_fn(|_| {
-        let power = next;
-        next *= h;
-        power
-    })
-}
-
-/// The largest length h with h^{last−j} ≤ allowed(j) for one j at least.
-fn longest_of(allowed: impl Fn(usize) -> f64, last: usize) -> f64 {
-    let (mut most, mut powers) = (0.0_f64, powers(0.0));
-    for j in 0..last {
-        let (allowed, power) = (allowed(j), last - j);
-        // most orders allow less than another, and roots are slow
-        if allowed > powers[power] {
-            most = allowed.powf((power as f64).recip()).max(most);
-            powers = self::powers(most);
-        }
-    }
-    most
+/// A form of z that has components made of others.
+fn of_made(form: &Vector, base: usize) -> Option<Sparse> {
+    let terms = form.iter().enumerate();
+    let terms = terms.map(|(c, by)| (c, Dual::new(*by, Default::default())));
+    let has = form.iter().skip(base).any(|by| *by != 0.0);
+    has.then(|| Sparse::new(terms))
 }

@@ -12,7 +12,7 @@ use brakewave::linalg::Vector;
 use brakewave::orbit::Zones;
 
 use crate::affine::branches::{follow, meets, settled};
-use crate::affine::systems::{IMPACT, at, place, system};
+use crate::affine::systems::{IMPACT, at, moved, place, system};
 
 const PENDULUM: &str = r#"(
     states: ["x", "v"],
@@ -227,6 +227,88 @@ fn an_integrated_flow_comes_to_the_exact_one() {
         assert!(*error < 100.0 * tolerance, "{errors:?}");
     }
     assert!(errors[0] > errors[1] && errors[1] > errors[2], "{errors:?}");
+}
+
+/// A motion over a bump of its potential that is nothing but for a small part of it, or against a spring that is touched: the energy
+/// v²/2 + x²/2 + U(x) stays what it is, to the tolerance of some hundreds of steps.
+#[test]
+fn what_a_step_begins_without_is_not_stepped_over() {
+    let cases: [(&str, fn(f64) -> f64); 6] = [
+        ("40*x*exp(-100*x^2)", |x| 0.2 * (-100.0 * x * x).exp()),
+        ("160*x*exp(-400*x^2)", |x| 0.2 * (-400.0 * x * x).exp()),
+        ("2000*x*exp(-5000*x^2)", |x| 0.2 * (-5000.0 * x * x).exp()),
+        // far below all numbers where it begins
+        ("0.2*80*(x/0.9)^79/0.9", |x| -0.2 * (x / 0.9).powi(80)),
+        ("-20*max(0, x - 0.5)^1.5", |x| {
+            8.0 * (x - 0.5).max(0.0).powf(2.5)
+        }),
+        ("-20*max(0, x - 0.5)^2.25", |x| {
+            80.0 / 13.0 * (x - 0.5).max(0.0).powf(3.25)
+        }),
+    ];
+    for (force, potential) in cases {
+        let text = format!(
+            r#"(states: ["x", "v"], modes: {{"free": (rates: {{"x": "v", "v": "-x + {force}"}})}})"#
+        );
+        let energy = |x: f64, v: f64| 0.5 * (v * v + x * x) + potential(x);
+        let (_, state) = moved(&text, "free", &[-0.3, 0.7], 30.0).unwrap();
+        let off = energy(state[0], state[1]) - energy(-0.3, 0.7);
+        assert!(off.abs() < 1e-12, "{force}: {off:e}");
+    }
+}
+
+/// tanh kv is 1 − 2/(1 + exp 2kv), of which the exponential is never as good as nothing: the same motions with steep friction by either.
+/// Between them they contract, so that errors of steps do not add up.
+#[test]
+fn a_saturated_function_comes_back() {
+    for slope in [5.0, 20.0, 100.0] {
+        let ends = |law: String| {
+            let text = format!(
+                r#"(states: ["x", "v"], forcing: "0.8", modes: {{"free": (rates: {{"x": "v", "v": "cos(phase) - x - 0.1*v - 0.3*({law})"}})}})"#
+            );
+            moved(&text, "free", &[0.0, 0.0], 30.0).unwrap().1
+        };
+        let one = ends(format!("tanh({slope:?}*v)"));
+        let other = ends(format!("1 - 2/(1 + exp({:?}*v))", 2.0 * slope));
+        for (one, other) in one.iter().zip(&other) {
+            assert!((one - other).abs() < 1e-11, "{slope}: {one} {other}");
+        }
+    }
+}
+
+/// A contact whose friction has a narrow peak at v = 0 (Stribeck): by an independent program with steps of 3e-3 at most, to 8 digits.
+#[test]
+fn a_narrow_peak_of_friction_is_met() {
+    let text = r#"(states: ["x", "v"], forcing: "0.8",
+        contacts: {"q": Friction(slip: "v", bound: "0.3*(1 + exp(-(v/0.03)^2))")},
+        rates: {"x": "v", "v": "-x - 0.1*v + cos(phase) + q"})"#;
+    let (_, state) = moved(text, "stick", &[0.0, 0.0], 30.0).unwrap();
+    for (one, other) in state.iter().zip([-0.35230694, 1.81667406]) {
+        assert!((one - other).abs() < 1e-8, "{one} {other}");
+    }
+}
+
+/// A spring whose force is the power 3/2 of its compression: the period doubles at the force which an integration with steps to the
+/// instants of touch, and its derivatives, have as 0.34592102916552. A mode of its own for the touch has the same motion.
+#[test]
+fn a_contact_of_hertz() {
+    let head = r#"(states: ["x", "v"], parameters: {"A": 0.38}, forcing: "0.8", modes: "#;
+    let whole = r#"{"free": (rates: {"x": "v", "v": "-0.1*v - x - 20*max(0, x - 0.5)^1.5 + A*cos(phase)"})})"#;
+    let parted = r#"{"free": (rates: {"x": "v", "v": "-0.1*v - x + A*cos(phase)"}, until: [(zero: "0.5 - x", to: "touch")]),
+        "touch": (rates: {"x": "v", "v": "-0.1*v - x - 20*(x - 0.5)^1.5 + A*cos(phase)"}, until: [(zero: "x - 0.5", to: "free")])})"#;
+    let [whole, parted] = [whole, parted].map(|modes| format!("{head}{modes}"));
+    let ends = [&whole, &parted].map(|text| moved(text, "free", &[0.0, 0.0], 60.0).unwrap().1);
+    for (one, other) in ends[0].iter().zip(&ends[1]) {
+        assert!((one - other).abs() < 1e-11, "{one} {other}");
+    }
+    let (orbit, point) = settled(&whole, &[], "A", "free", &[0.0, 0.0], 100.0);
+    let (seen, _) = follow(&orbit, &point, false, (0.34, 0.38), 500);
+    let doubles = seen.iter().find(|one| one.kind == PD).unwrap();
+    assert!(
+        (doubles.value - 0.34592102916552).abs() < 1e-12,
+        "{}",
+        doubles.value
+    );
 }
 
 #[test]

@@ -20,8 +20,16 @@ const ON_GUARD: f64 = 8.0;
 const POLISHED: f64 = 1e-10;
 
 /// More pieces than this are not gone through: no zone of interest has them, and their examination would take longer
-/// than a second. Of two in a row the longer counts, since a kink may cut one short.
+/// than a second.
 pub(super) const MOST_PIECES: f64 = 1e5;
+
+/// The length by which the pieces that are left are counted, after a piece of this length and those before it: of pieces in a row the
+/// longest counts, and ever less from one to the next. A kink may cut one short, and beside a root they grow from next to nothing.
+pub(super) fn counted(before: f64, length: f64) -> f64 {
+    /// From the whole of a zone down to a piece of which it has too many it takes a hundred pieces.
+    const LESS: f64 = 0.9;
+    length.max(LESS * before)
+}
 
 /// The flow of a mode.
 #[derive(Clone, Debug)]
@@ -248,13 +256,13 @@ impl ModeFlow {
     /// z at a time ≥ 0 after the beginning; no numbers where that is more than [`MOST_PIECES`] away.
     pub(super) fn after(&self, z: &Vector, time: f64) -> Vector {
         let (mut piece, mut rest) = (self.piece(z.clone()), time);
-        let mut before = f64::INFINITY;
+        let mut before = time;
         while rest > piece.length {
-            if rest > MOST_PIECES * piece.length.max(before) {
+            before = counted(before, piece.length);
+            if rest > MOST_PIECES * before {
                 return Vector::from_element(z.len(), f64::NAN);
             }
-            before = piece.length;
-            rest -= before;
+            rest -= piece.length;
             piece = self.piece(self.advance(&piece));
         }
         self.within(&piece, rest)

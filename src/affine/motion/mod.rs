@@ -8,7 +8,7 @@ pub use halt::Halt;
 
 use std::sync::Arc;
 
-use super::flow::{FlowPiece, ModeFlow, Onset};
+use super::flow::{FlowPiece, ModeFlow, Onset, counted};
 use super::mode::{AffineSystem, Exit, Row};
 use super::slots::Slots;
 use crate::linalg::Vector;
@@ -211,6 +211,7 @@ impl<'a> Motion<'a> {
         let (mut time, mut begun) = (start, 0.0);
         let is_integrated = !self.system.modes[mode].field.is_exact;
         let (mut pieces, hopeless) = (0, HOPELESS[usize::from(is_integrated)]);
+        let mut longest = piece.length;
         while time < until {
             self.unit = piece.length;
             pieces += 1;
@@ -220,8 +221,9 @@ impl<'a> Motion<'a> {
                 });
             }
             let rest = until - time;
-            if pieces > PATIENCE && rest > hopeless * piece.length {
-                let piece = piece.length;
+            longest = counted(longest, piece.length);
+            if pieces > PATIENCE && rest > hopeless * longest {
+                let piece = longest;
                 return Err(Halt::Fast { time, piece });
             }
             let part = (rest / piece.length).min(1.0);

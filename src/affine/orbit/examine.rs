@@ -7,7 +7,7 @@ use super::passage::{Passage, PassageStage, share};
 use super::setting::OrbitFailure;
 use super::shots::ZoneGrowth;
 use super::turning::Smooth;
-use crate::affine::flow::{Expansion, FlowPiece, MOST_PIECES, ModeFlow};
+use crate::affine::flow::{Expansion, FlowPiece, MOST_PIECES, ModeFlow, counted};
 use crate::affine::mode::{Guard, Row};
 use crate::linalg::{Vector, product};
 use crate::orbit::located::AT_ZERO;
@@ -94,14 +94,15 @@ pub(super) struct Part {
 pub(super) fn parts(flow: &ModeFlow, entry: Vector, duration: f64) -> Result<Vec<Part>, f64> {
     /// Room for more parts is made as they come.
     const MOST_AT_ONCE: f64 = 64.0;
-    let (mut piece, mut begun, mut before) = (flow.piece(entry), 0.0, f64::INFINITY);
+    let (mut piece, mut begun, mut before) = (flow.piece(entry), 0.0, duration);
     // the last but one of a zone may be cut in two
     let room = (duration / piece.length).min(MOST_AT_ONCE) as usize + 2;
     let mut parts = Vec::with_capacity(room);
     loop {
         let rest = duration - begun;
         // what is stiff begins with pieces much shorter than those that follow
-        let count = parts.len() as f64 + rest / flow.longest(&piece).max(before);
+        before = counted(before, flow.longest(&piece));
+        let count = parts.len() as f64 + rest / before;
         if count.is_nan() || count > MOST_PIECES {
             return Err(count);
         }
@@ -112,7 +113,6 @@ pub(super) fn parts(flow: &ModeFlow, entry: Vector, duration: f64) -> Result<Vec
             1.0 => Some(flow.advance(&piece)),
             _ => Some(flow.within(&piece, time)),
         };
-        before = piece.length;
         parts.push(Part {
             piece,
             begun,

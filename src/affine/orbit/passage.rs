@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use crate::affine::dual::VARYING;
 use crate::affine::exponential::{TERMS, propagator};
-use crate::affine::flow::MOST_PIECES;
+use crate::affine::flow::{MOST_PIECES, counted};
 use crate::affine::mode::{AffineMode, MatrixBy, Row};
 use crate::affine::recurrence::{Series, in_order};
 use crate::affine::series::ORDER;
@@ -191,18 +191,18 @@ impl Integrated {
         let first = series(entry);
         let mut by = in_no_time(base);
         let (mut last, mut z, mut stages) = (first.clone(), entry.clone(), Vec::new());
-        let (mut begun, mut before) = (0.0, f64::INFINITY);
+        let (mut begun, mut before) = (0.0, whole);
         while begun < whole {
             let rest = whole - begun;
             let length = field.length(&last, rest, forward);
             // what is not finite gives a passage that is not
-            let count = (stages.len() + 1) as f64 + rest / length.max(before);
+            before = counted(before, length);
+            let count = (stages.len() + 1) as f64 + rest / before;
             if length.is_nan() || length <= 0.0 || count > MOST_PIECES {
                 by.0.fill(f64::NAN);
                 stages.clear();
                 break;
             }
-            before = length;
             let time = share(rest, length);
             let end = if time == rest { whole } else { begun + time };
             let signed = if forward { time } else { -time };

@@ -24,25 +24,35 @@ pub(super) fn pose(
     periods: u32,
     settings: &Settings,
 ) -> Result<(AffineOrbit, Vector), NoStart> {
+    let (orbit, guess) = scaled(wanted, parts, periods)?;
+    found(wanted, (&orbit, &guess), periods, settings).or_else(|reason| {
+        let in_shots = by_shots(wanted, (&orbit, &guess), periods, settings);
+        in_shots.ok_or(reason)
+    })
+}
+
+/// The orbit next to a guess.
+fn found(
+    wanted: &Wanted,
+    (orbit, guess): (&AffineOrbit, &Vector),
+    periods: u32,
+    settings: &Settings,
+) -> Result<(AffineOrbit, Vector), NoStart> {
     /// Parts of an orbit that differ by less, in its own units, are the same.
     const SAME: f64 = 1e-9;
-    let (orbit, guess) = scaled(wanted, parts, periods)?;
-    if let Some(found) = by_shots(wanted, (&orbit, &guess), periods, settings) {
-        return Ok(found);
-    }
     let stays = !orbit.is_forced() && orbit.sequence.switches() == 0;
     let rests = |point: &Vector| stays && orbit.varies_within(point, SAME);
-    let point = solved(&orbit, &guess, settings).map_err(|failure| {
+    let point = solved(orbit, guess, settings).map_err(|failure| {
         let singular = matches!(failure, newton::Failure::Singular);
-        if singular && rests(&guess) {
+        if singular && rests(guess) {
             NoStart::Equilibrium
-        } else if singular && is_in_family(&orbit, &guess) {
+        } else if singular && is_in_family(orbit, guess) {
             NoStart::Family(NoFollower::Family)
         } else {
             NoStart::Newton(failure)
         }
     })?;
-    if let Some(mode) = collapsed(&orbit, &guess, &point) {
+    if let Some(mode) = collapsed(orbit, guess, &point) {
         return Err(NoStart::Shrinks { mode });
     }
     if rests(&point) {
@@ -58,7 +68,8 @@ pub(super) fn pose(
         let periods = periods / if orbit.is_forced() { times as u32 } else { 1 };
         return pose(wanted, parts, periods, settings);
     }
-    let (orbit, point) = in_better_shots(&orbit, &point, settings).unwrap_or((orbit, point));
+    let (orbit, point) =
+        in_better_shots(orbit, &point, settings).unwrap_or_else(|| (orbit.clone(), point));
     admitted(&orbit, &point)?;
     Ok((orbit, point))
 }

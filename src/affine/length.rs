@@ -1,0 +1,321 @@
+//! How long the series of a field holds.
+//!
+//! The polynomial of degree 16 holds until the terms of the next two degrees are as large as the tolerance allows, beside other terms of
+//! the same component, or of what that acts on. They know nothing of what is smaller than rounding at the beginning, and so is in all
+//! of its derivatives, as tanh kv where it is 1 or exp(−kx²) far from x = 0: of a function that may be so its values over the range of its operand
+//! tell whether its polynomial has all that it does.
+
+use super::coefficients::Sparse;
+use super::expression::Function;
+use super::form::Rule;
+use super::recurrence::{ProgramStep, Series};
+use super::series::{Field, ORDER};
+use crate::orbit::sign::{Bernstein, COEFFICIENTS};
+
+/// Of what polynomials of derivatives leave out as much more is allowed than of the motion, so that no piece is shorter for it where
+/// perturbations are as smooth as the motion.
+const MORE: f64 = 1e3;
+
+impl Field {
+    /// What rounding of the terms of its rate leaves in an order of a state; zero of other components.
+    fn rounding_of_order(&self, series: &Series, component: usize, order: usize) -> f64 {
+        let terms = self
+            .rates
+            .get(component)
+            .map_or(&[][..], |rate| &rate.terms);
+        let size = terms
+            .iter()
+            .map(|(j, by)| (by.value * series.values(*j)[order - 1]).abs());
+        2.0 * f64::EPSILON * size.sum::<f64>() / order as f64
+    }
+
+    /// Sizes of the terms of which a product is made, over a length of these powers: where they cancel, as in x(μ − x² − y²) on
+    /// the circle, the product has their rounding. Zero of other components.
+    fn size_of_product(&self, series: &Series, component: usize, powers: &[f64; ORDER + 1]) -> f64 {
+        let step = component.checked_sub(self.program.base);
+        let step = step.map(|index| &self.program.steps[index]);
+        let Some(step) = step.filter(|step| step.rule == Rule::Product) else {
+            return 0.0;
+        };
+        let of = |operand: &Sparse| self.largest_of(operand, series, powers);
+        step.operands.iter().map(of).product()
+    }
+
+    /// How long the polynomial of degree 16 holds for z, and at most: until it has left out as much as the tolerance
+    /// allows, or until an operand of `abs` changes its sign.
+    pub fn length(&self, series: &Series, longest: f64, forward: bool) -> f64 {
+        /// Products of the tolerance with what is smaller are none, and have no digits left: a square of a state that has died out.
+        const LOST: f64 = f64::MIN_POSITIVE / (f64::EPSILON * f64::EPSILON);
+        /// A component that is made of others is asked for what it does where it would make the length less than this part of what it is.
+        const PART: f64 = 0.5;
+        let base = self.program.base;
+        let counts = |c: &usize| *c < base || self.needed[*c - base];
+        // a number that is none has no greatest and no least
+        if !series.is_finite() {
+            return f64::NAN;
+        }
+        let mut length = longest;
+        let mut powers = self::powers(length);
+        for c in (0..series.size()).filter(counts) {
+            let z = series.values(c);
+            for last in [COEFFICIENTS, COEFFICIENTS + 1] {
+                let tail = z[last].abs();
+                // |z_K|hᴷ is at most the allowed part of |z_j|hʲ for one j: most components hold as long as others
+                let holds = |j: usize| tail * powers[last - j] <= self.tolerance * z[j].abs();
+                // a state whose rate vanishes but for rounding, as that across a surface, has no order of its own
+                let rounding = || self.rounding_of_order(series, c, last);
+                if tail > LOST && !(0..last).any(holds) && tail > rounding() {
+                    let first = z[0].abs().max(self.size_of_product(series, c, &powers));
+                    let own = |j: usize| if j == 0 { first } else { z[j].abs() };
+                    let allowed = |j: usize| self.tolerance * own(j) / tail;
+                    let mut own = longest_of(allowed, last);
+                    // what is small beside that to which it is added need not be known as well as itself
+                    if c >= base && own < PART * length {
+                        let reach = self.reach(series, c, &powers);
+                        let reach = reach.rates.max(reach.looked_at);
+                        let least = (self.tolerance / (reach * tail)).powf((last as f64).recip());
+                        own = own.max(least.min(length));
+                    }
+                    length = length.min(own);
+                    powers = self::powers(length);
+                }
+            }
+        }
+        if series.has_derivatives() {
+            length = self.length_of_derivatives(series, length);
+        }
+        length = self.without_surprise(series, length);
+        let direction = if forward { 1.0 } else { -1.0 };
+        for (index, step) in self.program.steps.iter().enumerate() {
+            if step.rule == Rule::Function(Function::Abs) && self.needed[index] {
+                let sign = series.signs[index];
+                let mut taylor: [f64; COEFFICIENTS] = std::array::from_fn(|k| {
+                    sign * series.operand(k, index) * (direction * length).powi(k as i32)
+                });
+                let order = series.first_order(&self.program.steps, index);
+                taylor[..order.min(COEFFICIENTS)].fill(0.0);
+                taylor.rotate_left(order.min(COEFFICIENTS));
+                if let Some(place) = Bernstein::from_taylor(&taylor, 0.0).first_crossing() {
+                    length *= place;
+                }
+            }
+        }
+        length
+    }
+
+    /// How long the polynomials have all that functions do which may be smaller than rounding at the beginning with all of their
+    /// derivatives, and at most: these do not change by many times what their polynomials do, or change nothing that counts.
+    fn without_surprise(&self, series: &Series, longest: f64) -> f64 {
+        /// What a polynomial changes by is at most the sum of its terms, and that of a function of it nearly so.
+        const TIMES: f64 = 4.0;
+        /// After as many halvings a length is none.
+        const HALVINGS: usize = 64;
+        let mut length = longest;
+        let mut powers = powers(length);
+        for (index, step) in self.program.steps.iter().enumerate() {
+            if !self.needed[index] || at(step.rule, 1.0).is_none() {
+                continue;
+            }
+            let c = self.program.base + index;
+            for _ in 0..HALVINGS {
+                let (operand, spread) = series.of_operand((index, 0), &powers);
+                let Some((value, slope)) = at(step.rule, operand) else {
+                    break;
+                };
+                let ends = places(step.rule, operand, spread);
+                let ends = ends.into_iter().filter_map(|x| at(step.rule, x));
+                let (change, of_slopes) = ends.fold((0.0_f64, 0.0_f64), |most, (end, by)| {
+                    (
+                        most.0.max((end - value).abs()),
+                        most.1.max((by - slope).abs()),
+                    )
+                });
+                if change <= TIMES * series.change(c, &powers) {
+                    break;
+                }
+                let reach = self.reach(series, c, &powers);
+                let reach = reach.states.max(reach.looked_at);
+                let is_nothing =
+                    change <= 4.0 * f64::EPSILON * value.abs() || change * reach <= self.tolerance;
+                let moved = self.largest_of(&step.operands[0], series, &powers);
+                let is_smooth =
+                    !series.has_derivatives() || of_slopes * moved * reach <= self.tolerance;
+                if is_nothing && is_smooth {
+                    break;
+                }
+                length *= 0.5;
+                powers = self::powers(length);
+            }
+        }
+        length
+    }
+
+    /// The sum of the largest terms of what a form is made of, over a length of these powers.
+    fn largest_of(&self, form: &Sparse, series: &Series, powers: &[f64; ORDER + 1]) -> f64 {
+        let terms = form.terms.iter();
+        let sizes = terms.map(|(c, by)| by.value.abs() * series.largest(*c, powers));
+        sizes.sum()
+    }
+
+    /// What an error of 1 in a component that is made of others does over a length of these powers.
+    fn reach(&self, series: &Series, component: usize, powers: &[f64; ORDER + 1]) -> Reach {
+        let base = self.program.base;
+        let mut moved = vec![0.0; series.size()];
+        moved[component] = 1.0;
+        let of = |form: &Sparse, moved: &[f64]| -> f64 {
+            let terms = form.terms.iter();
+            terms.map(|(c, by)| by.value.abs() * moved[*c]).sum()
+        };
+        let steps = self.program.steps.iter().enumerate();
+        for (index, step) in steps.skip(component - base + 1) {
+            let own = step.operands.each_ref().map(|operand| of(operand, &moved));
+            if self.needed[index] && own != [0.0; 2] {
+                let slopes = slopes(step, index, series, powers);
+                let terms = own.iter().zip(slopes).filter(|(own, _)| **own > 0.0);
+                moved[base + index] = terms.map(|(own, slope)| own * slope).sum();
+            }
+        }
+        let in_units = |moved: f64, size: f64| if moved == 0.0 { 0.0 } else { moved / size };
+        let mut reach = Reach::default();
+        for form in &self.looked_at {
+            let size = self.largest_of(form, series, powers);
+            reach.looked_at = in_units(of(form, &moved), size).max(reach.looked_at);
+        }
+        for (state, rate) in self.rates.iter().take(self.program.states).enumerate() {
+            let (moved, size) = (of(rate, &moved), self.largest_of(rate, series, powers));
+            reach.rates = in_units(moved, size).max(reach.rates);
+            let size = series.largest(state, powers);
+            reach.states = in_units(moved * powers[1], size).max(reach.states);
+        }
+        reach
+    }
+
+    /// How long the polynomials of the derivatives of the components before the terms hold, and at most. A motion on a slow
+    /// manifold is smooth however fast perturbations of it decay: where a piece is long for these, their polynomials grow
+    /// instead, and of the flow nothing is left.
+    ///
+    /// What perturbations of the sizes of the components make of one is looked at, against the largest of its own orders.
+    fn length_of_derivatives(&self, series: &Series, longest: f64) -> f64 {
+        let (base, left_out) = (self.program.base, MORE * self.tolerance);
+        let largest = |l: usize| {
+            let (mut power, mut size) = (1.0, 0.0_f64);
+            for z in &series.values(l)[..=COEFFICIENTS] {
+                size = size.max(z.abs() * power);
+                power *= longest;
+            }
+            size
+        };
+        // the phase moves by a radian, as cosines and sines do by their size
+        let states = (0..self.program.states).map(largest);
+        let moved: Vec<f64> = states.chain([1.0]).collect();
+        let (mut length, mut powers) = (longest, powers(longest));
+        for c in 0..base {
+            let size = |j: usize| {
+                let lanes = series.by_inner(j, c).zip(&moved);
+                lanes.fold(0.0_f64, |most, (by, size)| most.max(by.abs() * size))
+            };
+            for last in [COEFFICIENTS, COEFFICIENTS + 1] {
+                let tail = size(last);
+                let long = |own: f64| tail * powers[last] <= left_out * own;
+                // the first order is enough for most
+                if tail > 0.0 && !long(series.value(0, c).abs()) && !long(largest(c)) {
+                    let allowed = |j: usize| left_out * size(j) / tail;
+                    length = length.min(longest_of(allowed, last));
+                    powers = self::powers(length);
+                }
+            }
+        }
+        length
+    }
+}
+
+/// 1, h, h², … up to the highest order.
+fn powers(h: f64) -> [f64; ORDER + 1] {
+    let mut next = 1.0;
+    std::array::from_fn(|_| {
+        let power = next;
+        next *= h;
+        power
+    })
+}
+
+/// The largest length h with h^{last−j} ≤ allowed(j) for one j at least.
+fn longest_of(allowed: impl Fn(usize) -> f64, last: usize) -> f64 {
+    let (mut most, mut powers) = (0.0_f64, powers(0.0));
+    for j in 0..last {
+        let (allowed, power) = (allowed(j), last - j);
+        // most orders allow less than another, and roots are slow
+        if allowed > powers[power] {
+            most = allowed.powf((power as f64).recip()).max(most);
+            powers = self::powers(most);
+        }
+    }
+    most
+}
+
+/// Value and slope of a function that may be smaller than rounding with all of its derivatives; `None` of others, which have one
+/// that is not.
+fn at(rule: Rule, x: f64) -> Option<(f64, f64)> {
+    match rule {
+        Rule::Power(r) => Some((x.powf(r), r * x.powf(r - 1.0))),
+        Rule::Function(function @ (Function::Exp | Function::Tanh)) => Some(function.at(x)),
+        _ => None,
+    }
+}
+
+/// Places at which such a function has its least and its largest value beside one, as far as this.
+fn places(rule: Rule, x: f64, spread: f64) -> [f64; 3] {
+    let [mut low, high] = [x - spread, x + spread];
+    let Rule::Power(r) = rule else {
+        return [low, high, x];
+    };
+    // what is no whole power has no value below zero
+    if r.fract() != 0.0 && x >= 0.0 {
+        low = low.max(0.0);
+    }
+    [low, high, if low < 0.0 && high > 0.0 { 0.0 } else { x }]
+}
+
+/// What an error does, in units of the largest terms of what it is done to.
+#[derive(Default)]
+struct Reach {
+    /// To the rates of the states.
+    rates: f64,
+    /// To the states, over a length.
+    states: f64,
+    /// To what is looked at.
+    looked_at: f64,
+}
+
+/// Bounds of the slopes of a step in its operands, over a length of these powers.
+fn slopes(
+    step: &ProgramStep,
+    index: usize,
+    series: &Series,
+    powers: &[f64; ORDER + 1],
+) -> [f64; 2] {
+    let (a, spread) = series.of_operand((index, 0), powers);
+    let (least, most) = ((a.abs() - spread).max(0.0), a.abs() + spread);
+    let other = || {
+        let (b, spread) = series.of_operand((index, 1), powers);
+        ((b.abs() - spread).max(0.0), b.abs() + spread)
+    };
+    let of_a = match step.rule {
+        Rule::Product => return [other().1, most],
+        Rule::Quotient => {
+            let (divisor, _) = other();
+            return [divisor.recip(), most / (divisor * divisor)];
+        }
+        Rule::Power(r) => r.abs() * most.powf(r - 1.0).max(least.powf(r - 1.0)),
+        Rule::RelativeExponential => (a + spread).max(0.0).exp(),
+        Rule::Function(function) => match function {
+            Function::Sin | Function::Cos | Function::Tanh | Function::Atan | Function::Abs => 1.0,
+            Function::Exp => (a + spread).exp(),
+            Function::Ln => least.recip(),
+            Function::Sqrt => 0.5 / least.sqrt(),
+            Function::Sinh | Function::Cosh => most.cosh(),
+            Function::Tan | Function::Asin | Function::Acos => f64::INFINITY,
+        },
+    };
+    [of_a, 0.0]
+}
