@@ -440,11 +440,36 @@ impl Series {
         let counts = |k: &usize| {
             let terms = steps[index].operands[0].terms.iter();
             let size: f64 = terms
-                .map(|(c, by)| (by.value * self.value(*k, *c)).abs())
+                .map(|(c, by)| match k {
+                    0 => by.value.abs() * self.size_of(steps, *c),
+                    k => (by.value * self.value(*k, *c)).abs(),
+                })
                 .sum();
             self.operand(*k, index).abs() > KINK * size
         };
         (0..=self.order()).find(counts).unwrap_or(self.order())
+    }
+
+    /// The size of a component at the beginning, or of what its rounding follows from: sin x at π has that of x.
+    fn size_of(&self, steps: &[ProgramStep], c: usize) -> f64 {
+        let own = self.value(0, c).abs();
+        let Some(index) = c.checked_sub(self.base) else {
+            return own;
+        };
+        let of = |operand: &Sparse| -> f64 {
+            let terms = operand.terms.iter();
+            let sizes = terms.map(|(c, by)| by.value.abs() * self.size_of(steps, *c));
+            sizes.sum()
+        };
+        let ProgramStep { rule, operands } = &steps[index];
+        let [a, b] = self.places[index].map(|place| self.value(0, place));
+        match rule {
+            Rule::Product => operands.iter().map(of).product(),
+            Rule::Quotient => of(&operands[0]) / b.abs(),
+            Rule::Power(r) => own.max((r * a.powf(r - 1.0)).abs() * of(&operands[0])),
+            Rule::Function(function) => own.max(function.at(a).1.abs() * of(&operands[0])),
+            Rule::RelativeExponential => own,
+        }
     }
 
     /// The sign of that operand just after the beginning, or just before it.

@@ -1034,6 +1034,47 @@ fn drag_by_the_square_of_speed_is_smooth_at_rest() {
     }
 }
 
+/// With drag q|v|v the rates have no third derivatives at the Hopf point μ = 0 of v̇ = μv − x − q|v|v, and its cycles grow in proportion to μ: averaged
+/// over a turn they have the amplitude 3πμ/(8q), up to its square. The branch begins with one of them on the side on which they lie.
+#[test]
+fn a_cycle_is_born_where_drag_has_no_third_derivative() {
+    for (q, side) in [(0.5, 1.0), (-0.5, -1.0)] {
+        let system = format!(
+            r#"(states: ["x", "v"], parameters: {{"mu": -0.3}}, modes: {{"flow": (rates:
+                {{"x": "v", "v": "mu*v - x - ({q:?})*abs(v)*v"}})}})"#
+        );
+        let course = Course {
+            system: system.leak(),
+            mode: "flow",
+            state: &[0.0, 0.0],
+            parameter: "mu",
+            range: (-0.5, 0.5),
+        };
+        let all = course.all(&[1.0; 2], false);
+        let at = all.iter().find(|item| item.point.kind == Some(HB)).unwrap();
+        let named = EarlierPoint::Equilibrium(NamedEquilibrium {
+            saved: at.saved.clone().unwrap(),
+            kind: Some(HB),
+        });
+        let mut problem = course.problem(&[1.0; 2], false, "stability: ()");
+        problem.equilibrium = None;
+        problem.orbit = ron::from_str(r#"(start: Switch(dir: "earlier", label: 2))"#).unwrap();
+        let section = problem.continuation.clone().unwrap();
+        let mut runner = OrbitRunner::begin(&problem, &section, Some(&named)).unwrap();
+        let first = runner.step().remove(0).point;
+        let mu = first.parameters[0];
+        let amplitude = 3.0 * std::f64::consts::PI * mu / (8.0 * q);
+        let off = first.extremes[0].1 / amplitude - 1.0;
+        assert!(mu * side > 0.0 && off.abs() <= mu.abs(), "{mu} {off:e}");
+        let stable = if side > 0.0 {
+            Stability::Yes
+        } else {
+            Stability::No
+        };
+        assert_eq!(first.stable, Some(stable));
+    }
+}
+
 /// Where a double is further from the next than a sine is long, whatever Newton's method comes to is chance.
 #[test]
 fn an_equilibrium_beyond_the_digits_of_a_sine_is_refused() {

@@ -276,6 +276,17 @@ fn a_saturated_function_comes_back() {
     }
 }
 
+/// The kink of |sin 2x| at x = −π/2 is not where a double is: its sine is not zero to rounding there. By Runge's method of order 8 to 7 digits.
+#[test]
+fn a_kink_of_a_sine_is_passed() {
+    let text = r#"(states: ["x", "v"], forcing: "0.8",
+        modes: {"f": (rates: {"x": "v", "v": "-0.1*v - x + cos(phase) - abs(sin(2*x))"})})"#;
+    let (_, state) = moved(text, "f", &[0.3, 0.0], 30.0).unwrap();
+    for (one, other) in state.iter().zip([0.4063902, 1.3100006]) {
+        assert!((one - other).abs() < 1e-7, "{one} {other}");
+    }
+}
+
 /// A contact whose friction has a narrow peak at v = 0 (Stribeck): by an independent program with steps of 3e-3 at most, to 8 digits.
 #[test]
 fn a_narrow_peak_of_friction_is_met() {

@@ -222,6 +222,30 @@ fn hopf_curves_of_fitzhugh_and_nagumo_have_gh_and_end_in_bt() {
     }
 }
 
+/// Drag q|v|v is no smooth function where v is zero, as it is at all equilibria of v̇ = μv − kx − q|v|v: their pair is ±i√k along μ = 0.
+#[test]
+fn a_hopf_curve_stays_at_a_kink() {
+    let family = Family {
+        system: r#"states: ["x", "v"], parameters: {"mu": -0.5, "k": 1.0}, modes: {"flow": (rates: {
+            "x": "v", "v": "mu*v - k*x - 0.5*abs(v)*v"})}"#,
+        start: r#"mode: "flow", state: {"x": 0.0, "v": 0.0}"#,
+        branch: r#"parameter: "mu", range: (-1.0, 1.0)"#,
+    };
+    let asked = r#"event: HB, parameters: ("mu", "k"), range: ((-1.0, 1.0), (0.5, 2.0))"#;
+    let curve = family.curve(&[], asked);
+    let [mut least, mut most] = [f64::INFINITY, 0.0_f64];
+    for point in &curve.points {
+        let [mu, k] = point.parameters;
+        let omega = number(&curve, point, "omega");
+        assert!(
+            mu.abs() <= 1e-14 && (omega * omega - k).abs() <= 1e-13,
+            "{mu} {k} {omega}"
+        );
+        (least, most) = (least.min(k), most.max(k));
+    }
+    assert_eq!([least, most], [0.5, 2.0]);
+}
+
 /// u̇ = v, v̇ = α + βv + u² + uv (Bogdanov and Takens) with a state that follows, in small units and skew coordinates: HB at α = −β², to the
 /// BT at 0, on the way to which the vectors of the pair come to lie along one another.
 #[test]

@@ -70,7 +70,9 @@ pub struct EquilibriumSetting {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, thiserror::Error)]
 pub enum EquilibriumFailure {
     /// A rate, a guard or a derivative has no finite value.
-    #[error("the rates or guards of the mode `{mode}` have no finite value or derivative there")]
+    #[error(
+        "the rates or guards of the mode `{mode}` have no finite value or derivative there, as at a kink of `abs`, `min` or `max`"
+    )]
     NoValue {
         /// Name of the mode.
         mode: String,

@@ -5,7 +5,7 @@
 
 use super::curve::EquilibriumCurve;
 use super::extended::{Condition, locate};
-use super::normal_form::{Lyapunov, normal_form};
+use super::normal_form::{Lyapunov, NormalForm, normal_form, plane_of_pair};
 use super::spectrum::{critical_pair, eigenvalues};
 use crate::continuation::Node;
 use crate::linalg::Vector;
@@ -102,7 +102,10 @@ impl EquilibriumCurve {
         let at = at.map_err(|_| NoCycle::NoHopf)?;
         let omega = critical_pair(&eigenvalues(&at)).ok_or(NoCycle::NoHopf)?;
         let place = self.place(&located.point);
-        let form = normal_form(self.local(&place), &at, omega).ok_or(NoCycle::NoHopf)?;
+        let Some(form) = normal_form(self.local(&place), &at, omega) else {
+            let plane = plane_of_pair(&at, omega).ok_or(NoCycle::NoHopf)?;
+            return Ok(self.cycles_in_proportion(&plane, &place, omega));
+        };
         let Lyapunov::Known(lyapunov) = form.lyapunov else {
             return Err(NoCycle::Undecided);
         };
@@ -141,5 +144,38 @@ impl EquilibriumCurve {
             .flat_map(|size| AMPLITUDES.map(|relative| relative * size));
         let told = |guess: &CycleGuess| (guess.value - place[n]).abs() >= NEAREST * width;
         Ok(amplitudes.map(guess).filter(told).collect())
+    }
+
+    /// The same where the rates have no third derivatives, as of `abs(v)*v`: the size of cycles is in proportion to the parameter's
+    /// distance then, or nearly so, and their side is not known.
+    fn cycles_in_proportion(
+        &self,
+        plane: &NormalForm,
+        place: &[f64],
+        omega: f64,
+    ) -> Vec<CycleGuess> {
+        /// Distances of the parameter, in parts of the range, and how many sizes are tried, each half of the one before.
+        const SHIFTS: [f64; 4] = [0.01, -0.01, 0.001, -0.001];
+        const SIZES: i32 = 12;
+        let units = &self.setting.scales.units;
+        let n = self.states();
+        let unit = plane.unit_amplitude(units);
+        let sizes = (0..SIZES).map(|halvings| unit * 0.5_f64.powi(halvings));
+        let guess = |shift: f64, amplitude: f64| CycleGuess {
+            mode: self.signature.mode,
+            state: {
+                let moved = plane.displacement(amplitude);
+                (0..n).map(|i| place[i] + moved[i]).collect()
+            },
+            value: place[n] + shift,
+            period: std::f64::consts::TAU / omega,
+            ranges: Some(plane.ranges(amplitude)),
+            up: shift > 0.0,
+        };
+        let guesses = SHIFTS.iter().flat_map(|part| {
+            let shift = part * units[n];
+            sizes.clone().map(move |size| guess(shift, size))
+        });
+        guesses.collect()
     }
 }

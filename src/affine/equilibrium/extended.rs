@@ -19,7 +19,7 @@
 use nalgebra::Complex;
 
 use super::curve::{EquilibriumCurve, EquilibriumFailure, EquilibriumScales, EquilibriumSetting};
-use super::field::{Linearised, Of};
+use super::field::{Linearised, LocalField, Of};
 use super::normal_form::Eigenvector;
 use crate::continuation::Node;
 use crate::continuation::branch_point::PERFECT;
@@ -255,7 +255,20 @@ impl<'a> Extended<'a> {
             })
             .collect();
         let (of, factors): (Vec<Of>, Vec<f64>) = functions.iter().copied().unzip();
-        let mut found = self.curve.local(place).second(&of, &v, &others);
+        let local = self.curve.local(place);
+        let mut found = local.second(&of, &v, &others);
+        // across a kink that the equilibria stay at the matrix jumps, and they know nothing of that
+        if found.iter().any(|x| x.is_nan()) {
+            let sides = [1.0, -1.0].map(|side| {
+                let signs = local.on_side(side);
+                let local = LocalField {
+                    signs: &signs,
+                    ..local
+                };
+                local.second(&of, &v, &others)
+            });
+            found = 0.5 * (&sides[0] + &sides[1]);
+        }
         for (mut row, factor) in found.row_iter_mut().zip(factors) {
             row *= factor;
         }

@@ -302,6 +302,19 @@ impl LocalField<'_> {
         found
     }
 
+    /// Signs of the operands of `abs` on one side of all kinks whose side is not known.
+    pub fn on_side(&self, side: f64) -> Vec<f64> {
+        let field = &self.lifted.modes[self.mode].field;
+        let mut signs = self.signs.to_vec();
+        signs.resize(self.lifted.program.made(), 0.0);
+        for (step, _) in field.kinks() {
+            if signs[step] == 0.0 {
+                signs[step] = side;
+            }
+        }
+        signs
+    }
+
     /// D³f(v, v, w) of all rates is D³f with all three directions.
     pub fn third(&self, directions: [&Vector; DIRECTIONS]) -> Vector {
         let z = self.components(&directions);

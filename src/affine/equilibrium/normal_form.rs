@@ -167,6 +167,30 @@ pub(super) struct NormalForm {
     h20: ComplexVector,
 }
 
+/// The vectors of the pair, ⟨q, q⟩ = ⟨p, q⟩ = 1.
+fn pair(balanced: &Balanced, omega: f64) -> Option<[ComplexVector; 2]> {
+    let [mut q, mut p] = balanced.vectors(Complex::new(0.0, omega))?;
+    q.unscale_mut(q.norm());
+    // ⟨p, q⟩ = Σ p̄ᵢqᵢ
+    let product = p.dotc(&q);
+    p /= product.conj();
+    Some([q, p])
+}
+
+/// The plane of the pair at a Hopf point of this frequency, where nothing more has a value.
+pub(super) fn plane_of_pair(at: &Linearised, omega: f64) -> Option<NormalForm> {
+    let slopes = at.slopes();
+    let n = slopes.nrows();
+    let [q, p] = pair(&Balanced::new(&slopes), omega)?;
+    Some(NormalForm {
+        lyapunov: Lyapunov::Undecided(f64::NAN),
+        q,
+        p,
+        h11: Vector::zeros(n),
+        h20: ComplexVector::zeros(n),
+    })
+}
+
 /// The normal form at a Hopf point of this frequency. `None` where a derivative has no value.
 pub(super) fn normal_form(field: LocalField, at: &Linearised, omega: f64) -> Option<NormalForm> {
     /// Roundings of the terms of the coefficient: of each product some tens.
@@ -175,11 +199,7 @@ pub(super) fn normal_form(field: LocalField, at: &Linearised, omega: f64) -> Opt
     let n = slopes.nrows();
     let value = Complex::new(0.0, omega);
     let balanced = Balanced::new(&slopes);
-    let [mut q, mut p] = balanced.vectors(value)?;
-    q.unscale_mut(q.norm());
-    // ⟨p, q⟩ = Σ p̄ᵢqᵢ = 1
-    let product = p.dotc(&q);
-    p /= product.conj();
+    let [q, p] = pair(&balanced, omega)?;
     let mut functions: Vec<Of> = (0..n).map(Of::Rate).collect();
     functions.extend((0..at.surfaces.len()).map(Of::Surface));
     let curvature = Curvature { field, functions };
