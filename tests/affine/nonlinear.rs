@@ -276,6 +276,38 @@ fn a_saturated_function_comes_back() {
     }
 }
 
+/// A zero times what is positive is the same switch, also where that changes in the reset: the same doubling and the same graze.
+#[test]
+fn a_switch_is_where_its_zero_is() {
+    let events = |zero: &str| {
+        let text = format!(
+            r#"(states: ["x", "v"], parameters: {{"A": 1.0}}, forcing: "0.8", modes: {{"f": (
+                rates: {{"x": "v", "v": "A*cos(phase) - 0.1*v - x"}}, until: [(zero: "{zero}", to: "f", reset: {{"v": "-0.8*v"}})])}})"#
+        );
+        let (orbit, point) = settled(&text, &[], "A", "f", &[0.0, 0.0], 200.0);
+        let (seen, _) = follow(&orbit, &point, false, (0.36, 1.0), 500);
+        let first: Vec<_> = seen
+            .iter()
+            .take(2)
+            .map(|one| (one.kind, one.value))
+            .collect();
+        first
+    };
+    let plain = events("1 - x");
+    assert_eq!(plain.iter().map(|one| one.0).collect::<Vec<_>>(), [PD, GR]);
+    for zero in ["(1 - x)*(1 + v^2)", "(1 - x)/(1 + v^2)", "(1 - x)*exp(v)"] {
+        for (one, other) in events(zero).iter().zip(&plain) {
+            assert_eq!(one.0, other.0, "{zero}");
+            assert!(
+                (one.1 - other.1).abs() < 1e-12,
+                "{zero}: {} {}",
+                one.1,
+                other.1
+            );
+        }
+    }
+}
+
 /// The kink of |sin 2x| at x = −π/2 is not where a double is: its sine is not zero to rounding there. By Runge's method of order 8 to 7 digits.
 #[test]
 fn a_kink_of_a_sine_is_passed() {

@@ -6,7 +6,7 @@
 use std::f64::consts::TAU;
 
 use super::forms::{Forms, Units};
-use crate::affine::mode::{AffineSystem, Row};
+use crate::affine::mode::{AffineSystem, Exit, Row};
 use crate::affine::recurrence::Series;
 use crate::affine::series::ORDER;
 use crate::linalg::{Matrix, Vector, even, pseudo_inverse};
@@ -95,6 +95,30 @@ impl Points {
             mode,
             all: moved.filter(finite).collect(),
         }
+    }
+
+    /// The points to which an exit leads these.
+    pub fn through(&self, system: &AffineSystem, exit: &Exit) -> Points {
+        let field = &system.modes[self.mode].field;
+        let image = |z: &Vector| {
+            let mut z = z.clone();
+            field.complete_at_switch(&mut z);
+            let state = &exit.reset.at * &z;
+            z.rows_mut(0, system.states).copy_from(&state);
+            system.modes[exit.to].field.complete(&mut z);
+            z
+        };
+        Points {
+            mode: exit.to,
+            all: self.all.iter().map(image).collect(),
+        }
+    }
+
+    /// Whether a form is zero at some z of the mode of these points.
+    pub fn is_zero(&self, system: &AffineSystem, row: &Row, z: &Vector, units: &Units) -> bool {
+        let mut z = z.clone();
+        system.modes[self.mode].field.complete(&mut z);
+        row.value(&z).abs() <= ZERO * units.sum(row)
     }
 
     /// Whether rates have a value at every point that was tried.

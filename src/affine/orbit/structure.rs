@@ -313,7 +313,9 @@ pub fn facts(
             return told.clone();
         }
         let facts = if !linear {
-            generic(system, (sequence, conserved), zone, units, zones, forms)
+            let before = &zeros.ends[(zone + count - 1) % count];
+            let of = (sequence, conserved);
+            generic(system, of, zone, units, zones, forms, before)
         } else if let Some(known) = known.filter(|known| known.pivots_are_of(&forms)) {
             known.with(forms)
         } else {
@@ -378,7 +380,33 @@ fn moved(
     (0..system.states).map(along).collect()
 }
 
-/// The facts of a zone by points next to it.
+/// Points next to the end of a zone: they are moved about a place near it, which need not be the end itself.
+fn end_points(
+    system: &AffineSystem,
+    sequence: &Sequence,
+    zone: usize,
+    units: &Units,
+    zones: &[ZonePoint],
+    forms: &Forms,
+) -> Points {
+    let (number, at) = (sequence.zone(zone).mode, &zones[zone]);
+    let phase = at.phase + system.omega.value * at.duration;
+    let total: f64 = zones.iter().map(|zone| zone.duration.abs()).sum();
+    let exit = exit_of(system, sequence, zone);
+    let last: Vec<f64> = match exit.is_some_and(Exit::is_continuous) {
+        true => zones[(zone + 1) % zones.len()].state.clone(),
+        false => {
+            let z = system.lift(number, &at.state, at.phase);
+            let flow = ModeFlow::new(&system.modes[number], total);
+            let z = flow.after(&z, at.duration.max(0.0));
+            z.rows(0, system.states).iter().copied().collect()
+        }
+    };
+    let distances = moved(system, number, units, (zones, zone));
+    Points::new(system, number, (&last, phase), forms, (units, &distances))
+}
+
+/// The facts of a zone by points next to it, with what is zero at the end of the one before.
 fn generic(
     system: &AffineSystem,
     (sequence, conserved): (&Sequence, &Conserved),
@@ -386,30 +414,33 @@ fn generic(
     units: &Units,
     zones: &[ZonePoint],
     (zero, end): (Forms, Forms),
+    end_before: &Forms,
 ) -> ZoneFacts {
     let number = sequence.zone(zone).mode;
     let mode = &system.modes[number];
     let total: f64 = zones.iter().map(|zone| zone.duration.abs()).sum();
     let at = &zones[zone];
-    let phase = at.phase + system.omega.value * at.duration;
-    // points are moved about a place near the end, which need not be the end itself
-    let exit = exit_of(system, sequence, zone);
-    let last: Vec<f64> = match exit.is_some_and(Exit::is_continuous) {
-        true => zones[(zone + 1) % zones.len()].state.clone(),
-        false => {
-            let z = system.lift(number, &at.state, at.phase);
-            let z = ModeFlow::new(mode, total).after(&z, at.duration.max(0.0));
-            z.rows(0, system.states).iter().copied().collect()
-        }
+    let end_of =
+        |zone: usize, forms: &Forms| end_points(system, sequence, zone, units, zones, forms);
+    let by = (units, &moved(system, number, units, (zones, zone))[..]);
+    let first = Points::new(system, number, (&at.state, at.phase), &zero, by);
+    let last = end_of(zone, &end);
+    let [mut at_entry, at_end] = [&first, &last].map(|points| points.orders(system, units, total));
+    // what is zero where a zone has begun and not at these points may be so since the one before has ended
+    let previous = (zone + sequence.len() - 1) % sequence.len();
+    let begun = system.lift(number, &at.state, at.phase);
+    let is_zero = |(guard, order): (&Guard, &Option<usize>)| {
+        *order == Some(0) && first.is_zero(system, &guard.row, &begun, units)
     };
-    let distances = moved(system, number, units, (zones, zone));
-    let by = (units, &distances[..]);
-    let points = |place, forms: &Forms| Points::new(system, number, place, forms, by);
-    let (first, last) = (
-        points((&at.state, at.phase), &zero),
-        points((&last, phase), &end),
-    );
-    let [at_entry, at_end] = [&first, &last].map(|points| points.orders(system, units, total));
+    if mode.guards.iter().zip(&at_entry).any(is_zero)
+        && let Some(exit) = exit_of(system, sequence, previous)
+    {
+        let images = end_of(previous, end_before).through(system, exit);
+        let orders = images.orders(system, units, total);
+        for (own, of_image) in at_entry.iter_mut().zip(orders) {
+            *own = own.zip(of_image).map(|(one, other)| one.max(other));
+        }
+    }
     let before = sequence.zone(zone + sequence.len() - 1).mode;
     let slides = system.modes[before].surface.is_some();
     let own = usize::from(mode.surface.is_some());
