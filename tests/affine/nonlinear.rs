@@ -233,7 +233,8 @@ fn an_integrated_flow_comes_to_the_exact_one() {
 /// v²/2 + x²/2 + U(x) stays what it is, to the tolerance of some hundreds of steps.
 #[test]
 fn what_a_step_begins_without_is_not_stepped_over() {
-    let cases: [(&str, fn(f64) -> f64); 6] = [
+    type Potential = fn(f64) -> f64;
+    let cases: [(&str, Potential); 6] = [
         ("40*x*exp(-100*x^2)", |x| 0.2 * (-100.0 * x * x).exp()),
         ("160*x*exp(-400*x^2)", |x| 0.2 * (-400.0 * x * x).exp()),
         ("2000*x*exp(-5000*x^2)", |x| 0.2 * (-5000.0 * x * x).exp()),

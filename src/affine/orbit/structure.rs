@@ -406,6 +406,35 @@ fn end_points(
     Points::new(system, number, (&last, phase), forms, (units, &distances))
 }
 
+/// Orders of the guards at the entry of a zone, by points next to it. Where one is zero that is not so at all of these, it may be since the zone
+/// before has ended: then the images of points next to that end tell.
+fn entry_orders(
+    system: &AffineSystem,
+    sequence: &Sequence,
+    zone: usize,
+    units: &Units,
+    zones: &[ZonePoint],
+    (points, end_before): (&Points, &Forms),
+) -> Vec<Option<usize>> {
+    let (mode, at) = (sequence.zone(zone).mode, &zones[zone]);
+    let total: f64 = zones.iter().map(|zone| zone.duration.abs()).sum();
+    let mut orders = points.orders(system, units, total);
+    let z = system.lift(mode, &at.state, at.phase);
+    let mut guards = system.modes[mode].guards.iter().zip(&orders);
+    let is_zero = guards
+        .any(|(guard, order)| *order == Some(0) && points.is_zero(system, &guard.row, &z, units));
+    let previous = (zone + sequence.len() - 1) % sequence.len();
+    let exit = exit_of(system, sequence, previous).filter(|_| is_zero);
+    if let Some(exit) = exit {
+        let ends = end_points(system, sequence, previous, units, zones, end_before);
+        let of_images = ends.through(system, exit).orders(system, units, total);
+        for (own, of_image) in orders.iter_mut().zip(of_images) {
+            *own = own.zip(of_image).map(|(one, other)| one.max(other));
+        }
+    }
+    orders
+}
+
 /// The facts of a zone by points next to it, with what is zero at the end of the one before.
 fn generic(
     system: &AffineSystem,
@@ -420,27 +449,11 @@ fn generic(
     let mode = &system.modes[number];
     let total: f64 = zones.iter().map(|zone| zone.duration.abs()).sum();
     let at = &zones[zone];
-    let end_of =
-        |zone: usize, forms: &Forms| end_points(system, sequence, zone, units, zones, forms);
     let by = (units, &moved(system, number, units, (zones, zone))[..]);
     let first = Points::new(system, number, (&at.state, at.phase), &zero, by);
-    let last = end_of(zone, &end);
-    let [mut at_entry, at_end] = [&first, &last].map(|points| points.orders(system, units, total));
-    // what is zero where a zone has begun and not at these points may be so since the one before has ended
-    let previous = (zone + sequence.len() - 1) % sequence.len();
-    let begun = system.lift(number, &at.state, at.phase);
-    let is_zero = |(guard, order): (&Guard, &Option<usize>)| {
-        *order == Some(0) && first.is_zero(system, &guard.row, &begun, units)
-    };
-    if mode.guards.iter().zip(&at_entry).any(is_zero)
-        && let Some(exit) = exit_of(system, sequence, previous)
-    {
-        let images = end_of(previous, end_before).through(system, exit);
-        let orders = images.orders(system, units, total);
-        for (own, of_image) in at_entry.iter_mut().zip(orders) {
-            *own = own.zip(of_image).map(|(one, other)| one.max(other));
-        }
-    }
+    let last = end_points(system, sequence, zone, units, zones, &end);
+    let at_entry = entry_orders(system, sequence, zone, units, zones, (&first, end_before));
+    let at_end = last.orders(system, units, total);
     let before = sequence.zone(zone + sequence.len() - 1).mode;
     let slides = system.modes[before].surface.is_some();
     let own = usize::from(mode.surface.is_some());
