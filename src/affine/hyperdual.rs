@@ -17,6 +17,21 @@ const SUBSETS: usize = 1 << DIRECTIONS;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct HyperDual([f64; SUBSETS]);
 
+/// A product of two numbers of which one may be no number, for a slope that jumps at a kink: it is finite on both sides, so that zero times it is
+/// zero, and an infinite number times it infinite.
+fn by_slope(a: f64, b: f64) -> f64 {
+    let of_jump = |other: f64| match other {
+        0.0 => 0.0,
+        other if other.is_infinite() => f64::INFINITY,
+        _ => f64::NAN,
+    };
+    match (a.is_nan(), b.is_nan()) {
+        (true, false) => of_jump(b),
+        (false, true) => of_jump(a),
+        _ => a * b,
+    }
+}
+
 impl HyperDual {
     /// A number that is the same everywhere.
     pub fn constant(value: f64) -> HyperDual {
@@ -57,21 +72,20 @@ impl HyperDual {
         self.0.iter().all(|x| x.is_finite())
     }
 
-    /// The product. A smooth factor that vanishes takes the kink of the other one away: where b = 0, (ab)′ = ab′ of any continuous a. So
-    /// does one with a kink from the first derivatives.
+    /// The product. A smooth factor that vanishes takes the kink of the other one away: where b = 0, (ab)′ = ab′ of any continuous a. One
+    /// with a kink of its own takes it from the first derivatives.
     fn times(&self, other: &HyperDual) -> HyperDual {
         let vanishes = |one: &HyperDual, beside: &HyperDual| {
             one.0[0] == 0.0 && one.is_smooth() && beside.0[0].is_finite()
         };
         let (own, others) = (vanishes(self, other), vanishes(other, self));
-        let is_continuous = self.0[0].is_finite() && other.0[0].is_finite();
         let of = |subset: usize| {
             let parts = (0..SUBSETS).filter(|part| part & !subset == 0);
             let pairs = parts.map(|part| (self.0[part], other.0[subset & !part]));
-            let is_first = is_continuous && subset.is_power_of_two();
-            let (own, others) = (own || is_first, others || is_first);
+            let is_first = subset.is_power_of_two();
             let product = |(a, b): (f64, f64)| match own && a == 0.0 || others && b == 0.0 {
                 true => 0.0,
+                false if is_first => by_slope(a, b),
                 false => a * b,
             };
             pairs.map(product).sum()
@@ -83,7 +97,7 @@ impl HyperDual {
     /// from the first derivatives, and along directions that do not change it no derivative of f counts.
     fn composed(&self, [f0, f1, f2, f3]: [f64; 4]) -> HyperDual {
         let u = &self.0;
-        let by = |f: f64, u: f64| if f == 0.0 || u == 0.0 { 0.0 } else { f * u };
+        let by = |f: f64, u: f64| if u == 0.0 { 0.0 } else { by_slope(f, u) };
         let two = |i: usize, j: usize| by(f1, u[i | j]) + by(f2, u[i] * u[j]);
         let mixed = u[1] * u[6] + u[2] * u[5] + u[4] * u[3];
         HyperDual([
@@ -235,6 +249,23 @@ mod tests {
             rule(Rule::Product, &size, &beside)
                 .derivative(&[0])
                 .is_nan()
+        );
+        // max(0, v)² and max(0, v)^1.5 have the derivative 0
+        let mut part = v;
+        part.add(1.0, &size);
+        let square = rule(Rule::Product, &part, &part);
+        let none = HyperDual::default();
+        let power = rule(Rule::Power(1.5), &part, &none);
+        for smooth in [square, power] {
+            assert_eq!((smooth.value(), smooth.derivative(&[0])), (0.0, 0.0));
+            assert!(!smooth.derivative(&[0, 1]).is_finite());
+        }
+        // and √|v| times itself is |v|
+        let root = size.function(Function::Sqrt);
+        assert!(
+            !rule(Rule::Product, &root, &root)
+                .derivative(&[0])
+                .is_finite()
         );
         let root = v.function(Function::Sqrt);
         assert!(
