@@ -48,6 +48,8 @@ impl Field {
         const LOST: f64 = f64::MIN_POSITIVE / (f64::EPSILON * f64::EPSILON);
         /// A component that is made of others is asked for what it does where it would make the length less than this part of what it is.
         const PART: f64 = 0.5;
+        /// It is small where it makes less than this part of the terms to which it is added.
+        const SMALL: f64 = 1e-3;
         let base = self.program.base;
         let counts = |c: &usize| *c < base || self.needed[*c - base];
         // a number that is none has no greatest and no least
@@ -73,8 +75,11 @@ impl Field {
                     if c >= base && own < PART * length {
                         let reach = self.reach(series, c, &powers);
                         let reach = reach.rates.max(reach.looked_at);
-                        let least = (self.tolerance / (reach * tail)).powf((last as f64).recip());
-                        own = own.max(least.min(length));
+                        if reach * series.largest(c, &powers) < SMALL {
+                            let allowed = self.tolerance / (reach * tail);
+                            let least = allowed.powf((last as f64).recip());
+                            own = own.max(least.min(length));
+                        }
                     }
                     length = length.min(own);
                     powers = self::powers(length);
