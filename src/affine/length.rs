@@ -108,44 +108,15 @@ impl Field {
         length
     }
 
-    /// How long the polynomials have all that functions do which may be smaller than rounding at the beginning with all of their
-    /// derivatives, and at most: these do not change by many times what their polynomials do, or change nothing that counts.
+    /// How long the polynomials have all that functions do, and at most.
     fn without_surprise(&self, series: &Series, longest: f64) -> f64 {
-        /// What a polynomial changes by is at most the sum of its terms, and that of a function of it nearly so.
-        const TIMES: f64 = 4.0;
         /// After as many halvings a length is none.
         const HALVINGS: usize = 64;
         let mut length = longest;
         let mut powers = powers(length);
-        for (index, step) in self.program.steps.iter().enumerate() {
-            if !self.needed[index] || at(step.rule, 1.0).is_none() {
-                continue;
-            }
-            let c = self.program.base + index;
+        for index in (0..self.needed.len()).filter(|index| self.needed[*index]) {
             for _ in 0..HALVINGS {
-                let (operand, spread) = series.of_operand((index, 0), &powers);
-                let Some((value, slope)) = at(step.rule, operand) else {
-                    break;
-                };
-                let ends = places(step.rule, operand, spread);
-                let ends = ends.into_iter().filter_map(|x| at(step.rule, x));
-                let (change, of_slopes) = ends.fold((0.0_f64, 0.0_f64), |most, (end, by)| {
-                    (
-                        most.0.max((end - value).abs()),
-                        most.1.max((by - slope).abs()),
-                    )
-                });
-                if change <= TIMES * series.change(c, &powers) {
-                    break;
-                }
-                let reach = self.reach(series, c, &powers);
-                let reach = reach.states.max(reach.looked_at);
-                let is_nothing =
-                    change <= 4.0 * f64::EPSILON * value.abs() || change * reach <= self.tolerance;
-                let moved = self.largest_of(&step.operands[0], series, &powers);
-                let is_smooth =
-                    !series.has_derivatives() || of_slopes * moved * reach <= self.tolerance;
-                if is_nothing && is_smooth {
+                if self.has_all(series, index, &powers) {
                     break;
                 }
                 length *= 0.5;
@@ -153,6 +124,37 @@ impl Field {
             }
         }
         length
+    }
+
+    /// Whether the polynomial of a step has all that its function does over a length of these powers, which may be smaller than rounding at the
+    /// beginning with all of its derivatives: the function does not change by many times what the polynomial does, or changes
+    /// nothing that counts.
+    fn has_all(&self, series: &Series, index: usize, powers: &[f64; ORDER + 1]) -> bool {
+        /// What a polynomial changes by is at most the sum of its terms, and that of a function of it nearly so.
+        const TIMES: f64 = 4.0;
+        let step = &self.program.steps[index];
+        let c = self.program.base + index;
+        let (operand, spread) = series.of_operand((index, 0), powers);
+        let Some((value, slope)) = at(step.rule, operand) else {
+            return true;
+        };
+        let ends = places(step.rule, operand, spread);
+        let ends = ends.into_iter().filter_map(|x| at(step.rule, x));
+        let (mut change, mut of_slopes) = (0.0_f64, 0.0_f64);
+        for (end, by) in ends {
+            change = change.max((end - value).abs());
+            of_slopes = of_slopes.max((by - slope).abs());
+        }
+        if change <= TIMES * series.change(c, powers) {
+            return true;
+        }
+        let reach = self.reach(series, c, powers);
+        let reach = reach.states.max(reach.looked_at);
+        let is_nothing =
+            change <= 4.0 * f64::EPSILON * value.abs() || change * reach <= self.tolerance;
+        let moved = self.largest_of(&step.operands[0], series, powers);
+        let is_smooth = !series.has_derivatives() || of_slopes * moved * reach <= self.tolerance;
+        is_nothing && is_smooth
     }
 
     /// The sum of the largest terms of what a form is made of, over a length of these powers.
@@ -202,18 +204,14 @@ impl Field {
     /// What perturbations of the sizes of the components make of one is looked at, against the largest of its own orders.
     fn length_of_derivatives(&self, series: &Series, longest: f64) -> f64 {
         let (base, left_out) = (self.program.base, MORE * self.tolerance);
-        let largest = |l: usize| {
-            let (mut power, mut size) = (1.0, 0.0_f64);
-            for z in &series.values(l)[..=COEFFICIENTS] {
-                size = size.max(z.abs() * power);
-                power *= longest;
-            }
-            size
-        };
+        let mut powers = powers(longest);
+        let whole = powers;
+        // the last order is one of the two that are looked at
+        let largest = |l: usize| series.largest(l, &whole[..=COEFFICIENTS]);
         // the phase moves by a radian, as cosines and sines do by their size
         let states = (0..self.program.states).map(largest);
         let moved: Vec<f64> = states.chain([1.0]).collect();
-        let (mut length, mut powers) = (longest, powers(longest));
+        let mut length = longest;
         for c in 0..base {
             let size = |j: usize| {
                 let lanes = series.by_inner(j, c).zip(&moved);

@@ -8,7 +8,7 @@ use brakewave::hybrid::equilibrium::run::EquilibriumProgress;
 use brakewave::hybrid::equilibrium::{
     EquilibriumEvent, EquilibriumItem, EquilibriumRunner, NamedEquilibrium,
 };
-use brakewave::hybrid::{EarlierPoint, OrbitRunner};
+use brakewave::hybrid::{EarlierPoint, OrbitPoint, OrbitRunner};
 use brakewave::orbit::legs::Run as _;
 use brakewave::orbit::{Stability, special};
 use brakewave::problem::SystemProblem;
@@ -638,6 +638,27 @@ fn the_other_branch_leaves_a_branch_point() {
     }
 }
 
+/// The problem of the cycles that are born at the first Hopf point of a course, this point, and its event.
+fn to_cycles(course: &Course, units: &[f64]) -> (SystemProblem, EarlierPoint, EquilibriumEvent) {
+    let all = course.all(units, false);
+    let at = all.iter().find(|item| item.point.kind == Some(HB)).unwrap();
+    let named = EarlierPoint::Equilibrium(NamedEquilibrium {
+        saved: at.saved.clone().unwrap(),
+        kind: Some(HB),
+    });
+    let mut problem = course.problem(units, false, "stability: ()");
+    problem.equilibrium = None;
+    problem.orbit = ron::from_str(r#"(start: Switch(dir: "earlier", label: 2))"#).unwrap();
+    (problem, named, at.event.clone().unwrap())
+}
+
+/// The first of these cycles.
+fn first_cycle(problem: &SystemProblem, named: &EarlierPoint) -> OrbitPoint {
+    let section = problem.continuation.as_ref().unwrap();
+    let mut runner = OrbitRunner::begin(problem, section, Some(named)).unwrap();
+    runner.step().remove(0).point
+}
+
 /// The cycle of a supercritical Hopf point and that of a subcritical one, in the direction that l₁ says.
 #[test]
 fn cycles_are_born_at_hopf_points() {
@@ -645,17 +666,8 @@ fn cycles_are_born_at_hopf_points() {
         (STARTS[0], 2.5, 6.577_284_341_905_833_303_4),
         (STARTS[2], 24.0, 0.679_336_764_198_218_261_75),
     ] {
-        let all = course.all(&[1.0; 3], false);
-        let at = all.iter().find(|item| item.point.kind == Some(HB)).unwrap();
-        let saved = at.saved.clone().unwrap();
-        let born = number(at.event.as_ref().unwrap(), course.parameter);
-        let named = EarlierPoint::Equilibrium(NamedEquilibrium {
-            saved,
-            kind: Some(HB),
-        });
-        let mut problem = course.problem(&[1.0; 3], false, "stability: ()");
-        problem.equilibrium = None;
-        problem.orbit = ron::from_str(r#"(start: Switch(dir: "earlier", label: 2))"#).unwrap();
+        let (mut problem, named, event) = to_cycles(&course, &[1.0; 3]);
+        let born = number(&event, course.parameter);
         let section = problem.continuation.as_mut().unwrap();
         section.stop_at = vec![brakewave::problem::UserPoint::Parameter(value)];
         let section = section.clone();
@@ -700,20 +712,9 @@ fn the_cycle_that_is_born_is_no_other_one() {
         parameter: "I",
         range: (0.15, 0.3),
     };
-    let all = course.all(&[1.0; 2], false);
-    let at = all.iter().find(|item| item.point.kind == Some(HB)).unwrap();
-    let event = at.event.as_ref().unwrap();
-    let turn = std::f64::consts::TAU / number(event, "omega");
-    let named = EarlierPoint::Equilibrium(NamedEquilibrium {
-        saved: at.saved.clone().unwrap(),
-        kind: Some(HB),
-    });
-    let mut problem = course.problem(&[1.0; 2], false, "stability: ()");
-    problem.equilibrium = None;
-    problem.orbit = ron::from_str(r#"(start: Switch(dir: "earlier", label: 2))"#).unwrap();
-    let section = problem.continuation.clone().unwrap();
-    let mut runner = OrbitRunner::begin(&problem, &section, Some(&named)).unwrap();
-    let first = runner.step().remove(0).point;
+    let (problem, named, event) = to_cycles(&course, &[1.0; 2]);
+    let turn = std::f64::consts::TAU / number(&event, "omega");
+    let first = first_cycle(&problem, &named);
     assert_eq!(first.stable, Some(Stability::No));
     assert!((first.period / turn - 1.0).abs() < 0.1, "{}", first.period);
 }
@@ -989,18 +990,8 @@ fn cycles_are_born_in_all_coordinates() {
             parameter: "mu",
             range: (-0.2, 1.0),
         };
-        let all = course.all(&[1.0; 3], false);
-        let at = all.iter().find(|item| item.point.kind == Some(HB)).unwrap();
-        let named = EarlierPoint::Equilibrium(NamedEquilibrium {
-            saved: at.saved.clone().unwrap(),
-            kind: Some(HB),
-        });
-        let mut problem = course.problem(&[1.0; 3], false, "stability: ()");
-        problem.equilibrium = None;
-        problem.orbit = ron::from_str(r#"(start: Switch(dir: "earlier", label: 2))"#).unwrap();
-        let section = problem.continuation.clone().unwrap();
-        let mut runner = OrbitRunner::begin(&problem, &section, Some(&named)).unwrap();
-        let first = runner.step().remove(0).point;
+        let (problem, named, _) = to_cycles(&course, &[1.0; 3]);
+        let first = first_cycle(&problem, &named);
         let mu = first.parameters[0];
         assert!(mu > 0.0 && mu < 0.01, "{mu}");
         let period = std::f64::consts::TAU;
@@ -1050,18 +1041,8 @@ fn a_cycle_is_born_where_drag_has_no_third_derivative() {
             parameter: "mu",
             range: (-0.5, 0.5),
         };
-        let all = course.all(&[1.0; 2], false);
-        let at = all.iter().find(|item| item.point.kind == Some(HB)).unwrap();
-        let named = EarlierPoint::Equilibrium(NamedEquilibrium {
-            saved: at.saved.clone().unwrap(),
-            kind: Some(HB),
-        });
-        let mut problem = course.problem(&[1.0; 2], false, "stability: ()");
-        problem.equilibrium = None;
-        problem.orbit = ron::from_str(r#"(start: Switch(dir: "earlier", label: 2))"#).unwrap();
-        let section = problem.continuation.clone().unwrap();
-        let mut runner = OrbitRunner::begin(&problem, &section, Some(&named)).unwrap();
-        let first = runner.step().remove(0).point;
+        let (problem, named, _) = to_cycles(&course, &[1.0; 2]);
+        let first = first_cycle(&problem, &named);
         let mu = first.parameters[0];
         let amplitude = 3.0 * std::f64::consts::PI * mu / (8.0 * q);
         let off = first.extremes[0].1 / amplitude - 1.0;

@@ -380,6 +380,11 @@ fn moved(
     (0..system.states).map(along).collect()
 }
 
+/// The time that zones take together.
+fn time_of(zones: &[ZonePoint]) -> f64 {
+    zones.iter().map(|zone| zone.duration.abs()).sum()
+}
+
 /// Points next to the end of a zone: they are moved about a place near it, which need not be the end itself.
 fn end_points(
     system: &AffineSystem,
@@ -391,7 +396,7 @@ fn end_points(
 ) -> Points {
     let (number, at) = (sequence.zone(zone).mode, &zones[zone]);
     let phase = at.phase + system.omega.value * at.duration;
-    let total: f64 = zones.iter().map(|zone| zone.duration.abs()).sum();
+    let total = time_of(zones);
     let exit = exit_of(system, sequence, zone);
     let last: Vec<f64> = match exit.is_some_and(Exit::is_continuous) {
         true => zones[(zone + 1) % zones.len()].state.clone(),
@@ -417,7 +422,7 @@ fn entry_orders(
     (points, end_before): (&Points, &Forms),
 ) -> Vec<Option<usize>> {
     let (mode, at) = (sequence.zone(zone).mode, &zones[zone]);
-    let total: f64 = zones.iter().map(|zone| zone.duration.abs()).sum();
+    let total = time_of(zones);
     let mut orders = points.orders(system, units, total);
     let z = system.lift(mode, &at.state, at.phase);
     let mut guards = system.modes[mode].guards.iter().zip(&orders);
@@ -447,7 +452,7 @@ fn generic(
 ) -> ZoneFacts {
     let number = sequence.zone(zone).mode;
     let mode = &system.modes[number];
-    let total: f64 = zones.iter().map(|zone| zone.duration.abs()).sum();
+    let total = time_of(zones);
     let at = &zones[zone];
     let by = (units, &moved(system, number, units, (zones, zone))[..]);
     let first = Points::new(system, number, (&at.state, at.phase), &zero, by);
