@@ -86,18 +86,14 @@ pub(super) fn entries(matrix: &Matrix) -> Vec<(usize, usize, f64)> {
 }
 
 /// The columns of M′Mᵏ, k ≥ 0, that are not all zero: those of M′, and those that M leads them to.
-fn live_columns(
-    by: &[(usize, usize, f64)],
-    entries: &[(usize, usize, f64)],
-    size: usize,
-) -> Vec<bool> {
+fn live_columns(by: &Columns, matrix: &Columns, size: usize) -> Vec<bool> {
     let mut live: Vec<bool> = repeat_n(false, size).collect();
-    by.iter().for_each(|(_, column, _)| live[*column] = true);
+    by.each().for_each(|(column, _)| live[column] = true);
     loop {
         let mut grown = false;
-        for (from, to, _) in entries {
-            if live[*from] && !live[*to] {
-                (live[*to], grown) = (true, true);
+        for (to, entries) in matrix.each() {
+            if !live[to] && entries.iter().any(|(from, _)| live[*from]) {
+                (live[to], grown) = (true, true);
             }
         }
         if !grown {
@@ -106,20 +102,121 @@ fn live_columns(
     }
 }
 
-/// Adds factor·left·right to a sum, for the entries of right; columns of left have this length.
-#[inline(always)]
-fn add_sparse(
-    factor: f64,
-    left: &[f64],
-    right: &[(usize, usize, f64)],
-    sum: &mut [f64],
-    rows: usize,
-) {
-    for (from, to, weight) in right {
-        let weight = factor * weight;
-        let (sum, left) = (&mut sum[to * rows..][..rows], &left[from * rows..][..rows]);
-        let pairs = sum.iter_mut().zip(left);
-        pairs.for_each(|(sum, entry)| *sum += weight * entry);
+/// The columns of a matrix that have entries which are not zero.
+#[derive(Default)]
+struct Columns {
+    /// The number of each, and where its entries end.
+    ends: Vec<(usize, usize)>,
+    /// Row and value.
+    entries: Vec<(usize, f64)>,
+}
+
+impl Columns {
+    fn of(matrix: &Matrix) -> Columns {
+        let mut columns = Columns {
+            ends: Vec::with_capacity(matrix.ncols()),
+            entries: Vec::with_capacity(4 * matrix.nrows()),
+        };
+        let values = matrix.as_slice().chunks_exact(matrix.nrows().max(1));
+        for (number, values) in values.enumerate() {
+            let values = values.iter().enumerate();
+            let entries = values.filter(|(_, value)| **value != 0.0);
+            columns
+                .entries
+                .extend(entries.map(|(row, value)| (row, *value)));
+            columns.end(number);
+        }
+        columns
+    }
+
+    /// Ends a column, which is none where nothing has been put into it.
+    fn end(&mut self, number: usize) {
+        let (last, end) = (
+            self.ends.last().map_or(0, |(_, end)| *end),
+            self.entries.len(),
+        );
+        if end > last {
+            self.ends.push((number, end));
+        }
+    }
+
+    /// Every one with its entries.
+    #[inline(always)]
+    fn each(&self) -> impl Iterator<Item = (usize, &[(usize, f64)])> {
+        let mut begun = 0;
+        self.ends.iter().map(move |(number, end)| {
+            let entries = &self.entries[begun..*end];
+            begun = *end;
+            (*number, entries)
+        })
+    }
+
+    /// The entries of a column.
+    fn column(&self, number: usize) -> &[(usize, f64)] {
+        let mut each = self.each();
+        each.find(|(own, _)| *own == number)
+            .map_or(&[], |(_, entries)| entries)
+    }
+
+    /// The next term, which is factor·term·M, in the place of another that has the same columns; it is added to the sum. Columns have
+    /// this length.
+    #[inline(always)]
+    fn step(&self, factor: f64, term: &[f64], next: &mut [f64], sum: &mut [f64], rows: usize) {
+        match rows {
+            2 => self.step_of::<2>(factor, term, next, sum),
+            3 => self.step_of::<3>(factor, term, next, sum),
+            4 => self.step_of::<4>(factor, term, next, sum),
+            _ => self.step_of_any(factor, term, next, sum, rows),
+        }
+    }
+
+    /// The same where the length is known to the compiler.
+    #[inline(always)]
+    fn step_of<const ROWS: usize>(
+        &self,
+        factor: f64,
+        term: &[f64],
+        next: &mut [f64],
+        sum: &mut [f64],
+    ) {
+        let (term, _) = term.as_chunks::<ROWS>();
+        let (next, _) = next.as_chunks_mut::<ROWS>();
+        let (sum, _) = sum.as_chunks_mut::<ROWS>();
+        for (to, entries) in self.each() {
+            let mut own = [0.0; ROWS];
+            for (from, weight) in entries {
+                let (weight, from) = (factor * weight, &term[*from]);
+                for row in 0..ROWS {
+                    own[row] += weight * from[row];
+                }
+            }
+            next[to] = own;
+            for row in 0..ROWS {
+                sum[to][row] += own[row];
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn step_of_any(
+        &self,
+        factor: f64,
+        term: &[f64],
+        next: &mut [f64],
+        sum: &mut [f64],
+        rows: usize,
+    ) {
+        for (to, entries) in self.each() {
+            let own = &mut next[to * rows..][..rows];
+            own.fill(0.0);
+            for (from, weight) in entries {
+                let (weight, from) = (factor * weight, &term[from * rows..][..rows]);
+                let pairs = own.iter_mut().zip(from);
+                pairs.for_each(|(sum, entry)| *sum += weight * entry);
+            }
+            let pairs = sum[to * rows..][..rows].iter_mut().zip(own);
+            pairs.for_each(|(sum, term)| *sum += *term);
+        }
     }
 }
 
@@ -194,12 +291,9 @@ fn add_turned(turns: &[Turn], left: &[f64], sum: &mut [f64], rows: usize) {
 /// A derivative on its way: M′, and what of it and of its products with M is not zero.
 struct Derivative<'a> {
     by: &'a Matrix,
-    /// Entries of M′, those of M in the columns that these come to, and whether those of the states are among them.
-    own: Vec<(usize, usize, f64)>,
-    of_live: Vec<(usize, usize, f64)>,
+    /// Whether there is any in the columns of the states.
     is_live: bool,
     sum: &'a mut [f64],
-    term: &'a mut [f64],
 }
 
 impl Derivative<'_> {
@@ -262,52 +356,54 @@ fn exponential(
     let size = matrix.nrows();
     let numbers = states * size;
     let mut turns = turns(matrix, states);
-    let all = entries(matrix);
-    let varying = by.iter().flatten().count();
-    // memory filled here is had faster than zeros of the system
-    let mut room: Vec<f64> = repeat_n(0.0, (3 + 2 * varying) * numbers).collect();
-    let mut parts = room.chunks_exact_mut(numbers);
-    let [Some(mut sum), Some(mut term), Some(mut next)] = std::array::from_fn(|_| parts.next())
-    else {
-        return (Matrix::zeros(0, 0), [const { None }; VARYING]);
+    let own = Columns::of(matrix);
+    let count = 1 + by.iter().flatten().count();
+    // exp(Mt) and its derivatives E′ together are the series of one matrix: E′ ← E′M + EM′
+    let mut all = Columns {
+        ends: own.ends.clone(),
+        entries: own.entries.clone(),
     };
-    let mut derivatives = by.map(|by| {
-        let by = by?;
+    let mut live = Vec::with_capacity(VARYING);
+    for (number, by) in by.iter().flatten().enumerate() {
         // what depends on a parameter is often the forcing alone: its columns, and those that it comes to
-        let own = entries(by);
-        let live = live_columns(&own, &all, size);
-        let of_live = all.iter().copied().filter(|(from, ..)| live[*from]);
-        Some(Derivative {
-            of_live: of_live.collect(),
-            is_live: live[..states].contains(&true),
-            own,
-            by,
-            sum: parts.next()?,
-            term: parts.next()?,
-        })
-    });
+        let by = Columns::of(by);
+        let own_live = live_columns(&by, &own, size);
+        let first = (number + 1) * size;
+        for to in 0..size {
+            let of_live = own.column(to).iter().filter(|(from, _)| own_live[*from]);
+            all.entries
+                .extend(of_live.map(|(from, x)| (first + from, *x)));
+            all.entries.extend(by.column(to));
+            all.end(first + to);
+        }
+        live.push(own_live[..states].contains(&true));
+    }
+    // memory filled here is had faster than zeros of the system
+    let mut room: Vec<f64> = repeat_n(0.0, 3 * count * numbers).collect();
+    let (sum, rest) = room.split_at_mut(count * numbers);
+    let (mut term, mut next) = rest.split_at_mut(count * numbers);
     for state in 0..states {
         sum[state * states + state] = 1.0;
         term[state * states + state] = 1.0;
     }
-    let add_up = |sum: &mut [f64], term: &[f64]| {
-        let pairs = sum.iter_mut().zip(term);
-        pairs.for_each(|(sum, term)| *sum += term);
-    };
     for k in 1..=terms {
-        let factor = step / f64::from(k);
-        for derivative in derivatives.iter_mut().flatten() {
-            next.fill(0.0);
-            add_sparse(factor, derivative.term, &derivative.of_live, next, states);
-            add_sparse(factor, term, &derivative.own, next, states);
-            std::mem::swap(&mut derivative.term, &mut next);
-            add_up(derivative.sum, derivative.term);
-        }
-        next.fill(0.0);
-        add_sparse(factor, term, &all, next, states);
+        all.step(step / f64::from(k), term, next, sum, states);
         std::mem::swap(&mut term, &mut next);
-        add_up(sum, term);
+        if k == 1 {
+            // of the first term there are columns that no other one has
+            next.fill(0.0);
+        }
     }
+    let (mut sum, sums) = sum.split_at_mut(numbers);
+    let mut next = &mut next[..numbers];
+    let (mut sums, mut live) = (sums.chunks_exact_mut(numbers.max(1)), live.into_iter());
+    let mut derivatives = by.map(|by| {
+        Some(Derivative {
+            by: by?,
+            is_live: live.next()?,
+            sum: sums.next()?,
+        })
+    });
     let mut reached = step;
     for _ in 0..doublings {
         turns.iter_mut().for_each(|turn| *turn = turn.at(reached));

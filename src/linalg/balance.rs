@@ -5,39 +5,30 @@ use super::{Matrix, Vector};
 /// Sweeps that balance a matrix: each at least halves what is left to gain.
 const SWEEPS: usize = 20;
 
-/// Which coordinate acts on which, by however many steps.
+/// Which coordinates act on one another, by however many steps.
 pub struct Acts {
-    /// Words of a column.
-    words: usize,
-    /// For every coordinate in a column of bits those that it acts on.
-    bits: Vec<u64>,
+    /// For every coordinate the first of those that it goes round with.
+    groups: Vec<usize>,
+    /// How many coordinates each acts on.
+    counts: Vec<u32>,
 }
 
 impl Acts {
-    /// Whether coordinate j acts on i.
-    pub fn has(&self, i: usize, j: usize) -> bool {
-        self.bits[j * self.words + i / 64] >> (i % 64) & 1 == 1
-    }
-
-    /// How many coordinates j acts on.
-    fn count(&self, j: usize) -> u32 {
-        let own = &self.bits[j * self.words..(j + 1) * self.words];
-        own.iter().map(|bits| bits.count_ones()).sum()
-    }
-
     /// Whether two coordinates act on one another, or are one.
     pub(super) fn goes_round(&self, i: usize, j: usize) -> bool {
-        i == j || self.has(i, j) && self.has(j, i)
+        self.groups[i] == self.groups[j]
     }
 
     /// The entries of a matrix between coordinates that do.
     pub(super) fn round(&self, matrix: &Matrix) -> Matrix {
         let mut round = matrix.clone();
         let columns = round.as_mut_slice().chunks_exact_mut(matrix.nrows().max(1));
-        for (j, column) in columns.enumerate() {
-            let entries = column.iter_mut().enumerate();
-            let others = entries.filter(|(i, _)| !self.goes_round(*i, j));
-            others.for_each(|(_, entry)| *entry = 0.0);
+        for (own, column) in self.groups.iter().zip(columns) {
+            for (entry, group) in column.iter_mut().zip(&self.groups) {
+                if group != own {
+                    *entry = 0.0;
+                }
+            }
         }
         round
     }
@@ -46,25 +37,40 @@ impl Acts {
 /// That of a matrix.
 pub fn acts(matrix: &Matrix) -> Acts {
     let n = matrix.nrows();
+    // those that a coordinate acts on, in a column of bits
     let words = n.div_ceil(64).max(1);
-    let mut bits = vec![0; n * words];
+    let mut bits = vec![0_u64; n * words];
+    let has = |column: &[u64], i: usize| column[i / 64] >> (i % 64) & 1 == 1;
     let columns = matrix.as_slice().chunks_exact(n.max(1));
     for (own, column) in bits.chunks_exact_mut(words).zip(columns) {
         for (i, _) in column.iter().enumerate().filter(|(_, x)| **x != 0.0) {
             own[i / 64] |= 1 << (i % 64);
         }
     }
-    let mut acts = Acts { words, bits };
+    let mut beyond = vec![0; words];
     for middle in 0..n {
-        for column in 0..n {
-            if acts.has(middle, column) {
-                for word in 0..words {
-                    acts.bits[column * words + word] |= acts.bits[middle * words + word];
-                }
+        beyond.copy_from_slice(&bits[middle * words..][..words]);
+        for column in bits.chunks_exact_mut(words) {
+            if has(column, middle) {
+                let pairs = column.iter_mut().zip(&beyond);
+                pairs.for_each(|(own, other)| *own |= other);
             }
         }
     }
-    acts
+    let column = |j: usize| &bits[j * words..][..words];
+    let mut groups: Vec<usize> = Vec::with_capacity(n);
+    for own in 0..n {
+        let goes_round = |other: &usize| {
+            groups[*other] == *other && has(column(own), *other) && has(column(*other), own)
+        };
+        let first = (0..own).find(goes_round);
+        groups.push(first.unwrap_or(own));
+    }
+    let count = |j| column(j).iter().map(|bits| bits.count_ones()).sum();
+    Acts {
+        counts: (0..n).map(count).collect(),
+        groups,
+    }
 }
 
 /// A matrix without entries that close loops which are rounding: where the entries of a loop are below ε of the matrix in the scales
@@ -128,12 +134,12 @@ pub fn balance(matrix: &Matrix, slow: f64) -> (Vector, f64) {
     let least = norm(&round).max(slow);
     let columns = round.as_slice().chunks_exact(size).enumerate();
     let own = columns.map(|(i, column)| column.iter().sum::<f64>() + matrix[(i, i)].abs());
-    let own: Vec<f64> = own.collect();
-    let rates = (0..size).map(|i| {
-        let group = (0..size).filter(|j| acts.goes_round(i, *j));
-        group.fold(slow, |largest, j| largest.max(own[j]))
-    });
-    lead(&scaled, &acts, &mut scales, &rates.collect::<Vec<_>>());
+    // of every group, where its first coordinate stands
+    let mut rates = vec![slow; size];
+    for (group, own) in acts.groups.iter().zip(own) {
+        rates[*group] = own.max(rates[*group]);
+    }
+    lead(&scaled, &acts, &mut scales, &rates);
     let columns = scaled.as_mut_slice().chunks_exact_mut(size);
     for (own, column) in scales.iter().zip(columns) {
         let entries = column.iter_mut().zip(&scales);
@@ -146,7 +152,7 @@ pub fn balance(matrix: &Matrix, slow: f64) -> (Vector, f64) {
 
 /// Scales what acts on others that do not act back: where that is next to nothing beside the rates of what it acts on it is made a
 /// small part of them, and where it is far more than they are on all of it, no more than many times as large. What is acted on
-/// comes first.
+/// comes first. The rates are those of groups, by their first coordinates.
 fn lead(matrix: &Matrix, acts: &Acts, scales: &mut Vector, rates: &[f64]) {
     /// It adds little to the norm, and what follows is as small as this at least.
     const LEAST: f64 = 1.0 / 64.0;
@@ -154,21 +160,19 @@ fn lead(matrix: &Matrix, acts: &Acts, scales: &mut Vector, rates: &[f64]) {
     /// what that acts on small beside it.
     const MOST: f64 = 4096.0;
     let size = matrix.nrows();
-    let mut order: Vec<usize> = (0..size).collect();
-    order.sort_by_key(|j| acts.count(*j));
-    let mut led = vec![false; size];
+    let mut order: Vec<usize> = (0..size).filter(|j| acts.groups[*j] == *j).collect();
+    order.sort_by_key(|j| acts.counts[*j]);
     for first in order {
-        if led[first] {
-            continue;
+        let (mut least, mut most) = (f64::INFINITY, 0.0_f64);
+        for i in (0..size).filter(|i| acts.groups[*i] != first) {
+            let rate = rates[acts.groups[i]];
+            let group = (0..size).filter(|j| acts.groups[*j] == first);
+            let on = group.map(|j| matrix[(i, j)] * scales[j] / (scales[i] * rate));
+            let on = on.fold(0.0, f64::max);
+            if on > 0.0 {
+                (least, most) = (least.min(on), most.max(on));
+            }
         }
-        let group: Vec<usize> = (0..size).filter(|j| acts.goes_round(*j, first)).collect();
-        let others = || (0..size).filter(|i| !acts.goes_round(*i, first));
-        let on = |i: usize, j: usize| matrix[(i, j)] * scales[j] / (scales[i] * rates[i]);
-        let on_each = others().map(|i| group.iter().map(|j| on(i, *j)).fold(0.0, f64::max));
-        let sizes = on_each.filter(|size| *size > 0.0);
-        let (least, most) = sizes.fold((f64::INFINITY, 0.0), |(least, most), size| {
-            (f64::min(least, size), f64::max(most, size))
-        });
         // where it is far more on some of them alone, their own scales are too small
         let wanted = if most < LEAST {
             LEAST / most
@@ -178,11 +182,9 @@ fn lead(matrix: &Matrix, acts: &Acts, scales: &mut Vector, rates: &[f64]) {
             1.0
         };
         let exponent = wanted.log2().floor();
-        for j in group {
-            led[j] = true;
-            if exponent.abs() < 100.0 {
-                scales[j] *= exponent.exp2();
-            }
+        if exponent != 0.0 && exponent.abs() < 100.0 {
+            let group = (0..size).filter(|j| acts.groups[*j] == first);
+            group.for_each(|j| scales[j] *= exponent.exp2());
         }
     }
 }
