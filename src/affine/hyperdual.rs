@@ -6,6 +6,7 @@
 use super::exprel;
 use super::expression::Function;
 use super::form::Rule;
+use super::logistic;
 
 /// Directions.
 pub(super) const DIRECTIONS: usize = 3;
@@ -112,8 +113,12 @@ impl HyperDual {
         ])
     }
 
+    /// One that ends at zero goes on as zero, so that Newton's method may look beyond what ends a mode there.
     fn power(&self, r: f64) -> HyperDual {
         let x = self.value();
+        if x < 0.0 && Rule::Power(r).ends_at_zero() {
+            return HyperDual::constant(0.0);
+        }
         let falling = [1.0, r, r * (r - 1.0), r * (r - 1.0) * (r - 2.0)];
         let order = [0.0, 1.0, 2.0, 3.0];
         self.composed(std::array::from_fn(|k| falling[k] * x.powf(r - order[k])))
@@ -176,6 +181,7 @@ impl HyperDual {
             Rule::Quotient => a.times(&b.power(-1.0)),
             Rule::Power(r) => a.power(r),
             Rule::RelativeExponential => a.composed(exprel::derivatives(a.value())),
+            Rule::Logistic => a.composed(logistic::derivatives(a.value())),
             Rule::Function(function) => a.function(function),
         }
     }

@@ -8,6 +8,7 @@
 use super::coefficients::Sparse;
 use super::expression::Function;
 use super::form::Rule;
+use super::logistic;
 use super::recurrence::{ProgramStep, Series};
 use super::series::{Field, ORDER};
 use crate::orbit::sign::{Bernstein, COEFFICIENTS};
@@ -42,7 +43,7 @@ impl Field {
     }
 
     /// How long the polynomial of degree 16 holds for z, and at most: until it has left out as much as the tolerance
-    /// allows, or until an operand of `abs` changes its sign.
+    /// allows, until an operand of `abs` changes its sign, or until a root comes to zero.
     pub fn length(&self, series: &Series, longest: f64, forward: bool) -> f64 {
         /// Products of the tolerance with what is smaller are none, and have no digits left: a square of a state that has died out.
         const LOST: f64 = f64::MIN_POSITIVE / (f64::EPSILON * f64::EPSILON);
@@ -92,17 +93,28 @@ impl Field {
         length = self.without_surprise(series, length);
         let direction = if forward { 1.0 } else { -1.0 };
         for (index, step) in self.program.steps.iter().enumerate() {
-            if step.rule == Rule::Function(Function::Abs) && self.needed[index] {
-                let sign = series.signs[index];
-                let mut taylor: [f64; COEFFICIENTS] = std::array::from_fn(|k| {
-                    sign * series.operand(k, index) * (direction * length).powi(k as i32)
-                });
-                let order = series.first_order(&self.program.steps, index);
-                taylor[..order.min(COEFFICIENTS)].fill(0.0);
-                taylor.rotate_left(order.min(COEFFICIENTS));
-                if let Some(place) = Bernstein::from_taylor(&taylor, 0.0).first_crossing() {
-                    length *= place;
+            if !self.needed[index] {
+                continue;
+            }
+            // what is positive over the piece, but for a zero of this order at its beginning
+            let (coefficients, sign, order) = match step.rule {
+                Rule::Function(Function::Abs) => {
+                    let order = series.first_order(&self.program.steps, index);
+                    (series.operands(index), series.signs[index], order)
                 }
+                // a root is none where its series becomes negative, though what it is of may only touch zero there
+                _ if step.rule.is_a_root() && series.value(0, base + index) > 0.0 => {
+                    (series.values(base + index), 1.0, 0)
+                }
+                _ => continue,
+            };
+            let mut taylor: [f64; COEFFICIENTS] = std::array::from_fn(|k| {
+                sign * coefficients[k] * (direction * length).powi(k as i32)
+            });
+            taylor[..order.min(COEFFICIENTS)].fill(0.0);
+            taylor.rotate_left(order.min(COEFFICIENTS));
+            if let Some(place) = Bernstein::from_taylor(&taylor, 0.0).first_crossing() {
+                length *= place;
             }
         }
         length
@@ -112,10 +124,19 @@ impl Field {
     fn without_surprise(&self, series: &Series, longest: f64) -> f64 {
         /// After as many halvings a length is none.
         const HALVINGS: usize = 64;
+        /// From zero on a root has no series: what it does over so small a part of the length, to the power 3/2, is 1e-22 of all that it
+        /// does, and shorter ones lead to where its derivatives are no numbers.
+        const OF_A_ROOT: usize = 48;
         let mut length = longest;
         let mut powers = powers(length);
         for index in (0..self.needed.len()).filter(|index| self.needed[*index]) {
-            for _ in 0..HALVINGS {
+            let rule = self.program.steps[index].rule;
+            let is_zero = series.value(0, self.program.base + index) == 0.0;
+            let most = match rule.is_a_root() && is_zero {
+                true => OF_A_ROOT,
+                false => HALVINGS,
+            };
+            for _ in 0..most {
                 if self.has_all(series, index, &powers) {
                     break;
                 }
@@ -260,8 +281,16 @@ fn longest_of(allowed: impl Fn(usize) -> f64, last: usize) -> f64 {
 /// that is not.
 fn at(rule: Rule, x: f64) -> Option<(f64, f64)> {
     match rule {
+        // beyond zero it goes on as nothing
+        Rule::Power(_) if rule.ends_at_zero() && x < 0.0 => Some((0.0, 0.0)),
         Rule::Power(r) => Some((x.powf(r), r * x.powf(r - 1.0))),
-        Rule::Function(function @ (Function::Exp | Function::Tanh)) => Some(function.at(x)),
+        Rule::Logistic => {
+            let [value, slope, ..] = logistic::derivatives(x);
+            Some((value, slope))
+        }
+        Rule::Function(function @ (Function::Exp | Function::Tanh | Function::Sqrt)) => {
+            Some(function.at(x))
+        }
         _ => None,
     }
 }
@@ -269,8 +298,10 @@ fn at(rule: Rule, x: f64) -> Option<(f64, f64)> {
 /// Places at which such a function has its least and its largest value beside one, as far as this.
 fn places(rule: Rule, x: f64, spread: f64) -> [f64; 3] {
     let [mut low, high] = [x - spread, x + spread];
-    let Rule::Power(r) = rule else {
-        return [low, high, x];
+    let r = match rule {
+        Rule::Power(r) => r,
+        Rule::Function(Function::Sqrt) => 0.5,
+        _ => return [low, high, x],
     };
     // what is no whole power has no value below zero
     if r.fract() != 0.0 && x >= 0.0 {
@@ -311,6 +342,8 @@ fn slopes(
         }
         Rule::Power(r) => r.abs() * most.powf(r - 1.0).max(least.powf(r - 1.0)),
         Rule::RelativeExponential => (a + spread).max(0.0).exp(),
+        // it is symmetric, and greatest at zero
+        Rule::Logistic => logistic::derivatives(least)[1],
         Rule::Function(function) => match function {
             Function::Sin | Function::Cos | Function::Tanh | Function::Atan | Function::Abs => 1.0,
             Function::Exp => (a + spread).exp(),

@@ -24,6 +24,7 @@ pub mod flow;
 pub mod form;
 mod hyperdual;
 mod length;
+mod logistic;
 mod matrices;
 pub mod mode;
 pub mod monitor;

@@ -210,6 +210,7 @@ impl Rule {
             }
             Rule::Power(r) => (Interval::point(r) * a.ln()).exp(),
             Rule::RelativeExponential => exprel::enclose(a),
+            Rule::Logistic => one / ((-a).exp() + one),
             Rule::Function(function) => match function {
                 Function::Sin => a.sin(),
                 Function::Cos => a.cos(),

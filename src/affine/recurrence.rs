@@ -12,6 +12,7 @@ use super::dual::VARYING;
 use super::exprel;
 use super::expression::{Function, root};
 use super::form::Rule;
+use super::logistic;
 use super::rows::Row;
 use crate::linalg::{Matrix, Vector};
 
@@ -31,6 +32,8 @@ pub(super) struct Recurrences<'a> {
     /// How the components of z beyond the first are made, and which of them count.
     pub steps: &'a [ProgramStep],
     pub needed: &'a [bool],
+    /// Which of them the flow has to do with: Newton's method may look beyond where they end.
+    pub flow: &'a [bool],
     /// Rates of the components before them; none where everything is linear.
     pub rates: &'a [Sparse],
     /// Where their operands stand, and how many places components and operands take.
@@ -95,6 +98,8 @@ struct Around {
     b: usize,
     own: usize,
     helper: usize,
+    /// Whether what ends at zero goes on as zero.
+    extends: bool,
 }
 
 impl CoefficientTable {
@@ -107,6 +112,7 @@ impl CoefficientTable {
             b,
             own,
             helper,
+            extends,
         } = around;
         for (operand, place) in step.operands.iter().zip([a, b]) {
             if place >= components && !operand.terms.is_empty() {
@@ -126,11 +132,16 @@ impl CoefficientTable {
                     Rule::Power(r) => r,
                     _ => 0.5,
                 };
+                let is_beyond = extends && x < 0.0 && step.rule.ends_at_zero();
                 if k == 0 {
-                    return self.scale(own, (a, 0), (x.powf(r), r * x.powf(r - 1.0)));
+                    let [value, slope] = match is_beyond {
+                        true => [0.0; 2],
+                        false => [x.powf(r), r * x.powf(r - 1.0)],
+                    };
+                    return self.scale(own, (a, 0), (value, slope));
                 }
                 // it has no series from zero on, and is nothing there for a while
-                if x == 0.0 && r > 1.0 {
+                if is_beyond || x == 0.0 && r > 0.0 {
                     return;
                 }
                 let weight = |i: usize| (r * i as f64 - (k - i) as f64) / k as f64;
@@ -141,6 +152,7 @@ impl CoefficientTable {
                 self.scale(own, (a, k), (sign * self.value(a, k), sign));
             }
             Rule::RelativeExponential => self.exprel(a, own, helper, k),
+            Rule::Logistic => self.logistic(a, own, helper, k),
             Rule::Function(function) if k == 0 => self.begin(function, a, own, helper),
             Rule::Function(Function::Atan) => {
                 // u̇w = ȧ with w = 1 + a²
@@ -169,7 +181,7 @@ impl CoefficientTable {
     #[inline(always)]
     fn round_to_zero(&mut self, step: &ProgramStep, a: usize) {
         const ROUNDING: f64 = 64.0 * f64::EPSILON;
-        if matches!(step.rule, Rule::Power(r) if r > 1.0 && r.fract() != 0.0) {
+        if step.rule.ends_at_zero() {
             let terms = step.operands[0].terms.iter();
             let sizes = terms.map(|(c, by)| (by.value * self.value(*c, 0)).abs());
             if self.value(a, 0).abs() <= ROUNDING * sizes.sum::<f64>() {
@@ -240,6 +252,7 @@ fn helpers(rule: Rule) -> usize {
     match rule {
         Rule::Function(Sin | Cos | Tan | Tanh | Sinh | Cosh | Asin | Acos | Atan) => 1,
         Rule::RelativeExponential => exprel::HELPERS,
+        Rule::Logistic => logistic::HELPERS,
         _ => 0,
     }
 }
@@ -317,6 +330,7 @@ impl Recurrences<'_> {
                         b: operands[index][1],
                         own: self.base + index,
                         helper,
+                        extends: self.flow[index],
                     };
                     let sign = self.signs.get(index).copied().unwrap_or(0.0);
                     table.step(step, around, k, sign);
@@ -417,6 +431,11 @@ impl Series {
         self.value(k, self.places[step][0])
     }
 
+    /// Coefficients of all orders of the first operand of a step.
+    pub(super) fn operands(&self, step: usize) -> &[f64] {
+        self.values(self.places[step][0])
+    }
+
     /// An operand of a step at the beginning, and the sum of the sizes of its further terms over a length of these powers.
     pub(super) fn of_operand(&self, (step, operand): (usize, usize), powers: &[f64]) -> (f64, f64) {
         let place = self.places[step][operand];
@@ -468,7 +487,7 @@ impl Series {
             Rule::Quotient => of(&operands[0]) / b.abs(),
             Rule::Power(r) => own.max((r * a.powf(r - 1.0)).abs() * of(&operands[0])),
             Rule::Function(function) => own.max(function.at(a).1.abs() * of(&operands[0])),
-            Rule::RelativeExponential => own,
+            Rule::RelativeExponential | Rule::Logistic => own,
         }
     }
 

@@ -12,7 +12,7 @@ use super::expression::Function;
 use super::form::Rule;
 use super::hyperdual::HyperDual;
 use super::program::Program;
-use super::recurrence::{Places, Recurrences, Series};
+use super::recurrence::{Places, ProgramStep, Recurrences, Series};
 use super::rows::{MatrixBy, Row};
 use crate::interval::Interval;
 use crate::linalg::Vector;
@@ -197,6 +197,38 @@ impl Field {
         }
     }
 
+    /// Whether a root is zero at the beginning of a series.
+    pub(super) fn begins_at_root(&self, series: &Series) -> bool {
+        let steps = self.program.steps.iter().zip(&self.needed).enumerate();
+        let mut roots = steps.filter(|(_, (step, needed))| **needed && step.rule.is_a_root());
+        roots.any(|(index, _)| series.value(0, self.program.base + index) == 0.0)
+    }
+
+    /// The steps that the flow has to do with and that end where their operand is zero.
+    fn ending(&self) -> impl Iterator<Item = &ProgramStep> {
+        let steps = self.program.steps.iter().zip(&self.needed);
+        let ending = steps.filter(|(step, needed)| **needed && step.rule.ends_at_zero());
+        ending.map(|(step, _)| step)
+    }
+
+    /// Whether there are places at which the flow has no value although its pieces do not end there.
+    pub(super) fn ends(&self) -> bool {
+        self.ending().next().is_some()
+    }
+
+    /// Whether it has none at z, given by its components: what a power that ends at zero is of is negative by more than this part of its
+    /// terms.
+    pub(super) fn lacks_value(&self, z: impl Fn(usize) -> f64, part: f64) -> bool {
+        self.ending().any(|step| {
+            let terms = step.operands[0].terms.iter();
+            let terms = terms.map(|(c, by)| by.value * z(*c));
+            let (sum, size) = terms.fold((0.0, 0.0), |(sum, size), term| {
+                (sum + term, size + term.abs())
+            });
+            sum < -part * size
+        })
+    }
+
     /// The operands of `abs` that the mode has to do with, as rows of z, each with the number of its step.
     pub(super) fn kinks(&self) -> impl Iterator<Item = (usize, Vec<f64>)> {
         let abs = Rule::Function(Function::Abs);
@@ -285,6 +317,7 @@ impl Field {
         let recurrences = Recurrences {
             steps: &self.program.steps,
             needed,
+            flow: &self.needed,
             rates: &self.rates,
             places: &self.places,
             signs,

@@ -262,7 +262,8 @@ fn what_a_step_begins_without_is_not_stepped_over() {
 /// Between them they contract, so that errors of steps do not add up.
 #[test]
 fn a_saturated_function_comes_back() {
-    for slope in [5.0, 20.0, 100.0] {
+    // from 320 on the exponential overflows
+    for slope in [5.0, 20.0, 100.0, 400.0, 3000.0] {
         let ends = |law: String| {
             let text = format!(
                 r#"(states: ["x", "v"], forcing: "0.8", modes: {{"free": (rates: {{"x": "v", "v": "cos(phase) - x - 0.1*v - 0.3*({law})"}})}})"#
@@ -270,11 +271,38 @@ fn a_saturated_function_comes_back() {
             moved(&text, "free", &[0.0, 0.0], 30.0).unwrap().1
         };
         let one = ends(format!("tanh({slope:?}*v)"));
-        let other = ends(format!("1 - 2/(1 + exp({:?}*v))", 2.0 * slope));
-        for (one, other) in one.iter().zip(&other) {
-            assert!((one - other).abs() < 1e-11, "{slope}: {one} {other}");
+        let twice = 2.0 * slope;
+        for law in [
+            format!("1 - 2/(1 + exp({twice:?}*v))"),
+            format!("(1 - exp(-{twice:?}*v))/(exp(-{twice:?}*v) + 1)"),
+            format!("2*exp({twice:?}*v)/(1 + exp({twice:?}*v)) - 1"),
+        ] {
+            for (one, other) in one.iter().zip(&ends(law)) {
+                assert!((one - other).abs() < 1e-11, "{slope}: {one} {other}");
+            }
         }
     }
+}
+
+/// A tank that empties as h = (1 − 0.35t)² touches zero, where the root in its rate comes to zero, and is filled again; one that begins
+/// to be filled while it empties has −(2/a)(u + (q/a) ln(1 − au/q)) = t with u = √h.
+#[test]
+fn a_tank_is_empty_in_finite_time() {
+    let text = r#"(states: ["h"], modes: {
+        "drain": (rates: {"h": "-0.7*sqrt(h)"}, until: [(zero: "h", to: "empty", reset: {"h": "0"})]),
+        "empty": (rates: {"h": "1"}, until: [(zero: "1 - h", to: "drain")])})"#;
+    let times = 1.0 / 0.35 + 1.0;
+    for power in ["sqrt(h)", "h^0.5"] {
+        let (modes, state) = moved(&text.replace("sqrt(h)", power), "drain", &[1.0], 9.0).unwrap();
+        assert_eq!(modes, ["empty", "drain", "empty", "drain"]);
+        let height = f64::powi(1.0 - 0.35 * (9.0 - 2.0 * times), 2);
+        assert!((state[0] - height).abs() < 1e-14, "{} {height}", state[0]);
+    }
+    let filled = r#"(states: ["h"], modes: {"fill": (rates: {"h": "1 - 0.7*sqrt(h)"})})"#;
+    let (_, state) = moved(filled, "fill", &[0.0], 2.0).unwrap();
+    let root = state[0].sqrt();
+    let time = -(2.0 / 0.7) * (root + (1.0 - 0.7 * root).ln() / 0.7);
+    assert!((time - 2.0).abs() < 1e-13, "{time}");
 }
 
 /// A zero times what is positive is the same switch, also where that changes in the reset: the same doubling and the same graze.

@@ -115,7 +115,11 @@ impl EquilibriumCurve {
             let value = if sign == 0.0 { 1.0 } else { signed.value };
             EquilibriumMargin::of(at.guards.len() + index, &signed, value)
         });
-        let margins = guards.chain(kinks).collect();
+        let margins: Vec<EquilibriumMargin> = guards.chain(kinks).collect();
+        // beyond a guard or a kink it is looked at only to find the place of that
+        if at.lacks_value && margins.iter().all(|margin| margin.value > 0.0) {
+            return Err(self.no_value());
+        }
         let eigenvalues = eigenvalues(&at);
         Ok(EquilibriumExamination {
             margins,

@@ -121,6 +121,8 @@ pub(super) struct Linearised {
     pub guards: Vec<Linear>,
     /// Operands of `abs`, each with the number of its step.
     pub kinks: Vec<(usize, Linear)>,
+    /// Whether the rates have no value there, but for what Newton's method looks beyond.
+    pub lacks_value: bool,
 }
 
 impl Linearised {
@@ -151,6 +153,9 @@ impl Linearised {
             .collect()
     }
 }
+
+/// Part of its terms by which what a power is of may be negative: Newton's method leaves as much.
+const BEYOND: f64 = 1e-9;
 
 /// Which functions of a mode are asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -269,7 +274,9 @@ impl LocalField<'_> {
         let passes = self.passes(&mode.field);
         let linear = |row: &mut dyn Iterator<Item = &f64>| self.linear(&passes, row);
         let of_row = |row: &Row| linear(&mut row.at.iter());
+        let z = |component: usize| passes[0][component].value();
         let found = Linearised {
+            lacks_value: mode.field.lacks_value(z, BEYOND),
             rates: self.rates_by(&passes),
             surfaces: mode.surfaces().map(of_row).collect(),
             guards: mode.guards.iter().map(|guard| of_row(&guard.row)).collect(),

@@ -106,13 +106,6 @@ pub(super) enum Onset {
     Zero,
 }
 
-impl FlowPiece {
-    /// Whether it begins in numbers and has a length.
-    pub(super) fn is_defined(&self) -> bool {
-        self.length > 0.0 && self.z.iter().all(|x| x.is_finite())
-    }
-}
-
 /// The coefficients of a form over the beginning of a piece of a series, what they leave out, and the rounding
 /// of what they are made of.
 fn polynomial(piece: &FlowPiece, part: f64, row: &Vector) -> ([f64; COEFFICIENTS], f64) {
@@ -195,6 +188,28 @@ impl ModeFlow {
         let ways = self.exact.iter().flat_map(|exact| &exact.stiff);
         let ways = ways.map(|(way, _)| way);
         ways.min_by(|one, other| one.rounding(time).total_cmp(&other.rounding(time)))
+    }
+
+    /// Whether a piece begins in numbers where the rates have values, and has a length.
+    pub(super) fn is_defined(&self, piece: &FlowPiece) -> bool {
+        /// Rounding of what a power is of, relative to its terms.
+        const ROUNDING: f64 = 64.0 * f64::EPSILON;
+        piece.length > 0.0
+            && piece.z.iter().all(|x| x.is_finite())
+            && !self.lacks_value(&piece.z, ROUNDING)
+    }
+
+    /// Whether a root in the rates is zero where a piece begins.
+    pub(super) fn begins_at_root(&self, piece: &FlowPiece) -> bool {
+        match &piece.course {
+            PieceMotion::Series(series) => self.field.begins_at_root(series),
+            _ => false,
+        }
+    }
+
+    /// Whether the rates have no value at z, by more than this part of what they are made of.
+    pub(super) fn lacks_value(&self, z: &Vector, part: f64) -> bool {
+        self.field.lacks_value(|c| z[c], part)
     }
 
     /// The piece that begins at z. Its length is no number where the rates have no value.

@@ -97,6 +97,8 @@ fn rate_of_term<C: Coefficient>(
             let moved = a.clone().apply(Function::Exp)?.sum(own, -1.0)?;
             times(a_rate, over(moved, a.clone())?)
         }
+        // 1 − σ(a) is σ(−a)
+        Rule::Logistic => times(a_rate, times(own, a.clone().negative().logistic()?)?),
         Rule::Function(function) => times(a_rate, slope(function, a, own)?),
     }
 }

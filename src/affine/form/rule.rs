@@ -15,11 +15,24 @@ pub enum Rule {
     Power(f64),
     /// (eᵃ − 1)/a, 1 where a is zero.
     RelativeExponential,
+    /// 1/(1 + e⁻ᵃ).
+    Logistic,
     /// f(a).
     Function(Function),
 }
 
 impl Rule {
+    /// Whether it has a value and a slope where its operand is zero and none below, as a^1.5 has.
+    pub(in crate::affine) fn ends_at_zero(self) -> bool {
+        matches!(self, Rule::Power(r) if r > 1.0 && r.fract() != 0.0)
+    }
+
+    /// Whether it is never negative, and has no more derivatives where it is zero than its power tells: a square root and the like.
+    pub(in crate::affine) fn is_a_root(self) -> bool {
+        matches!(self, Rule::Power(r) if r > 0.0 && r.fract() != 0.0)
+            || self == Rule::Function(Function::Sqrt)
+    }
+
     /// What it makes of forms.
     pub(in crate::affine) fn of<C: Coefficient>(
         self,
@@ -30,9 +43,14 @@ impl Rule {
             Rule::Quotient => one.operate(Operation::Over, other),
             Rule::Power(r) => one.operate(Operation::Power, Form::number(r)),
             Rule::RelativeExponential => one.relative_exponential(),
+            Rule::Logistic => one.logistic(),
             Rule::Function(function) => one.apply(function),
         }
     }
+}
+
+fn over<C: Coefficient>(one: C, other: &C) -> Result<C, Obstacle> {
+    one.operate(Operation::Over, other.clone())
 }
 
 impl<C: Coefficient> Form<C> {
@@ -41,37 +59,72 @@ impl<C: Coefficient> Form<C> {
         Form::term(Rule::RelativeExponential, [self, Form::default()])
     }
 
+    /// 1/(1 + e⁻ᵃ) of a form a.
+    pub(super) fn logistic(self) -> Result<Form<C>, Obstacle> {
+        Form::term(Rule::Logistic, [self, Form::default()])
+    }
+
     /// A quotient by something that changes. Where that is b(1 − eᵃ) and this is κa, both zero together, it is −κ/b by
-    /// (eᵃ − 1)/a, which is never zero.
+    /// (eᵃ − 1)/a, which is never zero; where it is b(1 + eᵃ) it is made of logistic functions, which have values where eᵃ has none.
     pub(super) fn over_what_changes(self, other: Form<C>) -> Result<Form<C>, Obstacle> {
-        match self.beside_exponential(&other) {
-            Some((factor, exponent)) => {
-                let operands = [Form::constant(factor), exponent.relative_exponential()?];
-                Form::term(Rule::Quotient, operands)
-            }
+        if let Some((factor, exponent)) = self.beside_exponential(&other) {
+            let operands = [Form::constant(factor), exponent.relative_exponential()?];
+            return Form::term(Rule::Quotient, operands);
+        }
+        match other.exponential(1.0) {
+            Some((b, slope, exponent)) => self.by_logistic(&other, (b, slope), exponent),
             None => Form::term(Rule::Quotient, [self, other]),
         }
     }
 
-    /// −κ/b and a of such a quotient.
-    fn beside_exponential(&self, other: &Form<C>) -> Option<(C, Form<C>)> {
-        let [(slope, term)] = &other.beyond[..] else {
+    /// b, s and a of a form b + s eᵘ = b(1 ± eᵃ), of this sign.
+    fn exponential(&self, sign: f64) -> Option<(C, C, Form<C>)> {
+        let [(slope, term)] = &self.beyond[..] else {
             return None;
         };
-        let (b, [power, _]) = (&other.constant, &term.operands);
-        let alone = other.states.is_empty() && other.harmonics.is_empty() && other.phase.is_none();
-        let affine = [self, power].map(|form| form.beyond.is_empty() && form.phase.is_none());
-        if term.rule != Rule::Function(Function::Exp) || !alone || affine != [true; 2] {
+        let (b, [power, _]) = (&self.constant, &term.operands);
+        let alone = self.states.is_empty() && self.harmonics.is_empty() && self.phase.is_none();
+        if term.rule != Rule::Function(Function::Exp) || !alone {
             return None;
         }
-        // b + s eᵘ = b(1 − e^{u + ln(−s/b)})
-        let over = |one: C, other: &C| one.operate(Operation::Over, other.clone()).ok();
-        let shift = over(slope.clone().negative(), b)?
-            .apply(Function::Ln)
-            .ok()?;
-        let exponent = power.clone().sum(Form::constant(shift), 1.0).ok()?;
+        // a = u + ln(±s/b)
+        let ratio = over(slope.clone().times(C::number(sign)), b).ok()?;
+        let shift = Form::constant(ratio.apply(Function::Ln).ok()?);
+        let exponent = power.clone().sum(shift, 1.0).ok()?;
+        Some((b.clone(), slope.clone(), exponent))
+    }
+
+    /// −κ/b and a of a quotient of κa by b(1 − eᵃ).
+    fn beside_exponential(&self, other: &Form<C>) -> Option<(C, Form<C>)> {
+        let (b, _, exponent) = other.exponential(-1.0)?;
+        let affine = [self, &exponent].map(|form| form.beyond.is_empty() && form.phase.is_none());
+        if affine != [true; 2] {
+            return None;
+        }
         let ratio = C::ratio(&self.affine_coefficients(&exponent))?;
-        Some((over(ratio.negative(), b)?, exponent))
+        Some((over(ratio.negative(), &b).ok()?, exponent))
+    }
+
+    /// The quotient by b + s eᵘ = b(1 + eᵃ): 1 over that is σ(−a)/b, and eᵘ over it σ(a)/s.
+    fn by_logistic(
+        self,
+        other: &Form<C>,
+        (b, slope): (C, C),
+        exponent: Form<C>,
+    ) -> Result<Form<C>, Obstacle> {
+        let inverse = |one: &C| over(C::number(1.0), one);
+        let falling = exponent.clone().negative().logistic()?;
+        let falling = falling.scaled(inverse(&b)?)?;
+        let is_made_alike =
+            self.states.is_empty() && self.harmonics.is_empty() && self.phase.is_none();
+        match (&self.beyond[..], &other.beyond[..]) {
+            ([(factor, own)], [(_, term)]) if is_made_alike && own == term => {
+                let rising = exponent.logistic()?.scaled(inverse(&slope)?)?;
+                let rising = rising.scaled(factor.clone())?;
+                rising.sum(falling.scaled(self.constant)?, 1.0)
+            }
+            _ => self.operate(Operation::Times, falling),
+        }
     }
 
     /// Coefficients of two forms side by side, without those of terms.

@@ -198,7 +198,7 @@ impl<'a> Motion<'a> {
             z
         };
         let mut piece = flow.piece(corrected(self.system.lift(mode, &self.place.state, phase)));
-        if !piece.is_defined() {
+        if !flow.is_defined(&piece) {
             return Err(Halt::Unbounded { time: start });
         }
         self.unit = piece.length;
@@ -215,7 +215,7 @@ impl<'a> Motion<'a> {
         while time < until {
             self.unit = piece.length;
             pieces += 1;
-            if !piece.is_defined() {
+            if !flow.is_defined(&piece) {
                 return Err(Halt::Unbounded {
                     time: start + begun,
                 });
@@ -246,7 +246,13 @@ impl<'a> Motion<'a> {
             } else {
                 begun += piece.length;
                 time = start + begun;
-                piece = flow.piece(corrected(flow.advance(&piece)));
+                let next = flow.piece(corrected(flow.advance(&piece)));
+                if (!flow.is_defined(&next) || flow.begins_at_root(&next))
+                    && let Some(guard) = self.touched([&piece.z, &next.z])
+                {
+                    return self.cross(guard, begun, time, &next.z);
+                }
+                piece = next;
             }
         }
         if !piece.z.iter().all(|x| x.is_finite()) {
@@ -301,6 +307,16 @@ impl<'a> Motion<'a> {
         let guards = &self.system.modes[self.place.mode].guards;
         let exit = guards.get(guard).and_then(|guard| guard.exits.first());
         exit.is_some_and(|exit| exit.of_contact && !exit.is_continuous())
+    }
+
+    /// The guard that is zero at the end of a piece, by these places of its beginning and its end, where a root in the rates comes to zero:
+    /// a tank that empties touches zero, and its rate has no derivative there.
+    fn touched(&self, [begin, end]: [&Vector; 2]) -> Option<usize> {
+        /// Part of what the guard is at the beginning, which rounding leaves of its terms.
+        const ZERO: f64 = 1e-12;
+        let guards = self.system.modes[self.place.mode].guards.iter();
+        let mut guards = guards.map(|guard| [begin, end].map(|z| guard.row.value(z)));
+        guards.position(|[begin, end]| end.abs() <= ZERO * begin.abs())
     }
 
     /// Goes over a guard, or the section, which is reached so long after the zone began.

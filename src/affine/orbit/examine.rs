@@ -357,6 +357,10 @@ impl OrbitAt<'_> {
         self.examine_edges(zone, shots, examination);
         let mut watched = self.watched(zone, &shots[0].entry);
         self.examine_parts(zone, parts, &mut watched, examination);
+        // beyond a guard it is looked at only to find the place of that
+        if examination.verdict == SignVerdict::Positive {
+            self.check_values(zone, parts)?;
+        }
         let edges = &examination.margins[first..];
         let inside = watched.into_iter();
         let inside = inside.filter_map(|one| self.least(one, zone, parts, edges));
@@ -364,6 +368,36 @@ impl OrbitAt<'_> {
         for (guard, time) in inside {
             let time = self.stationary(guard, zone, parts, time);
             examination.margins.push(self.inside(guard, zone, time)?);
+        }
+        Ok(())
+    }
+
+    /// Whether the rates have values all along a zone, with whose pieces they are looked at: none of these passes from where they have values
+    /// to where they have none.
+    ///
+    /// # Errors
+    /// Somewhere they have none.
+    fn check_values(&self, zone: usize, parts: &[Part]) -> Result<(), OrbitFailure> {
+        /// Part of its terms by which what a power is of may be negative: Newton's method leaves as much.
+        const BEYOND: f64 = 1e-9;
+        if !self.mode(zone).field.ends() {
+            return Ok(());
+        }
+        let own = self.orbit.sequence.zone(zone);
+        let flow = self.posed.flow(own.mode);
+        for Part {
+            piece, begun, part, ..
+        } in parts
+        {
+            for place in [0.0, 0.5, 1.0] {
+                let time = place * part * piece.length;
+                if flow.lacks_value(&flow.within(piece, time), BEYOND) {
+                    return Err(OrbitFailure::NoValue {
+                        mode: own.name.clone(),
+                        time: begun + time,
+                    });
+                }
+            }
         }
         Ok(())
     }

@@ -89,6 +89,16 @@ pub enum OrbitFailure {
         /// Duration of the zone.
         duration: f64,
     },
+    /// What a power is of becomes negative within a zone.
+    #[error(
+        "the rates of the mode `{mode}` have no value {time} after its beginning, where a power would be of a negative number"
+    )]
+    NoValue {
+        /// Name of the mode.
+        mode: String,
+        /// Time since the beginning of the zone.
+        time: f64,
+    },
     /// A zone is too long for the time scale of its mode.
     #[error(
         "{duration} in the mode `{mode}` are {pieces:.0} of its own time scales; at most {most} are followed"
