@@ -292,6 +292,14 @@ const UNMOVED: f64 = 4.0 * f64::EPSILON;
 /// Unknowns larger than the inverse of this are not of order one.
 const FAR: f64 = 0.1;
 
+/// The largest component of a correction, of unknowns that are far from order one relative to them. One of these does not excuse
+/// what the others are off by.
+fn far_ones_relative(step: &Vector, point: &Vector) -> f64 {
+    let pairs = step.iter().zip(point);
+    let sizes = pairs.map(|(step, x)| step.abs() / (FAR * x.abs()).max(1.0));
+    sizes.fold(0.0, f64::max)
+}
+
 /// Solves R(u) = 0 together with the constraint, from a guess.
 pub fn solve<S: Equations>(
     system: &S,
@@ -312,7 +320,7 @@ pub fn solve<S: Equations>(
         if !factors.solve(&mut step) {
             return Err(Failure::Singular);
         }
-        let correction = step.amax();
+        let correction = far_ones_relative(&step, &point);
         let slow = Failure::Slow {
             correction,
             iterations,
@@ -325,15 +333,12 @@ pub fn solve<S: Equations>(
             residual,
             factors,
         };
-        // relative to unknowns that are far from order one
-        let scale = (FAR * point.amax()).max(1.0);
-        let tolerance = tolerance * scale;
         let relative = || relative_residual(&at.matrix, at.right_side.as_slice());
         // corrections at the level of rounding no longer contract
         if iterations > 1 && correction > tolerance {
             let ratio = correction / before;
             if ratio > SLOWEST
-                && let Some(residual) = rounded(system, &at, &point, correction)
+                && let Some(residual) = rounded(system, &at, &point, step.amax())
             {
                 return Ok(solution(point, residual, contraction));
             }
@@ -357,8 +362,8 @@ pub fn solve<S: Equations>(
         if correction <= tolerance {
             // where a point stays as it is, what was found there holds for whoever looks at it next
             let residual = relative();
-            let is_rounding = correction <= UNMOVED * scale
-                || residual <= UNMOVED && correction <= LEAST_TOLERANCE * scale;
+            let is_rounding =
+                correction <= UNMOVED || residual <= UNMOVED && correction <= LEAST_TOLERANCE;
             let is_moved = !S::KEEPS || settings.polish > 0 || !is_rounding;
             if is_moved {
                 point -= &step;

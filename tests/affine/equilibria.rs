@@ -473,6 +473,130 @@ fn a_branch_goes_round_the_corners_of_its_rates() {
     }
 }
 
+/// The folds of ẋ = a + 2σ(k(x − 1)) − x are where 2kσ(1 − σ) = 1, however little of σ there is where the branch begins: there a step
+/// and its slope are below rounding, and rates look linear as far as one likes.
+#[test]
+fn a_branch_begins_where_a_law_has_come_to_its_end() {
+    for k in [20.0_f64, 100.0, 300.0] {
+        for law in [
+            format!("1 + tanh({:?}*(x - 1))", 0.5 * k),
+            format!("2/(1 + exp({:?}*(x - 1)))", -k),
+            format!("2*exp({k:?}*(x - 1))/(exp({k:?}*(x - 1)) + 1)"),
+        ] {
+            let s = 0.5 * (1.0 - (1.0 - 2.0 / k).sqrt());
+            let fold = 1.0 + (s / (1.0 - s)).ln() / k - 2.0 * s;
+            let system = format!(
+                r#"(states: ["x"], parameters: {{"a": 0.2}}, modes: {{"flow": (rates: {{"x": "a + {law} - x"}})}})"#
+            );
+            let course = Course {
+                system: &system,
+                mode: "flow",
+                state: &[0.2],
+                parameter: "a",
+                range: (-1.5, 1.5),
+            };
+            for units in [1.0, 1e6, 1e-5] {
+                let found = course.all(&[units], false);
+                let folds: Vec<f64> = events(&found).iter().map(|one| number(one, "a")).collect();
+                assert_eq!(folds.len(), 2, "{law}: {folds:?}");
+                for (one, other) in folds.iter().zip([fold, -fold]) {
+                    assert!((one - other).abs() < 1e-12, "{law}: {one} {other}");
+                }
+            }
+        }
+    }
+}
+
+/// A state that is 1e-19 where the branch begins, and 2 elsewhere: v − v³/3 − w + I = 0 with w = 2σ(k(v − 0.1)) has its folds at v = −1,
+/// where σ is nothing, and where 1 − v² = 2kσ(1 − σ).
+#[test]
+fn a_state_may_be_next_to_nothing_where_a_branch_begins() {
+    let system = r#"(states: ["v", "w"], parameters: {"I": -2.0}, modes: {"flow": (rates:
+        {"v": "v - v^3/3 - w + I", "w": "0.3*(1 + tanh(10*(v - 0.1)) - w)"})})"#;
+    let course = Course {
+        system,
+        mode: "flow",
+        state: &[-2.2, 0.0],
+        parameter: "I",
+        range: (-2.5, 4.0),
+    };
+    let found = course.all(&[1.0; 2], false);
+    let all = events(&found);
+    let folds = all.iter().filter(|one| one.kind == LP);
+    let folds: Vec<f64> = folds.map(|one| number(one, "v")).collect();
+    assert_eq!(folds.len(), 4, "{folds:?}");
+    for v in folds {
+        let slope = 10.0 / (10.0 * (v - 0.1)).cosh().powi(2);
+        assert!((1.0 - v * v - slope).abs() < 1e-9, "{v}");
+    }
+}
+
+/// A spring of Hertz, whose force has a slope where it is touched and no value before, from both sides: in one mode, and in one of its own.
+#[test]
+fn a_contact_of_hertz_is_touched_from_both_sides() {
+    let rate = "F - x - 0.2*v";
+    let whole = format!(
+        r#"(states: ["x", "v"], parameters: {{"F": START}}, modes: {{"free":
+        (rates: {{"x": "v", "v": "{rate} - 3*max(0, x - 0.5)^1.5"}})}})"#
+    );
+    let parted = format!(
+        r#"(states: ["x", "v"], parameters: {{"F": START}}, modes: {{
+        "free": (rates: {{"x": "v", "v": "{rate}"}}, until: [(zero: "0.5 - x", to: "touch")]),
+        "touch": (rates: {{"x": "v", "v": "{rate} - 3*(x - 0.5)^1.5"}}, until: [(zero: "x - 0.5", to: "free")])}})"#
+    );
+    // F = x + 3(x − 1/2)^1.5
+    let pressed = 0.5 + 0.25 + 3.0 * 0.125;
+    for (start, x, modes) in [
+        ("0.2", 0.2, ["free"; 2]),
+        ("1.125", 0.75, ["free", "touch"]),
+    ] {
+        assert_eq!(pressed, 1.125);
+        for (text, mode) in [&whole, &parted].into_iter().zip(modes) {
+            let system = text.replace("START", start);
+            let course = Course {
+                system: &system,
+                mode,
+                state: &[x, 0.0],
+                parameter: "F",
+                range: (0.1, 1.2),
+            };
+            for units in [[1.0; 2], [1e4, 1e-3]] {
+                let found = course.all(&units, false);
+                let all = events(&found);
+                if *text == whole {
+                    assert!(all.is_empty(), "{all:?}");
+                    continue;
+                }
+                assert_eq!(all.len(), 1, "{all:?}");
+                assert_eq!(all[0].kind, BE);
+                assert!((number(&all[0], "F") - 0.5).abs() < 1e-12, "{all:?}");
+            }
+        }
+    }
+}
+
+/// What a power is of becomes negative with nothing that ends there: the rates have no value beyond, and the branch goes no further.
+#[test]
+fn a_branch_ends_where_its_rates_do() {
+    let system = r#"(states: ["x"], parameters: {"F": 1.0}, modes: {"flow": (rates: {"x": "F - x - x^1.5"})})"#;
+    let course = Course {
+        system,
+        mode: "flow",
+        state: &[0.56],
+        parameter: "F",
+        range: (-0.5, 1.5),
+    };
+    let mut runner = runner(&course.problem(&[1.0], false, ""), None);
+    let mut items = Vec::new();
+    while runner.progress().end.is_none() {
+        items.extend(runner.step());
+    }
+    let all = events(&items);
+    assert_eq!(all.len(), 1, "{all:?}");
+    assert_eq!(all[0].kind, MX);
+    assert!(number(&all[0], "F").abs() < 1e-6, "{all:?}");
+}
+
 /// Where a relay leaves its sliding, no rate of the mode that it comes to has the state that slides: that mode is at rest at this value of
 /// the parameter alone, with any such state. Nothing goes on, as at a wall. There px + ry is the bound of the relay.
 #[test]

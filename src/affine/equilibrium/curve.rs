@@ -318,9 +318,13 @@ impl EquilibriumCurve {
     pub(super) fn linearised(&self, point: &Vector) -> Result<Linearised, EquilibriumFailure> {
         let place = self.place(point);
         let found = self.local(&place).linearised();
-        found.ok_or_else(|| EquilibriumFailure::NoValue {
+        found.ok_or_else(|| self.no_value())
+    }
+
+    pub(super) fn no_value(&self) -> EquilibriumFailure {
+        EquilibriumFailure::NoValue {
             mode: self.signature.name.clone(),
-        })
+        }
     }
 
     /// The equations in their order, each with its factor.
@@ -433,6 +437,9 @@ pub(super) fn scales(
 ) -> Option<EquilibriumScales> {
     /// A state that is smaller than this part of the others in balanced units is zero.
     const NOTHING: f64 = 1e-9;
+    /// One that is smaller than this part of them has no unit of its own: what it is elsewhere may be of their order, as the current of a diode
+    /// that begins to conduct.
+    const SMALL: f64 = 1e-6;
     /// One that is smaller than this part of its change has that for its unit: beside a fold steps would be next to nothing, and so
     /// would be what the parameter changes by in them.
     const LITTLE: f64 = 1e-3;
@@ -462,16 +469,29 @@ pub(super) fn scales(
         most.max(size(index) / balanced[index])
     });
     let linear = linear_within(&field, &balanced, rate);
-    let all_rounding = linear.filter(|linear| largest < NOTHING * linear);
+    let linear = linear.filter(|linear| largest < NOTHING * linear);
+    let all_rounding = linear.filter(|_| is_zero_but_for_rounding(&field, &at, &balanced));
     let known = if largest.is_normal() { largest } else { 1.0 };
     let largest = all_rounding.unwrap_or(known);
-    let unit = |index: usize| {
-        let least = NOTHING * largest * balanced[index];
-        if all_rounding.is_none() && size(index) > least {
-            size(index)
-        } else {
-            largest * balanced[index]
-        }
+    let sized = |index: usize| {
+        let least = SMALL * largest * balanced[index];
+        all_rounding.is_none() && size(index) > least
+    };
+    let unit = |index: usize| match sized(index) {
+        true => size(index),
+        false => largest * balanced[index],
+    };
+    let units: Vec<f64> = (0..n).map(unit).collect();
+    // where it would change the rates of others by as much as they change themselves
+    let counts = |index: usize| {
+        let others = (0..n).filter(|other| *other != index && sized(*other));
+        let sizes = others.map(|other| rate * units[other] / slopes[(other, index)].abs());
+        sizes.fold(f64::INFINITY, f64::min)
+    };
+    // balanced with what does next to nothing to it, it has a unit that means nothing to them
+    let unit = |index: usize| match counts(index) {
+        most if most.is_finite() && units[index] < SMALL * most => most,
+        _ => units[index],
     };
     Some(EquilibriumScales {
         units: (0..n).map(unit).chain([width]).collect(),
@@ -497,6 +517,30 @@ fn reached(field: &LocalField, slopes: &Matrix, change: &Vector) -> Vector {
             true => change * 2.0 / (1.0 + (1.0 + 4.0 * part).sqrt()),
             false => change,
         }
+    })
+}
+
+/// Whether the states are zero but for rounding: where they are, the rates are zero and linear, too. A function that has come to its end,
+/// as tanh 40, may look linear as far as one likes from a place that is not next to zero.
+fn is_zero_but_for_rounding(field: &LocalField, at: &Linearised, units: &Vector) -> bool {
+    /// Roundings of rates, relative to their terms, and what part of their slopes changes over what is rounding.
+    const ROUNDINGS: f64 = 64.0 * f64::EPSILON;
+    const CHANGED: f64 = 1e-6;
+    let n = field.states;
+    let mut place = field.place.to_vec();
+    place[..n].fill(0.0);
+    let origin = LocalField {
+        place: &place,
+        ..*field
+    };
+    let slopes = |one: &Linear| one.by.rows(0, n).component_mul(units);
+    origin.linearised().is_some_and(|origin| {
+        let mut pairs = origin.rates.iter().zip(&at.rates);
+        pairs.all(|(there, here)| {
+            let changed = slopes(there) - slopes(here);
+            there.value.abs() <= ROUNDINGS * there.size
+                && changed.amax() <= CHANGED * slopes(here).amax()
+        })
     })
 }
 
