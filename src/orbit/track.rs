@@ -8,9 +8,10 @@ use super::located::{BranchEvent, LocatedEvent};
 use super::monitor::MonitorStop;
 use super::special::{BranchFailure, BranchTermination, Close, Ending, OrbitRefusal, Special};
 use super::{Examined, MarginFunction as _, Orbit, Situation, dip, events, retrace};
-use crate::continuation::Node;
+use crate::continuation::arclength::{self, LARGEST_ANGLE};
 use crate::continuation::locate::{Place, node_at, retangent};
 use crate::continuation::walk::{self, Curve, Outcome, Segment, WatchedCurve, Within};
+use crate::continuation::{Node, newton};
 use crate::linalg::Vector;
 
 /// A step along one branch turns by less but where it is long: one that comes to another branch turns from across it to along it.
@@ -223,6 +224,26 @@ impl<O: Orbit> Curve for Track<O> {
             ..self.clone()
         };
         Some((curve, node, examination))
+    }
+
+    fn at_edge(&self, node: &Node, ds: f64, tolerance: f64) -> Option<(Node, f64)> {
+        let orbit = self.orbit.as_ref();
+        let (lower, upper) = self.limits.range;
+        let index = node.point.len() - 1;
+        let edges = [lower, upper].map(|edge| edge / orbit.unit());
+        let along = edges.map(|value| (value, (value - node.point[index]) / node.tangent[index]));
+        let (value, s) = along.into_iter().find(|(_, s)| *s > 0.0 && *s <= ds)?;
+        let mut edge = newton::Fixed { index, value };
+        let guess = &node.point + &node.tangent * s;
+        let settings = newton::Settings {
+            tolerance,
+            ..newton::Settings::default()
+        };
+        let met = arclength::correct(orbit, &mut edge, &guess, &node.tangent, &settings);
+        let (mut met, _) = met.ok()?;
+        // exactly the value that was asked for, not the next number
+        met.point[index] = value;
+        (met.angle_to(node) <= LARGEST_ANGLE).then_some((met, s))
     }
 
     fn aliases(&self, name: &O::Signature, first: &Node, near: &Node) -> Vec<Node> {

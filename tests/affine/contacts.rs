@@ -11,7 +11,7 @@ use brakewave::linalg::Vector;
 use brakewave::orbit::follow::LocatedPoint;
 use brakewave::problem::{Any, parse_any};
 
-use crate::affine::branches::{Seen, follow};
+use crate::affine::branches::{Seen, follow, settled};
 use crate::affine::systems::{BALL, FRICTION, IMPACT, RELAY, at, place, system};
 use EventType::{CO, EP, GR, LP, PD, SL};
 
@@ -1451,4 +1451,35 @@ fn a_branch_passes_the_graze_of_a_stop_without_restitution() {
         names.iter().any(|name| name.contains("forward.closed")),
         "{names:?}"
     );
+}
+
+/// Laws make no sense beyond a stiffness or a bound of zero and a restitution of 1, and do so there: a branch whose range ends
+/// there comes to that end.
+#[test]
+fn a_range_may_end_where_a_law_does() {
+    let spring = r#"Spring(gap: "0.4 - x", stiffness: "k", damping: "cd")"#;
+    let stop = r#"Stop(gap: "0.4 - x", restitution: "e")"#;
+    let friction = r#"Friction(slip: "v", bound: "mu")"#;
+    let cases = [
+        (spring, "open", "k", 0.0_f64),
+        (friction, "forward", "mu", 0.0),
+        (stop, "open", "e", 1.0),
+    ];
+    for (law, mode, parameter, edge) in cases {
+        let sign = if law == friction { "+" } else { "-" };
+        let text = format!(
+            r#"(states: ["x", "v"], parameters: {{"k": 0.5, "cd": 0.6, "mu": 0.2, "e": 0.6}}, forcing: "0.7",
+            contacts: {{"p": {law}}}, rates: {{"x": "v", "v": "cos(phase) - 0.3*v - x {sign} p"}})"#
+        );
+        let (orbit, point) = settled(&text, &[], parameter, mode, &[0.0, 0.1], 200.0);
+        let up = edge > 0.5;
+        let (seen, all) = follow(&orbit, &point, up, (0.0, f64::max(edge, 0.7)), 2000);
+        let last = seen.last().unwrap();
+        assert_eq!(
+            (last.kind, last.value),
+            (EP, edge),
+            "{parameter}: {} points",
+            all.len()
+        );
+    }
 }

@@ -307,6 +307,22 @@ fn what_does_not_return_is_refused() {
     let spiral = wanted(spiral, &[], "mu", 1);
     let refused = from(&spiral, "flow", &[-0.5, 0.0], 0.0, Search::Settles(200.0)).unwrap_err();
     assert!(matches!(refused, NoStart::Rests { .. }), "{refused}");
+    // two blocks that are alike all along slip in one instant
+    let alike = r#"(states: ["x1", "v1", "x2", "v2"], parameters: {"A": 1.5}, forcing: "0.8",
+        contacts: {"q1": Friction(slip: "v1", bound: "0.3"), "q2": Friction(slip: "v2", bound: "0.3")},
+        rates: {"x1": "v1", "v1": "A*cos(phase) - 0.05*v1 - x1 - 0.3*(x1 - x2) + q1",
+            "x2": "v2", "v2": "A*cos(phase) - 0.05*v2 - x2 - 0.3*(x2 - x1) + q2"})"#;
+    let alike = wanted(alike, &[], "A", 1);
+    let begin = [0.0, 0.1, 0.0, 0.1];
+    let refused = from(
+        &alike,
+        "forward.forward",
+        &begin,
+        0.0,
+        Search::Settles(300.0),
+    );
+    let refused = refused.unwrap_err();
+    assert!(matches!(refused, NoStart::AtOnce { .. }), "{refused}");
     // a ball on a table at rest
     let chatters = wanted(BALL, &[("G", 0.0)], "G", 1);
     let refused = from(&chatters, "flight", &[0.0, 1.0], 0.0, Search::Settles(10.0)).unwrap_err();

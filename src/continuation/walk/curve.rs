@@ -105,6 +105,11 @@ pub trait Curve: WatchedCurve {
         None
     }
 
+    /// The node on an edge of the range that a step of this length would pass, and how far along the step it is.
+    fn at_edge(&self, _node: &Node, _ds: f64, _tolerance: f64) -> Option<(Node, f64)> {
+        None
+    }
+
     /// The first node of the walk, which is one of the curve of this name, by every set of unknowns of this curve next to
     /// a node that gives the same point: an angle has many, and a cycle may begin at several places. None where no unknowns
     /// of this curve give that point.

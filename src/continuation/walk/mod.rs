@@ -16,7 +16,7 @@ pub(crate) use curve::{EndOf, RefusalOf};
 
 use super::arclength::{self, ArclengthStep, Node, Steps};
 use super::locate::{Place, beyond_kink};
-use super::newton::Equations;
+use super::newton::{self, Equations};
 
 /// A curve being followed.
 #[derive(Clone, Debug)]
@@ -188,13 +188,22 @@ impl<C: Curve> Walker<C> {
     ) -> Result<(Vec<C::Found>, Option<EndOf<C>>), RefusalOf<C>> {
         let (system, tolerance) = (self.curve.system(), self.steps.tolerance);
         let taken = arclength::advance(system, &self.node, &self.before, ds, tolerance);
-        let taken = taken.or_else(|refusal| {
-            let may_be = matches!(refusal, arclength::Refusal::Angle { .. }) && system.has_kinks();
-            let beyond = || beyond_kink(system, &self.node, ds, tolerance);
-            let beyond = may_be.then(beyond).flatten();
-            let step = beyond.map(|node| ArclengthStep { node, next: ds });
+        let taken = taken.map(|step| (step, ds)).or_else(|refusal| {
+            let reached = match &refusal {
+                arclength::Refusal::Angle { .. } if system.has_kinks() => {
+                    let beyond = beyond_kink(system, &self.node, ds, tolerance);
+                    beyond.map(|node| (node, ds))
+                }
+                // what makes no sense beyond an edge does on it
+                arclength::Refusal::Corrector(newton::Failure::System(_)) => {
+                    self.curve.at_edge(&self.node, ds, tolerance)
+                }
+                _ => None,
+            };
+            let step = reached.map(|(node, s)| (ArclengthStep { node, next: ds }, s));
             step.ok_or(refusal)
-        })?;
+        });
+        let (taken, ds) = taken?;
         let refused = Refused::Curve;
         let watched = self
             .curve

@@ -99,6 +99,17 @@ pub enum NoStart {
     /// The orbit is not admissible.
     #[error("the solution found is not an admissible orbit: {0}")]
     Inadmissible(Inadmissible),
+    /// Two switches of the motion come in one instant, and neither leads to the other: which comes first is rounding.
+    #[error(
+        "two switches of the motion come in one instant, that of {first} and that of {second}, and neither leads to the other: \
+         no orbit is followed through both; elements that are alike all along may be written as one"
+    )]
+    AtOnce {
+        /// The guard of the one that comes first by rounding.
+        first: String,
+        /// That of the other.
+        second: String,
+    },
     /// The motion has infinitely many switches in a period: no orbit is followed through them.
     #[error(
         "infinitely many switches of `{from}` end in `{to}` at t = {time}, and so in every period: `simulate` and `scan` go on \

@@ -46,6 +46,20 @@ impl OrbitGuess {
         }
     }
 
+    /// The guards of two switches in one instant, each with its mode.
+    pub fn at_once(&self) -> Option<[(usize, usize); 2]> {
+        /// Part of the period that rounding may part them by.
+        const ROUNDING: f64 = 1e-12;
+        let period: f64 = self.zones.iter().map(|(.., duration)| duration).sum();
+        let count = self.zones.len();
+        let short = |(.., duration): &(Moment, Switching, f64)| *duration <= ROUNDING * period;
+        let zone = self.zones.iter().position(short).filter(|_| count > 1)?;
+        Some([zone + count - 1, zone].map(|zone| {
+            let (_, switching, _) = &self.zones[zone % count];
+            (switching.from, switching.guard)
+        }))
+    }
+
     /// The orbit next to it.
     pub fn orbit(
         &self,

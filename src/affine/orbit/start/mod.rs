@@ -162,7 +162,10 @@ fn settled(
     let Search::Settles(time) = search else {
         return Err(reason);
     };
-    let dies_out = matches!(reason, NoStart::Inadmissible(_) | NoStart::Shrinks { .. });
+    let dies_out = matches!(
+        reason,
+        NoStart::Inadmissible(_) | NoStart::AtOnce { .. } | NoStart::Shrinks { .. }
+    );
     let mut further = LONGER.iter().filter(|_| dies_out && time > 0.0);
     let later = further.find_map(|longer| {
         let search = Search::Settles(longer * time);
@@ -207,9 +210,22 @@ fn found(
         });
         match whole.map(|guess| guess.orbit(wanted, &FROM_A_GUESS)) {
             Some(Ok(found)) => Ok(found),
-            _ => Err(reason),
+            _ => Err(told_apart(wanted, &guess, reason)),
         }
     })
+}
+
+/// Why there is no orbit, where that may be since two switches of the motion are told apart by rounding alone.
+fn told_apart(wanted: &Wanted, guess: &OrbitGuess, reason: NoStart) -> NoStart {
+    let at_once = guess.at_once();
+    match at_once.filter(|_| matches!(reason, NoStart::Inadmissible(_))) {
+        Some(switches) => {
+            let name = |(mode, guard)| wanted.system.guard_name(mode, guard);
+            let [first, second] = switches.map(name);
+            NoStart::AtOnce { first, second }
+        }
+        None => reason,
+    }
 }
 
 /// The orbit that was saved, at the values wanted.
