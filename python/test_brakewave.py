@@ -264,6 +264,8 @@ class Folders(unittest.TestCase):
             for column in last:
                 self.assertEqual(list(last[column]), list(end[column]))
             self.assertIn("speed", set(simulation.measures["name"]))
+            for column in ("from", "to"):
+                self.assertEqual(simulation.measures[column].dtype, float)
 
     def test_a_tube_in_metres_is_the_tube_without_units(self):
         """The symmetry (γ, δ, c) → (s²γ, sδ, c/s), from a tube in SI units to γ = 1."""

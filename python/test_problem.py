@@ -97,6 +97,8 @@ class Written(unittest.TestCase):
         self.assertEqual(brakewave.ron(dict(within={"x": [-1, 1]})), '(within: {"x": (-1, 1)})')
         self.assertEqual(brakewave.ron(dict(sliding={"stick": ["one", "other"]})), '(sliding: {"stick": ("one", "other")})')
         self.assertEqual(brakewave.ron(dict(contacts={"q": variant.Stop(gap="x")}, if_=["v"])), '(contacts: {"q": Stop(gap: "x")}, if: ["v"])')
+        # an underscore that makes no word of Python a name is one of the name
+        self.assertEqual(brakewave.ron(dict(A_=0.1, lambda_=0.2)), "(A_: 0.1, lambda: 0.2)")
         self.assertEqual(brakewave.ron((1, (2,))), "(1, [2])")
 
     def test_every_map_and_tuple_of_a_problem_file_is_known(self):

@@ -28,6 +28,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Mapping
+from keyword import iskeyword
 from math import isnan
 from numbers import Integral, Real
 from typing import Any, NamedTuple
@@ -177,8 +178,14 @@ class _Writer:
 
 
 def _fields(fields: Mapping[Any, Any], key: str) -> list[_Entry]:
-    given = ((str(name).rstrip("_"), value) for name, value in fields.items() if value is not None)
+    given = ((_field(str(name)), value) for name, value in fields.items() if value is not None)
     return [_Entry(f"{name}: ", value, _joined(key, name), name) for name, value in given]
+
+
+def _field(name: str) -> str:
+    """A name without the underscore by which it is no word of Python, as `if_`: a parameter may have one of its own."""
+    word = name.removesuffix("_")
+    return word if iskeyword(word) else name
 
 
 def _map(entries: Mapping[Any, Any], key: str, field: str) -> list[_Entry]:

@@ -34,7 +34,7 @@ REGIMES = ["separation", "slip", "stick", "reverse"]
 
 _TEXT = (
     "type regimes regimes_before regimes_after regime switches stable why what start name method setting failure "
-    "direction sliding full_direction lead_direction first lead_first proven parameter sweep from to mark"
+    "direction sliding full_direction lead_direction first lead_first proven parameter sweep mark"
 ).split()
 _WHOLE = (
     "point label leg unstable lead_sector sector newton row column passage mode points events_found "
@@ -61,7 +61,7 @@ _SYSTEMS = [
     (["mode", "equilibrium"], ["stable", "re", "im", "why"]),
 ]
 EXPONENT = re.compile(r"lyapunov(_\d+)?(_error)?")
-_SYSTEM_TEXT = ["mode", "found", "equilibrium", "sweep"]
+_SYSTEM_TEXT = ["mode", "found", "equilibrium", "sweep", "from", "to"]
 """Columns that are text in tables of a system, besides those of every table."""
 _OF_STEADY = ["re", "im"]
 """Columns that are lists of numbers in the table of the equilibria of all modes."""

@@ -174,11 +174,17 @@ impl<P: curve::ParameterPlane> Display for curve::CurveEndReason<P> {
                 steps,
                 longest,
                 beside: (zone, length),
-            } => write!(
-                f,
-                "the last {steps} steps are all shorter than {longest:.0e}: Newton's method hardly \
-                 converges beside a {zone} zone of length {length:.1e}"
-            ),
+            } => {
+                write!(
+                    f,
+                    "the last {steps} steps are all shorter than {longest:.0e}: Newton's method hardly converges"
+                )?;
+                // equilibria, and what leads from one to another, have none
+                match length.is_finite() {
+                    true => write!(f, " beside a {zone} zone of length {length:.1e}"),
+                    false => Ok(()),
+                }
+            }
             curve::CurveEndReason::Stands { points, moved } => write!(
                 f,
                 "over the last {points} points the parameters move by no more than {moved:.0e} of their ranges: its steps \

@@ -128,6 +128,17 @@ fn at<O: Orbit>(orbit: &O, stop: MonitorStop, node: &Node) -> Option<(f64, f64)>
     (value.is_finite()).then_some((value, slope))
 }
 
+/// Whether a monitor has the value at a node but for the rounding of unknowns of order one.
+fn has_value<O: Orbit>(orbit: &O, stop: MonitorStop, node: &Node) -> bool {
+    const ROUNDINGS: f64 = 16.0 * f64::EPSILON;
+    let measured = orbit.measured(stop.monitor, &node.point);
+    let measured = measured.ok().flatten();
+    measured.is_some_and(|measured| {
+        let off = (measured.value - stop.value).abs();
+        off <= ROUNDINGS * measured.slope().max(stop.value.abs())
+    })
+}
+
 /// Two places of a step with the values of a function there, of different signs.
 type Signs = [(f64, f64); 2];
 
@@ -146,7 +157,14 @@ fn brackets<O: Orbit>(
         return Vec::new();
     }
     if m0 * m1 <= 0.0 {
-        return vec![[(0.0, m0), (end, m1)]];
+        // one that has the value all along, as the least size of what passes zero, changes its sign by rounding
+        let stays = [step.from, to]
+            .iter()
+            .all(|node| has_value(orbit, stop, node));
+        return match stays {
+            true => Vec::new(),
+            false => vec![[(0.0, m0), (end, m1)]],
+        };
     }
     let side = m0.signum();
     let both = [(side * m0, side * d0), (side * m1, side * d1)];

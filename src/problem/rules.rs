@@ -211,7 +211,7 @@ impl<P> Checks<'_, P> {
         section: &Continuation<Q>,
         column: &str,
         varies: impl Fn(&str) -> bool,
-        (whole, other): (&str, &str),
+        (whole, other): (&str, Option<&str>),
     ) -> Check {
         if !event.numbers().any(|(name, _)| varies(name)) {
             let message = format!(
@@ -219,7 +219,8 @@ impl<P> Checks<'_, P> {
                  `{column}` keeps them",
                 event.event
             );
-            let help = format!("add `{column}` or `{other}`, which the branch changes");
+            let other = other.map_or_else(String::new, |other| format!(" or `{other}`"));
+            let help = format!("add `{column}`{other}, which the branch changes");
             return self.refuse(path, message, help);
         }
         let (lower, upper) = section.range;

@@ -439,6 +439,13 @@ impl Checks<'_, Problem> {
             let restarts = self.problem.restarts();
             restarts || name == column || Parameter::from_column(name).is_none()
         };
-        self.fallible(path, event, section, column, varies, ("model", "speed"))
+        self.fallible(
+            path,
+            event,
+            section,
+            column,
+            varies,
+            ("model", Some("speed")),
+        )
     }
 }

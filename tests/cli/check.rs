@@ -348,3 +348,24 @@ fn the_printed_template_is_a_problem_and_as_expected() {
     bench.run(&["run", "new.ron"]).expect(0);
     assert!(bench.path("results/new/diagram.svg").exists());
 }
+
+/// The period of a forced orbit is that of the forcing: expected alone it could not fail, but where the frequency changes with the branch.
+#[test]
+fn a_period_that_stays_is_nothing_to_expect() {
+    let bench = Bench::new();
+    for (parameter, period, code) in [("A", 5.0, 2), ("w", 5.0, 0), ("w", 5.1, 1)] {
+        let text = format!(
+            r#"(
+    system: (states: ["x", "v"], parameters: {{"A": 1.0, "w": 1.25}}, forcing: "w",
+        modes: {{"free": (rates: {{"x": "v", "v": "A*cos(phase) - 0.1*v - x"}}, until: [])}}),
+    orbit: (start: Simulate(mode: "free", state: {{"x": 0.0, "v": 0.0}}, settle: 200)),
+    continuation: (parameter: "{parameter}", range: (1.0, {:?}), toward: Up),
+    expect: [(event: EP, period: {period:?}, tolerance: 1e-12)],
+)"#,
+            std::f64::consts::TAU / 5.0 + f64::from(u8::from(parameter == "A"))
+        );
+        bench.put("p.ron", text);
+        let stdout = bench.run(&["check", "p.ron"]).expect(code).stdout;
+        assert_eq!(stdout.contains("keeps them"), code == 2, "{stdout}");
+    }
+}

@@ -505,6 +505,17 @@ impl Checks<'_, SystemProblem> {
         Ok(())
     }
 
+    /// Whether the frequency of the forcing depends on a parameter.
+    fn forcing_changes_with(&self, parameter: &str) -> bool {
+        let forcing = self.source().forcing.as_ref();
+        let forcing = forcing.and_then(|text| Expression::read(text).ok());
+        let mut changes = false;
+        if let Some(forcing) = forcing {
+            forcing.names(&mut |name, _| changes |= name == parameter);
+        }
+        changes
+    }
+
     fn expectation(&self, path: &str, event: &Expectation) -> Check {
         self.looked_for(&format!("{path}.event"), event.event)?;
         if event.sector.is_some() {
@@ -544,15 +555,16 @@ impl Checks<'_, SystemProblem> {
         };
         let restarts = self.problem.earlier_run().is_some();
         let column = section.parameter.as_str();
+        let keeps_period = self.source().forcing.is_some() && !self.forcing_changes_with(column);
         let varies = |name: &str| {
             let free = self.problem.orbit.free.as_deref() == Some(name);
             let other = self.source().parameters.index(name).is_none();
-            restarts || free || name == column || other
+            restarts || free || name == column || other && !(keeps_period && name == "period")
         };
         let states = &self.source().states;
         let other = match self.problem.equilibrium {
-            Some(_) => states.first().map_or("re", String::as_str),
-            None => "period",
+            Some(_) => states.first().map_or(Some("re"), |name| Some(name)),
+            None => Some("period").filter(|_| !keeps_period),
         };
         self.fallible(path, event, section, column, varies, ("system", other))
     }
