@@ -9,6 +9,7 @@ use super::coefficients::Sparse;
 use super::expression::Function;
 use super::form::Rule;
 use super::logistic;
+use super::program::Program;
 use super::recurrence::{ProgramStep, Series};
 use super::series::{Field, ORDER};
 use crate::orbit::sign::{Bernstein, COEFFICIENTS};
@@ -90,8 +91,8 @@ impl Field {
         if series.has_derivatives() {
             length = self.length_of_derivatives(series, length);
         }
-        length = self.without_surprise(series, length);
         let direction = if forward { 1.0 } else { -1.0 };
+        length = self.without_surprise(series, length, (longest, direction));
         for (index, step) in self.program.steps.iter().enumerate() {
             if !self.needed[index] {
                 continue;
@@ -120,8 +121,8 @@ impl Field {
         length
     }
 
-    /// How long the polynomials have all that functions do, and at most.
-    fn without_surprise(&self, series: &Series, longest: f64) -> f64 {
+    /// How long the polynomials have all that functions do, and at most, where so much time is left, in this direction.
+    fn without_surprise(&self, series: &Series, longest: f64, left: (f64, f64)) -> f64 {
         /// After as many halvings a length is none.
         const HALVINGS: usize = 64;
         /// From zero on a root has no series: what it does over so small a part of the length, to the power 3/2, is 1e-22 of all that it
@@ -137,7 +138,7 @@ impl Field {
                 false => HALVINGS,
             };
             for _ in 0..most {
-                if self.has_all(series, index, &powers) {
+                if self.has_all(series, index, &powers, left) {
                     break;
                 }
                 length *= 0.5;
@@ -150,7 +151,13 @@ impl Field {
     /// Whether the polynomial of a step has all that its function does over a length of these powers, which may be smaller than rounding at the
     /// beginning with all of its derivatives: the function does not change by many times what the polynomial does, or changes
     /// nothing that counts.
-    fn has_all(&self, series: &Series, index: usize, powers: &[f64; ORDER + 1]) -> bool {
+    fn has_all(
+        &self,
+        series: &Series,
+        index: usize,
+        powers: &[f64; ORDER + 1],
+        (rest, direction): (f64, f64),
+    ) -> bool {
         /// What a polynomial changes by is at most the sum of its terms, and that of a function of it nearly so.
         const TIMES: f64 = 4.0;
         let step = &self.program.steps[index];
@@ -159,7 +166,11 @@ impl Field {
         let Some((value, slope)) = at(step.rule, operand) else {
             return true;
         };
-        let ends = places(step.rule, operand, spread);
+        let ends = match step.rule.ends_at_zero() {
+            // on one side of zero it is nothing
+            true => series.bounds_of_operand(index, powers, direction),
+            false => places(step.rule, operand, spread),
+        };
         let ends = ends.into_iter().filter_map(|x| at(step.rule, x));
         let (mut change, mut of_slopes) = (0.0_f64, 0.0_f64);
         for (end, by) in ends {
@@ -173,9 +184,47 @@ impl Field {
         let reach = reach.states.max(reach.looked_at);
         let is_nothing =
             change <= 4.0 * f64::EPSILON * value.abs() || change * reach <= self.tolerance;
+        if !is_nothing || !series.has_derivatives() {
+            return is_nothing;
+        }
+        // the slope of a power that ends at zero comes to nothing with the time that it is looked at
+        if step.rule.ends_at_zero()
+            && let Some(back) = self.comes_back(index, powers[1], rest)
+        {
+            return of_slopes * back <= MORE * self.tolerance;
+        }
         let moved = self.largest_of(&step.operands[0], series, powers);
-        let is_smooth = !series.has_derivatives() || of_slopes * moved * reach <= self.tolerance;
-        is_nothing && is_smooth
+        of_slopes * moved * reach <= self.tolerance
+    }
+
+    /// What an error of 1 in the slope of a step over a length does to the operand of the step in the time that is left: to first and to second
+    /// order. `None` where it acts on states by other steps.
+    fn comes_back(&self, step: usize, length: f64, rest: f64) -> Option<f64> {
+        let Program {
+            base,
+            states,
+            steps,
+        } = &*self.program;
+        let component = base + step;
+        let of = |form: &Sparse, c: usize| {
+            let own = form.terms.iter().find(|(known, _)| *known == c);
+            own.map_or(0.0, |(_, by)| by.value.abs())
+        };
+        let mut operands = steps.iter().flat_map(|step| &step.operands);
+        if operands.any(|operand| of(operand, component) != 0.0) {
+            return None;
+        }
+        let moved: Vec<f64> = (0..*states)
+            .map(|state| length * of(&self.rates[state], component))
+            .collect();
+        let later = |state: usize| -> f64 {
+            let terms = moved.iter().enumerate();
+            let terms = terms.map(|(other, moved)| of(&self.rates[state], other) * moved);
+            rest * terms.sum::<f64>()
+        };
+        let operand = &steps[step].operands[0];
+        let terms = (0..*states).map(|state| of(operand, state) * (moved[state] + later(state)));
+        Some(terms.sum())
     }
 
     /// The sum of the largest terms of what a form is made of, over a length of these powers.

@@ -442,6 +442,23 @@ impl Series {
         (self.value(0, place), self.change(place, powers))
     }
 
+    /// Bounds of the first operand of a step over a length of these powers in a direction, and what it is at the beginning: over it every
+    /// term grows from nothing.
+    pub(super) fn bounds_of_operand(
+        &self,
+        step: usize,
+        powers: &[f64],
+        direction: f64,
+    ) -> [f64; 3] {
+        let terms = self.operands(step).iter().zip(powers).enumerate();
+        let terms = terms.map(|(k, (a, power))| a * power * direction.powi(k as i32));
+        let first = self.operand(0, step);
+        let (low, high) = terms.skip(1).fold((first, first), |(low, high), term| {
+            (low + term.min(0.0), high + term.max(0.0))
+        });
+        [low, high, first]
+    }
+
     /// The sum of the sizes of the terms of a component but for the first, over a length of these powers.
     pub(super) fn change(&self, c: usize, powers: &[f64]) -> f64 {
         let terms = self.values(c).iter().zip(powers).skip(1);

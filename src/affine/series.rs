@@ -197,10 +197,11 @@ impl Field {
         }
     }
 
-    /// Whether a root is zero at the beginning of a series.
+    /// Whether a root that has no slope there is zero at the beginning of a series.
     pub(super) fn begins_at_root(&self, series: &Series) -> bool {
         let steps = self.program.steps.iter().zip(&self.needed).enumerate();
-        let mut roots = steps.filter(|(_, (step, needed))| **needed && step.rule.is_a_root());
+        let is_steep = |rule: Rule| rule.is_a_root() && !rule.ends_at_zero();
+        let mut roots = steps.filter(|(_, (step, needed))| **needed && is_steep(step.rule));
         roots.any(|(index, _)| series.value(0, self.program.base + index) == 0.0)
     }
 

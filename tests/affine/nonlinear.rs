@@ -383,6 +383,30 @@ fn a_contact_of_hertz() {
     );
 }
 
+/// The touch of such a spring in a mode of its own begins and ends as a graze of the motion without it, at A = d|1 − w² + icw|.
+#[test]
+fn a_contact_of_hertz_is_grazed_from_both_sides() {
+    let graze = 0.5 * f64::hypot(1.0 - 0.64, 0.2 * 0.8);
+    for force in ["(x - 0.5)", "max(0, x - 0.5)"] {
+        let text = format!(
+            r#"(states: ["x", "v"], parameters: {{"A": 0.2}}, forcing: "0.8", modes: {{
+            "free": (rates: {{"x": "v", "v": "A*cos(phase) - x - 0.2*v"}}, until: [(zero: "0.5 - x", to: "touch")]),
+            "touch": (rates: {{"x": "v", "v": "A*cos(phase) - x - 0.2*v - 3*{force}^1.5"}},
+                until: [(zero: "x - 0.5", to: "free")])}})"#
+        );
+        for (start, up, after) in [
+            (0.15, true, "free > free-touch"),
+            (0.21, false, "touch-free > free"),
+        ] {
+            let values = [("A", start)];
+            let (orbit, point) = settled(&text, &values, "A", "free", &[0.1, 0.0], 60.0);
+            let (seen, _) = follow(&orbit, &point, up, (0.1, 0.22), 500);
+            let edge = if up { 0.22 } else { 0.1 };
+            meets(&seen, &[(GR, graze, after), (EP, edge, "")], 1e-12);
+        }
+    }
+}
+
 #[test]
 fn a_pendulum_at_a_wall_grazes_inside() {
     let (orbit, point) = settled(

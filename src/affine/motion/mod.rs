@@ -316,7 +316,7 @@ impl<'a> Motion<'a> {
         const ZERO: f64 = 1e-12;
         let guards = self.system.modes[self.place.mode].guards.iter();
         let mut guards = guards.map(|guard| [begin, end].map(|z| guard.row.value(z)));
-        guards.position(|[begin, end]| end.abs() <= ZERO * begin.abs())
+        guards.position(|[begin, end]| begin > 0.0 && end.abs() <= ZERO * begin)
     }
 
     /// Goes over a guard, or the section, which is reached so long after the zone began.
