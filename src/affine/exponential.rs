@@ -103,7 +103,7 @@ fn live_columns(by: &Columns, matrix: &Columns, size: usize) -> Vec<bool> {
 }
 
 /// The columns of a matrix that have entries which are not zero.
-#[derive(Default)]
+#[derive(Clone)]
 struct Columns {
     /// The number of each, and where its entries end.
     ends: Vec<(usize, usize)>,
@@ -197,6 +197,7 @@ impl Columns {
         }
     }
 
+    /// The same of any length.
     #[inline(always)]
     fn step_of_any(
         &self,
@@ -359,10 +360,7 @@ fn exponential(
     let own = Columns::of(matrix);
     let count = 1 + by.iter().flatten().count();
     // exp(Mt) and its derivatives E′ together are the series of one matrix: E′ ← E′M + EM′
-    let mut all = Columns {
-        ends: own.ends.clone(),
-        entries: own.entries.clone(),
-    };
+    let mut all = own.clone();
     let mut live = Vec::with_capacity(VARYING);
     for (number, by) in by.iter().flatten().enumerate() {
         // what depends on a parameter is often the forcing alone: its columns, and those that it comes to

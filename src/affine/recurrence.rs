@@ -90,6 +90,9 @@ impl Places {
     }
 }
 
+/// Rounding of what a power is of, relative to its terms.
+pub(super) const ROUNDING: f64 = 64.0 * f64::EPSILON;
+
 /// Where a step finds its operands, behind so many components where they are none, and where it leaves what it makes.
 #[derive(Clone, Copy)]
 struct Around {
@@ -180,7 +183,6 @@ impl CoefficientTable {
     /// An operand of a power that has no series at zero is zero where it is rounding of its terms, as at a switch.
     #[inline(always)]
     fn round_to_zero(&mut self, step: &ProgramStep, a: usize) {
-        const ROUNDING: f64 = 64.0 * f64::EPSILON;
         if step.rule.ends_at_zero() {
             let terms = step.operands[0].terms.iter();
             let sizes = terms.map(|(c, by)| (by.value * self.value(*c, 0)).abs());

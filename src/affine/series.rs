@@ -21,6 +21,9 @@ use crate::orbit::sign::COEFFICIENTS;
 /// Highest order of a series: two more than what signs are decided by, so that these know what they leave out.
 pub(super) const ORDER: usize = COEFFICIENTS + 1;
 
+/// Part of its terms by which what a power is of may be negative at an orbit or an equilibrium: Newton's method leaves as much.
+pub(super) const BEYOND: f64 = 1e-9;
+
 /// How z moves in a mode.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Field {

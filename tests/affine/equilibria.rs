@@ -15,7 +15,7 @@ use brakewave::problem::SystemProblem;
 
 use crate::affine::rests::{
     BRUSSELATOR, CHUA, Course, FITZHUGH, HARVEST, LORENZ, PITCHFORK, STARTS, events, followed,
-    meets, number, runner,
+    meets, number, runner, to_its_end,
 };
 use crate::affine::systems::in_order;
 use EventType::{BE, BP, EP, HB, LP, MX};
@@ -587,11 +587,7 @@ fn a_branch_ends_where_its_rates_do() {
         range: (-0.5, 1.5),
     };
     let mut runner = runner(&course.problem(&[1.0], false, ""), None);
-    let mut items = Vec::new();
-    while runner.progress().end.is_none() {
-        items.extend(runner.step());
-    }
-    let all = events(&items);
+    let all = events(&to_its_end(&mut runner));
     assert_eq!(all.len(), 1, "{all:?}");
     assert_eq!(all[0].kind, MX);
     assert!(number(&all[0], "F").abs() < 1e-6, "{all:?}");
@@ -649,10 +645,7 @@ fn a_branch_ends_where_no_mode_has_the_equilibrium_within() {
             ([1e3; 5], false),
         ] {
             let mut runner = runner(&course.problem(&units, reversed, ""), None);
-            let mut all = Vec::new();
-            while runner.progress().end.is_none() {
-                all.extend(runner.step());
-            }
+            let all = to_its_end(&mut runner);
             let found = events(&all);
             let kinds: Vec<EventType> = found.iter().map(|one| one.kind).collect();
             assert_eq!(kinds, [BE, MX], "{mode} in {units:?}: {found:#?}");

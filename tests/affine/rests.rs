@@ -148,11 +148,17 @@ pub fn runner(problem: &SystemProblem, named: Option<&NamedEquilibrium>) -> Equi
 }
 
 pub fn followed(mut runner: EquilibriumRunner) -> Vec<EquilibriumItem> {
+    let all = to_its_end(&mut runner);
+    assert_eq!(runner.progress().end, Some(RunEnd::Finished));
+    all
+}
+
+/// All points of a branch, however it ends.
+pub fn to_its_end(runner: &mut EquilibriumRunner) -> Vec<EquilibriumItem> {
     let mut all = Vec::new();
     while runner.progress().end.is_none() {
         all.extend(runner.step());
     }
-    assert_eq!(runner.progress().end, Some(RunEnd::Finished));
     all
 }
 

@@ -8,7 +8,7 @@ use crate::affine::expression::Expression;
 use crate::affine::hyperdual::{DIRECTIONS, HyperDual};
 use crate::affine::mode::{AffineSystem, Row};
 use crate::affine::monitored::MonitoredSystem;
-use crate::affine::series::Field;
+use crate::affine::series::{BEYOND, Field};
 use crate::affine::surfaces::Surfaces;
 use crate::affine::system::{System, SystemError};
 use crate::linalg::{Matrix, Vector, without_noise};
@@ -153,9 +153,6 @@ impl Linearised {
             .collect()
     }
 }
-
-/// Part of its terms by which what a power is of may be negative: Newton's method leaves as much.
-const BEYOND: f64 = 1e-9;
 
 /// Which functions of a mode are asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -4,7 +4,7 @@
 mod exact;
 
 use super::mode::{AffineMode, Row};
-use super::recurrence::Series;
+use super::recurrence::{ROUNDING, Series};
 use super::series::{Field, ORDER};
 use super::stiff::{Splitting, Vanished};
 use crate::linalg::{Vector, add_product, balance, product};
@@ -192,8 +192,6 @@ impl ModeFlow {
 
     /// Whether a piece begins in numbers where the rates have values, and has a length.
     pub(super) fn is_defined(&self, piece: &FlowPiece) -> bool {
-        /// Rounding of what a power is of, relative to its terms.
-        const ROUNDING: f64 = 64.0 * f64::EPSILON;
         piece.length > 0.0
             && piece.z.iter().all(|x| x.is_finite())
             && !self.lacks_value(&piece.z, ROUNDING)

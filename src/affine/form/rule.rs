@@ -77,14 +77,18 @@ impl<C: Coefficient> Form<C> {
         }
     }
 
+    /// Whether it is made of numbers and terms alone.
+    fn is_of_terms(&self) -> bool {
+        self.states.is_empty() && self.harmonics.is_empty() && self.phase.is_none()
+    }
+
     /// b, s and a of a form b + s eᵘ = b(1 ± eᵃ), of this sign.
     fn exponential(&self, sign: f64) -> Option<(C, C, Form<C>)> {
         let [(slope, term)] = &self.beyond[..] else {
             return None;
         };
         let (b, [power, _]) = (&self.constant, &term.operands);
-        let alone = self.states.is_empty() && self.harmonics.is_empty() && self.phase.is_none();
-        if term.rule != Rule::Function(Function::Exp) || !alone {
+        if term.rule != Rule::Function(Function::Exp) || !self.is_of_terms() {
             return None;
         }
         // a = u + ln(±s/b)
@@ -115,10 +119,8 @@ impl<C: Coefficient> Form<C> {
         let inverse = |one: &C| over(C::number(1.0), one);
         let falling = exponent.clone().negative().logistic()?;
         let falling = falling.scaled(inverse(&b)?)?;
-        let is_made_alike =
-            self.states.is_empty() && self.harmonics.is_empty() && self.phase.is_none();
         match (&self.beyond[..], &other.beyond[..]) {
-            ([(factor, own)], [(_, term)]) if is_made_alike && own == term => {
+            ([(factor, own)], [(_, term)]) if self.is_of_terms() && own == term => {
                 let rising = exponent.logistic()?.scaled(inverse(&slope)?)?;
                 let rising = rising.scaled(factor.clone())?;
                 rising.sum(falling.scaled(self.constant)?, 1.0)

@@ -9,6 +9,7 @@ use super::shots::ZoneGrowth;
 use super::turning::Smooth;
 use crate::affine::flow::{Expansion, FlowPiece, MOST_PIECES, ModeFlow, counted};
 use crate::affine::mode::{Guard, Row};
+use crate::affine::series::BEYOND;
 use crate::linalg::{Vector, product};
 use crate::orbit::located::AT_ZERO;
 use crate::orbit::sign::SignVerdict;
@@ -378,8 +379,6 @@ impl OrbitAt<'_> {
     /// # Errors
     /// Somewhere they have none.
     fn check_values(&self, zone: usize, parts: &[Part]) -> Result<(), OrbitFailure> {
-        /// Part of its terms by which what a power is of may be negative: Newton's method leaves as much.
-        const BEYOND: f64 = 1e-9;
         if !self.mode(zone).field.ends() {
             return Ok(());
         }

@@ -563,7 +563,7 @@ impl Checks<'_, SystemProblem> {
         };
         let states = &self.source().states;
         let other = match self.problem.equilibrium {
-            Some(_) => states.first().map_or(Some("re"), |name| Some(name)),
+            Some(_) => Some(states.first().map_or("re", String::as_str)),
             None => Some("period").filter(|_| !keeps_period),
         };
         self.fallible(path, event, section, column, varies, ("system", other))
