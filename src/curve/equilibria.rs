@@ -170,7 +170,7 @@ impl PlaneOfOrbits for EquilibriaInPlane {
         index: usize,
     ) -> Result<EquilibriumCurve, EquilibriumFailure> {
         let plane = self.plane(signature)?;
-        let curve = plane.curve(signature.mode, values, index);
+        let curve = plane.curve(signature, values, index);
         curve.ok_or_else(|| no_value(signature))
     }
 
@@ -371,6 +371,14 @@ impl EventCurves for EquilibriaInPlane {
         }
     }
 
+    /// At a kink the branch turns where the determinants of both sides differ in their sign: on one side that is no fold.
+    fn tells_fold(condition: &EventCondition<EquilibriaInPlane>, curve: &EquilibriumCurve) -> bool {
+        match condition {
+            EventCondition::Margin(margin) => curve.beyond(margin).is_none(),
+            _ => *condition != EventCondition::Fold,
+        }
+    }
+
     /// Of a pair ω² and l₁, and another pair; beside a zero eigenvalue a second one, and a pair; beside none a pair.
     fn watched(
         &self,
@@ -384,7 +392,7 @@ impl EventCurves for EquilibriaInPlane {
             value: value.unwrap_or(f64::NAN),
             ends: false,
         };
-        let pair = |kind: PointType, kept: KeptEigenvalues| {
+        let pair_of = |curve: &EquilibriumCurve, kind: PointType, kept: KeptEigenvalues| {
             let sums = curve.pair_sums(point, kept);
             Test {
                 // two real eigenvalues with the sum zero are none
@@ -393,6 +401,7 @@ impl EventCurves for EquilibriaInPlane {
                 ends: false,
             }
         };
+        let pair = |kind: PointType, kept: KeptEigenvalues| pair_of(curve, kind, kept);
         let with_zero = || {
             vec![
                 passed(PointType::BT, curve.double_zero(point)),
@@ -421,7 +430,34 @@ impl EventCurves for EquilibriaInPlane {
             }
             // a saddle that is left in one direction, or whose growing ones stay as many
             EventCondition::Spectral(CriticalEquilibrium::Connection(_)) => Vec::new(),
-            EventCondition::Margin(_) | EventCondition::Constant(_) => {
+            EventCondition::Margin(margin) => match curve.beyond(margin) {
+                Some(beyond) => {
+                    // an eigenvalue that is zero on one side ends what the kink does, and an imaginary pair a jump
+                    let sides = [curve, &beyond];
+                    let determinants = sides.map(|side| side.determinant(point));
+                    let turns = determinants[0].zip(determinants[1]);
+                    let turns = turns.is_some_and(|(one, other)| one * other < 0.0);
+                    let zero = |value| Test {
+                        ends: true,
+                        ..passed(PointType::One(EventType::LP), value)
+                    };
+                    let pair = |side| {
+                        let hopf = PointType::One(EventType::HB);
+                        let test = pair_of(side, hopf, KeptEigenvalues::None);
+                        Test {
+                            ends: !turns && test.kind.is_some(),
+                            ..test
+                        }
+                    };
+                    determinants
+                        .map(zero)
+                        .into_iter()
+                        .chain(sides.map(pair))
+                        .collect()
+                }
+                None => vec![pair(PointType::One(EventType::HB), KeptEigenvalues::None)],
+            },
+            EventCondition::Constant(_) => {
                 vec![pair(PointType::One(EventType::HB), KeptEigenvalues::None)]
             }
         };

@@ -5,7 +5,7 @@ use super::plane::{EventCurves as _, PlaneOfOrbits as _};
 use super::point::CurveLimits;
 use super::run::Singular;
 use super::search::{KeptMonitor, event, wanted};
-use super::start::{CurveStart, FixedMonitor, NoCurve, pose, pose_constant};
+use super::start::{CurveStart, FixedMonitor, NoCurve, pose, pose_constant, pose_margin};
 use crate::affine::equilibrium::start::EquilibriumRequest;
 use crate::affine::equilibrium::{EquilibriumCurve, EquilibriumScales};
 use crate::hybrid::equilibrium::{
@@ -84,12 +84,15 @@ fn pose_equilibrium(
         width: limits.widths()[0],
         mode: problem.system.mode(&saved.mode).ok_or_else(unknown)?,
     };
-    let at = EquilibriumCurve::at(&request, &saved.state).map_err(Singular::flow)?;
+    let (at, point) = EquilibriumCurve::at(&request, &saved.state).map_err(Singular::flow)?;
+    let bends = [EventType::LP, EventType::HB, EventType::BP].contains(&kind);
+    let side = at.at_kink(&point).filter(|_| bends);
     let pair = [one, other];
-    let plane = EquilibriaInPlane::new(&at.0, &at.1, pair, limits.widths(), known);
+    let of = side.as_ref().unwrap_or(&at);
+    let plane = EquilibriaInPlane::new(of, &point, pair, limits.widths(), known);
     let plane = plane.map_err(Singular::flow)?;
     let posed = |index: usize| -> Result<(EquilibriumCurve, Vector), NoCurve<EquilibriaInPlane>> {
-        let curve = plane.orbit(at.0.signature(), plane.values(), index);
+        let curve = plane.orbit(at.signature(), plane.values(), index);
         let curve = curve.map_err(Singular::flow)?;
         let point = curve.pack(&saved.state, plane.values()[index]);
         Ok((curve, point))
@@ -97,6 +100,11 @@ fn pose_equilibrium(
     let (curve, point) = posed(0)?;
     if let Some(FixedMonitor { monitor, value }) = kept {
         return pose_constant(plane.keeping(&monitor), (&curve, &point), value, limits);
+    }
+    if side.is_some() {
+        // what the rates are made of has other numbers over the plane
+        let side = curve.at_kink(&point).ok_or(Singular::NoMargin)?;
+        return pose_margin(plane, &side, &point, kind, limits);
     }
     let spectral = match kind {
         EventType::HB => {

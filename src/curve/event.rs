@@ -112,7 +112,7 @@ impl<P: ParameterPlane> EventCurve<P> {
         let regular =
             linalg::least(&square).is_some_and(|least| least.value > SINGULAR * least.largest);
         Ok(EventCurve {
-            with_fold: regular && system.condition != EventCondition::Fold,
+            with_fold: regular && P::tells_fold(&system.condition, &orbit),
             system,
             event,
             limits,

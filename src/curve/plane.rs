@@ -280,6 +280,11 @@ pub trait EventCurves: SpectralEvents {
         Vec::new()
     }
 
+    /// Whether det F_x, where it is regular beside the curve, tells a fold of its orbits.
+    fn tells_fold(condition: &EventCondition<Self>, _: &Self::Orbit) -> bool {
+        *condition != EventCondition::Fold
+    }
+
     /// Type of a point at which an orbit of an event has a fold, too.
     fn with_fold(event: EventType) -> PointType {
         Self::with_event(event, EventType::LP)

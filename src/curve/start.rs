@@ -499,24 +499,44 @@ pub(super) fn pose<P: ParameterPlane>(
                 .ok_or(Singular::NoNullVector)?;
             (EventCondition::Fold, least.right.as_slice().to_vec())
         }
-        _ => {
-            let examination = orbit.examination(point).map_err(Singular::flow)?;
-            let mut margins: Vec<MarginOf<P>> = examination
-                .margins()
-                .iter()
-                .filter(|margin| margin.value().abs() < VANISHED)
-                .cloned()
-                .collect();
-            // a zone without length says most, as on the branch
-            margins.sort_by_key(MarginFunction::precedence);
-            let margin = margins.first().cloned().ok_or(Singular::NoMargin)?;
-            (EventCondition::Margin(margin), Vec::new())
-        }
+        _ => return pose_margin(plane, orbit, point, event, limits),
     };
     let system = EventSystem::new(plane, orbit.signature().clone(), condition);
     Ok(CurveStart {
         event,
         point: system.pack(point, &further),
+        system,
+        limits,
+    })
+}
+
+/// The equations of an event at which a margin vanishes.
+pub(super) fn pose_margin<P: ParameterPlane>(
+    plane: P,
+    orbit: &P::Orbit,
+    point: &Vector,
+    event: EventType,
+    limits: CurveLimits,
+) -> Result<CurveStart<P>, NoCurve<P>> {
+    within(&plane, &limits)?;
+    let examination = orbit.examination(point).map_err(Singular::flow)?;
+    let mut margins: Vec<MarginOf<P>> = examination
+        .margins()
+        .iter()
+        .filter(|margin| margin.value().abs() < VANISHED)
+        .cloned()
+        .collect();
+    // a zone without length says most, as on the branch
+    margins.sort_by_key(MarginFunction::precedence);
+    let margin = margins.first().cloned().ok_or(Singular::NoMargin)?;
+    let system = EventSystem::new(
+        plane,
+        orbit.signature().clone(),
+        EventCondition::Margin(margin),
+    );
+    Ok(CurveStart {
+        event,
+        point: system.pack(point, &[]),
         system,
         limits,
     })

@@ -81,6 +81,9 @@ fn of_codimension_two(kind: PointType, f: &mut Formatter<'_>) -> fmt::Result {
         }
         PointType::ZH => f.write_str("a pair is on the imaginary axis, too"),
         PointType::HH => f.write_str("another pair is on the imaginary axis: two Hopf points"),
+        PointType::Two(EventType::LP, EventType::LP) => f.write_str(
+            "an eigenvalue is zero on one side of the kink: beyond it the branch turns there no more",
+        ),
         PointType::Two(EventType::HB, _) => f.write_str("a pair is on the imaginary axis, too"),
         PointType::Two(_, EventType::PD) => f.write_str("a multiplier is -1 here too"),
         PointType::Two(_, EventType::NS) => {

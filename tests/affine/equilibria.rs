@@ -416,6 +416,93 @@ fn sliding_ends_where_both_fields_are_tangent() {
         assert!((number(end, "mu") + 2.0 / 3.0).abs() < 1e-12, "{end:?}");
         assert!(end.what.contains("the branch ends"), "{}", end.what);
     }
+    // in the plane an equilibrium in sliding comes to where neither field pushes: there is no field beside it that would tell how
+    // perturbations grow. Of both fields the rates of x on x = 0 are zero together
+    for (fields, state, at) in [
+        (
+            [
+                "0.65*x + 0.66*y - 0.07 + 0.04*a",
+                "-0.51*x - 1.65*y - 0.94 - 0.51*a",
+                "0.17*x + 0.11*y - 0.1 + 0.59*a",
+                "-1.23*x - 0.68*y + 0.1 + 0.89*a",
+            ],
+            -0.429_135_691_107_409_4,
+            (1.0, 0.53 / 3.5),
+        ),
+        (
+            [
+                "2.04*x - 2.56*y - 0.87 - 0.28*a",
+                "0.42*x - 0.57*y + 3.32 - 0.67*a",
+                "-0.45*x - 0.22*y + 0.23 - 1.06*a",
+                "-2.02*x - 0.23*y - 0.35 - 0.39*a",
+            ],
+            1.768_704_542_246_862_8,
+            (-0.86, 0.7802 / 2.652),
+        ),
+    ] {
+        let [u, v, p, q] = fields;
+        let (first, value) = at;
+        let system = format!(
+            r#"(states: ["x", "y"], parameters: {{"a": {first:?}}}, modes: {{
+                "plus": (rates: {{"x": "{u}", "y": "{v}"}}, until: [(zero: "x", to: "minus")]),
+                "minus": (rates: {{"x": "{p}", "y": "{q}"}}, until: [(zero: "-x", to: "plus")]),
+            }}, sliding: {{"slide": ("plus", "minus")}})"#
+        );
+        let course = Course {
+            system: &system,
+            mode: "slide",
+            state: &[0.0, state],
+            parameter: "a",
+            range: (-3.0, 3.0),
+        };
+        for units in [[1.0; 2], [1e6, 1e-3]] {
+            let all = course.all(&units, false);
+            let ends = all.iter().filter(|item| item.point.kind == Some(BE));
+            let [end] = &ends.collect::<Vec<_>>()[..] else {
+                panic!("{:#?}", events(&all));
+            };
+            assert!((end.point.parameters[0] - value).abs() <= 1e-13);
+            assert_eq!(end.point.stable, Stability::Undecided);
+            let others = all.iter().filter(|item| item.point.kind.is_none());
+            assert!(
+                others
+                    .clone()
+                    .all(|item| item.point.stable == Stability::Yes)
+            );
+        }
+    }
+}
+
+/// Of prey and predators that both are caught beyond y = al, sliding rests at d = x/(b + x) − (h/q)(1 − x − al/(b + x)), from (1 − x)(b + x) = al to
+/// (1 − x − q)(b + x) = al: wherever on it the branch begins, in whatever units.
+#[test]
+fn a_branch_begins_anywhere_in_sliding_whose_direction_turns() {
+    let (b, h, q, al) = (0.514, 0.398, 0.337, 0.124);
+    let text = r#"(states: ["x", "y"], parameters: {"b": 0.514, "h": 0.398, "q": 0.337, "al": 0.124, "d": 0.535}, modes: {
+        "low": (rates: {"x": "x*(1 - x) - x*y/(b + x)", "y": "x*y/(b + x) - d*y"}, until: [(zero: "al - y", to: "high")]),
+        "high": (rates: {"x": "x*(1 - x) - x*y/(b + x) - q*x", "y": "x*y/(b + x) - (d + h)*y"}, until: [(zero: "y - al", to: "low")]),
+        }, sliding: {"slide": ("low", "high")})"#;
+    // the larger root of (u − x)(b + x) = al
+    let root = |u: f64| 0.5 * (u - b + ((u + b) * (u + b) - 4.0 * al).sqrt());
+    let [low, high] = [root(1.0), root(1.0 - q)];
+    for part in [0.02, 0.2, 0.4, 0.6, 0.8, 0.98] {
+        let x = high + part * (low - high);
+        let d = x / (b + x) - (h / q) * (1.0 - x - al / (b + x));
+        let text = text.replace("\"d\": 0.535", &format!("\"d\": {d:?}"));
+        let course = Course {
+            system: &text,
+            mode: "slide",
+            state: &[x, al],
+            parameter: "d",
+            range: (0.02, 0.9),
+        };
+        for (units, reversed) in [([1.0, 1.0], false), ([1e-6, 1e3], true)] {
+            let found = events(&course.all(&units, reversed));
+            let scaled = |x: f64| [("x", x / units[0])];
+            meets(&found, BE, "d", low / (b + low), &scaled(low));
+            meets(&found, BE, "d", high / (b + high) - h, &scaled(high));
+        }
+    }
 }
 
 /// x' = Ax + bm + d|kx - c|: on either side of the kink x is affine in m, and from one to the other the branch goes on whatever units
@@ -591,6 +678,28 @@ fn a_branch_ends_where_its_rates_do() {
     assert_eq!(all.len(), 1, "{all:?}");
     assert_eq!(all[0].kind, MX);
     assert!(number(&all[0], "F").abs() < 1e-6, "{all:?}");
+}
+
+/// Without a load a contact of Hertz is open however far: the branch ends on that half-line, where F is zero all along.
+#[test]
+fn a_branch_ends_on_a_half_line_of_equilibria() {
+    let course = Course {
+        system: r#"(states: ["x", "v"], parameters: {"F": 0.5}, modes: {"flow": (rates: {"x": "v", "v": "F - 0.1*v - max(0, x)^1.5"})})"#,
+        mode: "flow",
+        state: &[0.6, 0.0],
+        parameter: "F",
+        range: (-0.5, 2.0),
+    };
+    for units in [[1.0; 2], [1e4, 1e-3]] {
+        let found = course.all(&units, false);
+        assert!(found.len() < 2000, "{}", found.len());
+        let all = found.iter().filter_map(|item| item.event.clone());
+        let ends = all.filter(|event| event.what.contains("grow without bound"));
+        let [end] = &ends.collect::<Vec<_>>()[..] else {
+            panic!("{:#?}", events(&found));
+        };
+        assert!(number(end, "F").abs() <= 1e-12 && number(end, "x") < 0.0);
+    }
 }
 
 /// Where a relay leaves its sliding, no rate of the mode that it comes to has the state that slides: that mode is at rest at this value of
@@ -774,6 +883,39 @@ fn first_cycle(problem: &SystemProblem, named: &EarlierPoint) -> OrbitPoint {
     let section = problem.continuation.as_ref().unwrap();
     let mut runner = OrbitRunner::begin(problem, section, Some(named)).unwrap();
     runner.step().remove(0).point
+}
+
+/// Where the direction of the difference of two affine fields turns along the surface of sliding, its field is none that is affine: the cycle that is born
+/// has the frequency of the Hopf point, which 40 digits of an independent program have, too.
+#[test]
+fn a_cycle_is_born_in_sliding() {
+    let course = Course {
+        system: r#"(states: ["x", "y", "z"], parameters: {"a": 1.22}, modes: {
+            "plus": (rates: {"x": "-0.84*x - 0.22*y + 0.05*z - 0.96 + 1.68*a", "y": "-0.43*x - 0.7*y - 0.68*z + 0.35 + 0.77*a",
+                "z": "-0.82*x - 1.57*y - 0.26*z - 1.97 + 0.05*a"}, until: [(zero: "x", to: "minus")]),
+            "minus": (rates: {"x": "0.4*x + 0.91*y + 0.65*z + 0.9 - 0.75*a", "y": "2.46*x + 0.32*y - 0.46*z - 0.16 - 0.04*a",
+                "z": "1.87*x - 1.05*y + 0.97*z - 0.97 - 0.16*a"}, until: [(zero: "-x", to: "plus")]),
+            }, sliding: {"slide": ("plus", "minus")})"#,
+        mode: "plus",
+        state: &[
+            2.292_766_503_350_064,
+            -2.998_508_702_792_974_7,
+            3.533_038_963_991_992,
+        ],
+        parameter: "a",
+        range: (-3.0, 3.0),
+    };
+    for units in [[1.0; 3], [1e3, 1.0, 1e-3]] {
+        let (problem, named, event) = to_cycles(&course, &units);
+        let value = 0.255_685_903_927_820_137;
+        let omega = 0.440_561_789_292_341;
+        assert!((number(&event, "a") - value).abs() <= 2.0 * event.uncertainty);
+        assert!((number(&event, "omega") - omega).abs() <= 1e-13);
+        let first = first_cycle(&problem, &named);
+        assert_eq!(first.stable, Some(Stability::Yes));
+        let turn = std::f64::consts::TAU / omega;
+        assert!((first.period / turn - 1.0).abs() < 0.1, "{}", first.period);
+    }
 }
 
 /// The cycle of a supercritical Hopf point and that of a subcritical one, in the direction that l₁ says.

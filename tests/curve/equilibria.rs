@@ -17,10 +17,10 @@ use brakewave::problem::{Any, SystemProblem, parse_any};
 
 /// A system, where its branch begins, and the branch.
 #[derive(Clone, Copy)]
-struct Family {
-    system: &'static str,
-    start: &'static str,
-    branch: &'static str,
+struct Family<'a> {
+    system: &'a str,
+    start: &'a str,
+    branch: &'a str,
 }
 
 const FITZHUGH: Family = Family {
@@ -89,7 +89,7 @@ const PREDATORS: Family = Family {
     branch: r#"parameter: "K", range: (0.1, 2.0)"#,
 };
 
-impl Family {
+impl Family<'_> {
     /// Its problem with other values, and a curve.
     fn problem(self, values: &[(&str, &str)], curve: &str) -> SystemProblem {
         let Family {
@@ -244,6 +244,64 @@ fn a_hopf_curve_stays_at_a_kink() {
         (least, most) = (least.min(k), most.max(k));
     }
     assert_eq!([least, most], [0.5, 2.0]);
+}
+
+/// ẋ = p + qx − |x − r| turns in p at x = r, p = −qr while |q| < 1: at q = ±1 one of its slopes is zero there. In units of x and of time
+/// that are others it does so, too.
+#[test]
+fn a_fold_at_a_kink_lasts_while_the_slopes_on_both_sides_have_two_signs() {
+    for (unit, time) in [(1.0, 1.0), (1e-6, 1e3)] {
+        let system = format!(
+            r#"states: ["x"], parameters: {{"p": 0.5, "q": 0.2, "r": 0.3}}, modes: {{"m": (rates: {{
+                "x": "{time:?}*{unit:?}*(p + q*x/{unit:?} - abs(x/{unit:?} - r))"}})}}"#
+        );
+        let start = format!(r#"mode: "m", state: {{"x": {:?}}}"#, 0.9 * unit);
+        let family = Family {
+            system: &system,
+            start: &start,
+            branch: r#"parameter: "p", range: (-1.0, 1.0)"#,
+        };
+        let curve = family.curve(
+            &[],
+            r#"event: LP, parameters: ("p", "q"), range: ((-2.0, 2.0), (-3.0, 3.0))"#,
+        );
+        assert_eq!(types(&curve), ["LP+LP", "LP+LP"]);
+        let [mut least, mut most] = [f64::INFINITY, f64::NEG_INFINITY];
+        for point in &curve.points {
+            let [p, q] = point.parameters;
+            assert!((p + 0.3 * q).abs() <= 1e-14, "{p} {q}");
+            assert!((number(&curve, point, "x") / unit - 0.3).abs() <= 1e-14);
+            (least, most) = (least.min(q), most.max(q));
+        }
+        assert!((least + 1.0).abs() <= 1e-13 && (most - 1.0).abs() <= 1e-13);
+    }
+}
+
+/// ẋ = y, ẏ = p − x − ay + b|x + y| has at x = p = 0 the traces −a ± b and the determinants 1 ∓ b on both sides of the kink: growing pairs are more on one
+/// side while |a| < |b|.
+#[test]
+fn a_jump_at_a_kink_lasts_while_the_traces_on_both_sides_have_two_signs() {
+    let family = Family {
+        system: r#"states: ["x", "y"], parameters: {"p": 0.5, "a": 0.2, "b": 0.5}, modes: {"m": (rates: {
+            "x": "y", "y": "p - x - a*y + b*abs(x + y)"})}"#,
+        start: r#"mode: "m", state: {"x": 0.9, "y": 0.0}"#,
+        branch: r#"parameter: "p", range: (-1.0, 1.0)"#,
+    };
+    let asked = r#"event: HB, parameters: ("a", "p"), range: ((-3.0, 3.0), (-2.0, 2.0))"#;
+    let curve = family.curve(&[], asked);
+    assert_eq!(types(&curve), ["HB+HB", "HB+HB"]);
+    let ends = [curve.points.first(), curve.points.last()].map(|point| point.unwrap().parameters);
+    let mut edges = ends.map(|[a, _]| a);
+    edges.sort_by(f64::total_cmp);
+    assert!((edges[0] + 0.5).abs() <= 1e-13 && (edges[1] - 0.5).abs() <= 1e-13);
+    for point in &curve.points {
+        assert!(point.parameters[1].abs() <= 1e-14);
+    }
+    // to a determinant that is zero it comes with b
+    let asked = r#"event: HB, parameters: ("b", "p"), range: ((0.0, 3.0), (-2.0, 2.0))"#;
+    let curve = family.curve(&[], asked);
+    has(&curve, "HB+HB", &[("b", 0.2), ("p", 0.0)]);
+    has(&curve, "HB+LP", &[("b", 1.0), ("p", 0.0)]);
 }
 
 /// u̇ = v, v̇ = α + βv + u² + uv (Bogdanov and Takens) with a state that follows, in small units and skew coordinates: HB at α = −β², to the

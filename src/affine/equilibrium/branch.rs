@@ -423,10 +423,13 @@ impl EquilibriumCurve {
     fn grows(&self, node: &Node) -> Option<EquilibriumTermination> {
         let Node { point, tangent, .. } = node;
         let slope = |node: &Node| node.tangent[self.states()].abs();
-        // beside a fold the slope is as small, but rises
+        // beside a fold the slope is as small, but rises; a family at one value of the parameter has none
         let falls = || {
             let beyond = node_at(self, node, FARTHER * point.norm(), DEFAULT_TOLERANCE);
-            beyond.is_some_and(|beyond| slope(&beyond) < (1.0 - 0.5 * FARTHER) * slope(node))
+            beyond.is_some_and(|beyond| {
+                let [there, here] = [&beyond, node].map(slope);
+                there < (1.0 - 0.5 * FARTHER) * here || there.max(here) <= f64::EPSILON
+            })
         };
         let grows = unbounded::grows(point, tangent, self.stretch(point)) && falls();
         grows.then_some(EquilibriumTermination::Grows)

@@ -3,7 +3,8 @@
 //! They are functions of the matrix A of the motion, within the surfaces of its mode. Eigenvalues that the curve itself
 //! keeps at zero, or at the sum zero, are left out.
 
-use super::curve::EquilibriumCurve;
+use super::curve::{AT_KINK, EquilibriumCurve};
+use super::field::{Linear, LocalField};
 use super::normal_form::normal_form;
 use super::spectrum::{SMALL, eigenvalues};
 use crate::linalg::{Eigenvalue, Matrix, Vector, balance, least};
@@ -102,6 +103,54 @@ impl EquilibriumCurve {
     pub fn double_zero(&self, point: &Vector) -> Option<f64> {
         let at = self.linearised(point).ok()?;
         adjugate_trace(&at.within())
+    }
+
+    /// The determinant of the equations in the states, which vanishes where an eigenvalue does.
+    pub fn determinant(&self, point: &Vector) -> Option<f64> {
+        let at = self.linearised(point).ok()?;
+        let rows = self.followed(&at, &self.place(point));
+        let n = rows.len();
+        Some(Matrix::from_fn(n, n, |row, column| rows[row].by[column]).determinant())
+    }
+
+    /// The equilibria on one side of a kink of the rates, where one is at it at which the branch turns or eigenvalues that grow are more
+    /// than on the other side. `None` where it is at none, or where several are.
+    pub fn at_kink(&self, point: &Vector) -> Option<EquilibriumCurve> {
+        /// A determinant that is smaller than this part of that on the other side is zero: a smooth fold of one side.
+        const NOTHING: f64 = 1e-9;
+        let place = self.place(point);
+        let signs = self.local(&place).on_side(1.0);
+        let one_sided = LocalField {
+            signs: &signs,
+            ..self.local(&place)
+        };
+        let at = one_sided.linearised()?;
+        let is_zero = |operand: &Linear| self.scaled_operand(operand).value.abs() <= AT_KINK;
+        let zero = at.kinks.iter().filter(|(_, operand)| is_zero(operand));
+        let mut zero = zero.map(|(step, _)| *step);
+        let turns = |step: usize| {
+            let sides = [1.0, -1.0].map(|sign| {
+                let mut side = self.clone();
+                // of the others none ends the curve
+                side.signature.signs = vec![0.0; signs.len()];
+                side.signature.signs[step] = sign;
+                side
+            });
+            let [Some(one), Some(other)] = sides.each_ref().map(|side| side.determinant(point))
+            else {
+                return None;
+            };
+            let growing = sides.each_ref().map(|side| {
+                let examination = side.examined(point).ok()?;
+                (!examination.is_undecided()).then(|| examination.growing())
+            });
+            let [few, many] = growing;
+            let jumps = few.zip(many).is_some_and(|(one, other)| one != other);
+            let [side, _] = sides;
+            let is_told = one.abs().min(other.abs()) > NOTHING * one.abs().max(other.abs());
+            (is_told && (one * other < 0.0 || jumps)).then_some(side)
+        };
+        zero.find_map(turns)
     }
 
     /// The slowest growth and the slowest decay at a saddle.

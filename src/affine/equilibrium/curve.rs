@@ -51,7 +51,7 @@ pub struct EquilibriumScales {
 }
 
 /// An operand of `abs`, of order one, is zero where it is no larger: an equilibrium is known to about 1e-13.
-const AT_KINK: f64 = 1e-9;
+pub(super) const AT_KINK: f64 = 1e-9;
 
 /// What all equilibria of a branch have in common.
 #[derive(Clone, Debug, PartialEq)]
@@ -330,25 +330,20 @@ impl EquilibriumCurve {
     /// The equations in their order, each with its factor.
     pub(super) fn equations(&self, at: &Linearised) -> Vec<(Of, f64)> {
         let units = Vector::from_column_slice(&self.setting.scales.units[..self.states()]);
-        let surfaces = at.surfaces(&units);
-        let equation = |state: usize| match surfaces.form_of(state) {
-            Some(form) => (Of::Surface(form), self.surfaces[form]),
-            None => (Of::Rate(state), self.rates[state]),
+        let factor = |of: Of| match of {
+            Of::Rate(state) => self.rates[state],
+            Of::Surface(form) => self.surfaces[form],
         };
-        (0..self.states()).map(equation).collect()
+        let equations = at.equations(&units).into_iter();
+        equations.map(|of| (of, factor(of))).collect()
     }
 
     /// Values of the equations and their derivatives in the scaled unknowns.
     pub(super) fn rows(&self, at: &Linearised) -> Vec<Linear> {
         let units = &self.setting.scales.units;
-        let rows = self.equations(at).into_iter().map(|(of, factor)| {
-            let linear = match of {
-                Of::Rate(state) => &at.rates[state],
-                Of::Surface(form) => &at.surfaces[form],
-            };
-            linear.scaled(units, factor)
-        });
-        rows.collect()
+        let rows = self.equations(at).into_iter();
+        rows.map(|(of, factor)| at.function(of).scaled(units, factor))
+            .collect()
     }
 
     /// The equations that are followed, and their derivatives in the scaled unknowns.
@@ -445,7 +440,7 @@ pub(super) fn scales(
     const LITTLE: f64 = 1e-3;
     let lifted = lifted(system, values, &[parameter]).ok()?;
     let first: Vec<f64> = state.iter().copied().chain([values[parameter]]).collect();
-    let field = LocalField {
+    let mut field = LocalField {
         lifted: &lifted,
         mode,
         states: state.len(),
@@ -453,18 +448,24 @@ pub(super) fn scales(
         place: &first,
         signs: &[],
     };
-    let at = field.linearised()?;
+    let signs = field.on_side(1.0);
+    let at = match field.linearised() {
+        Some(at) => at,
+        // at a kink the units are those of one side
+        None => {
+            field.signs = &signs;
+            field.linearised()?
+        }
+    };
     let slopes = at.slopes();
     let n = state.len();
-    let by_parameter = Vector::from_fn(n, |row, _| -at.rates[row].by[n] * width);
-    let change = solve(&slopes, &by_parameter).unwrap_or_else(|| Vector::zeros(n));
-    let change = reached(&field, &slopes, &change);
+    let rate = rate_unit(&slopes);
+    let (balanced, _) = balance(&slopes, rate);
+    let change = change(&field, &at, &balanced, width);
     let size = |index: usize| {
         let (x, change) = (state[index].abs(), change[index].abs());
         if x > LITTLE * change { x } else { change }
     };
-    let rate = rate_unit(&slopes);
-    let (balanced, _) = balance(&slopes, rate);
     let largest = (0..n).fold(0.0, |most: f64, index| {
         most.max(size(index) / balanced[index])
     });
@@ -500,16 +501,20 @@ pub(super) fn scales(
     })
 }
 
-/// What is reached of a linear change of states where rates bend: of each state the part s with s + qs² = 1, q the part of the change
-/// that second derivatives make of all of it. Beside a fold that is next to nothing.
-fn reached(field: &LocalField, slopes: &Matrix, change: &Vector) -> Vector {
+/// What the states change by over a range of the parameter, where equations bend: of the linear change of each the part s with
+/// s + qs² = 1, q the part of the change that second derivatives make of all of it. Beside a fold that is next to nothing.
+fn change(field: &LocalField, at: &Linearised, units: &Vector, width: f64) -> Vector {
     let n = field.states;
-    let functions: Vec<Of> = (0..n).map(Of::Rate).collect();
+    let equations = at.equations(units);
+    let by = |row: usize, variable: usize| at.function(equations[row]).by[variable];
+    let slopes = Matrix::from_fn(n, n, by);
+    let by_parameter = Vector::from_fn(n, |row, _| -by(row, n) * width);
+    let change = solve(&slopes, &by_parameter).unwrap_or_else(|| Vector::zeros(n));
     let along = change.clone().resize_vertically(n + 1, 0.0);
-    let bends = field.second(&functions, &along, std::slice::from_ref(&along));
+    let bends = field.second(&equations, &along, std::slice::from_ref(&along));
     let bends = Vector::from_fn(n, |row, _| 0.5 * bends[(row, 0)]);
-    let Some(bends) = solve(slopes, &bends) else {
-        return change.clone();
+    let Some(bends) = solve(&slopes, &bends) else {
+        return change;
     };
     change.zip_map(&bends, |change, bend| {
         let part = (bend / change).abs();

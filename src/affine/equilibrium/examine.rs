@@ -91,7 +91,7 @@ impl EquilibriumExamination {
     /// Whether rounding decides whether one of them grows.
     pub fn is_undecided(&self) -> bool {
         let mut all = self.eigenvalues.iter();
-        all.any(|one| one.value.re.abs() <= one.error)
+        !all.all(|one| one.value.re.abs() > one.error)
     }
 }
 
@@ -139,6 +139,11 @@ impl EquilibriumCurve {
     pub(super) fn kink(&self, margin: &EquilibriumMargin) -> Option<usize> {
         let guards = &self.lifted.modes[self.signature.mode].guards;
         margin.guard.checked_sub(guards.len())
+    }
+
+    /// The same on the other side of the kink that a margin is; `None` where it is a guard.
+    pub fn beyond(&self, margin: &EquilibriumMargin) -> Option<EquilibriumCurve> {
+        self.beyond_kink(self.kink(margin)?)
     }
 
     pub(super) fn guard_of(&self, margin: &EquilibriumMargin) -> EquilibriumGuard {

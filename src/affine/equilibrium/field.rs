@@ -105,6 +105,12 @@ impl Linear {
         }
     }
 
+    /// Whether its value is what rounding leaves of its terms.
+    fn is_rounding(&self) -> bool {
+        const ROUNDINGS: f64 = 64.0 * f64::EPSILON;
+        self.value.abs() <= ROUNDINGS * self.size
+    }
+
     fn is_finite(&self) -> bool {
         self.value.is_finite() && self.by.iter().all(|by| by.is_finite())
     }
@@ -123,6 +129,8 @@ pub(super) struct Linearised {
     pub kinks: Vec<(usize, Linear)>,
     /// Whether the rates have no value there, but for what Newton's method looks beyond.
     pub lacks_value: bool,
+    /// Whether neither of two fields pushes at the surface between them: Filippov's field is 0/0 there, and has no derivatives.
+    pub is_tangent: bool,
 }
 
 impl Linearised {
@@ -130,7 +138,36 @@ impl Linearised {
     pub fn slopes(&self) -> Matrix {
         let n = self.rates.len();
         let slope = |row: usize, column: usize| self.rates[row].by[column];
-        without_noise(Matrix::from_fn(n, n, slope))
+        let mut slopes = Matrix::from_fn(n, n, slope);
+        // at an equilibrium no surface changes, so that the rates of the states that surfaces give follow from the others:
+        // what rounding leaves of them would close loops
+        let surfaces = Surfaces::balanced(&self.normals(), &slopes);
+        for (given, gradient) in surfaces.reduced() {
+            let mut row = Vector::zeros(n).transpose();
+            for other in (0..n).filter(|other| surfaces.form_of(*other).is_none()) {
+                row -= slopes.row(other) * (gradient[other] / gradient[given]);
+            }
+            slopes.set_row(given, &row);
+        }
+        without_noise(slopes)
+    }
+
+    /// The equations of an equilibrium, one for each state: its rate, or the surface that gives it, in these units of the states.
+    pub fn equations(&self, units: &Vector) -> Vec<Of> {
+        let surfaces = self.surfaces(units);
+        let equation = |state: usize| {
+            let form = surfaces.form_of(state);
+            form.map_or(Of::Rate(state), Of::Surface)
+        };
+        (0..self.rates.len()).map(equation).collect()
+    }
+
+    /// One of the functions of the mode.
+    pub fn function(&self, of: Of) -> &Linear {
+        match of {
+            Of::Rate(state) => &self.rates[state],
+            Of::Surface(form) => &self.surfaces[form],
+        }
     }
 
     /// The surfaces that the motion does not leave, in these units of the states.
@@ -272,11 +309,15 @@ impl LocalField<'_> {
         let linear = |row: &mut dyn Iterator<Item = &f64>| self.linear(&passes, row);
         let of_row = |row: &Row| linear(&mut row.at.iter());
         let z = |component: usize| passes[0][component].value();
+        let guards: Vec<Linear> = mode.guards.iter().map(|guard| of_row(&guard.row)).collect();
+        let slides = mode.sides.is_some() && mode.surface.is_some() && mode.held.is_empty();
+        let mut pushes = guards.iter().take(2);
         let found = Linearised {
+            is_tangent: slides && pushes.all(Linear::is_rounding),
             lacks_value: mode.field.lacks_value(z, BEYOND),
             rates: self.rates_by(&passes),
             surfaces: mode.surfaces().map(of_row).collect(),
-            guards: mode.guards.iter().map(|guard| of_row(&guard.row)).collect(),
+            guards,
             kinks: {
                 let kinks = mode.field.kinks();
                 kinks
@@ -284,7 +325,8 @@ impl LocalField<'_> {
                     .collect()
             },
         };
-        let all = found.rates.iter().chain(&found.surfaces);
+        let rates = found.rates.iter().filter(|_| !found.is_tangent);
+        let all = rates.chain(&found.surfaces);
         let is_finite = all.chain(&found.guards).all(Linear::is_finite);
         is_finite.then_some(found)
     }

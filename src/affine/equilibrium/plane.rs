@@ -4,7 +4,9 @@ use std::sync::Arc;
 
 use nalgebra::Complex;
 
-use super::curve::{EquilibriumCurve, EquilibriumFailure, EquilibriumScales, EquilibriumSetting};
+use super::curve::{
+    EquilibriumCurve, EquilibriumFailure, EquilibriumScales, EquilibriumSetting, RestMode,
+};
 use super::extended::{Condition, Extended, turned};
 use super::field::lifted;
 use super::spectrum::eigenvalues;
@@ -112,14 +114,20 @@ impl EquilibriumPlane {
     }
 
     /// The equilibria of a mode in one of the parameters, at a value of the other one. Their equations are the same.
-    pub fn curve(&self, mode: usize, values: [f64; 2], index: usize) -> Option<EquilibriumCurve> {
+    pub fn curve(
+        &self,
+        mode: &RestMode,
+        values: [f64; 2],
+        index: usize,
+    ) -> Option<EquilibriumCurve> {
         let ExtendedSystem { setting, lifted } = &self.single[index];
         let other = 1 - index;
         let curve = EquilibriumCurve {
             setting: setting.clone(),
             lifted: lifted.clone(),
             beside: Some((self.parameters[other], values[other])),
-            ..self.family(mode)?
+            signature: mode.clone(),
+            ..self.family(mode.mode)?
         };
         Some(curve.observing())
     }

@@ -29,9 +29,22 @@ pub(super) fn ordered(mut values: Vec<Eigenvalue>) -> Vec<Eigenvalue> {
     values
 }
 
-/// All eigenvalues of the motion within its surfaces.
+/// All eigenvalues of the motion within its surfaces. Those of a motion that has no derivatives, or whose matrix has none that are known, are no
+/// numbers, with errors of any size.
 pub(super) fn eigenvalues(at: &Linearised) -> Vec<Eigenvalue> {
-    ordered(known_eigenvalues(&at.within()).unwrap_or_default())
+    let unknown = |count: usize| {
+        let one = Eigenvalue {
+            value: Complex::from(f64::NAN),
+            error: f64::INFINITY,
+        };
+        vec![one; count]
+    };
+    if at.is_tangent {
+        return unknown(at.rates.len() - 1);
+    }
+    let matrix = at.within();
+    let known = known_eigenvalues(&matrix);
+    ordered(known.unwrap_or_else(|| unknown(matrix.nrows())))
 }
 
 /// How perturbations grow, in this unit of rates.

@@ -42,7 +42,8 @@ pub struct EquilibriumPoint {
 impl EquilibriumPoint {
     /// The eigenvalue that grows fastest; none in a surface of no dimension.
     pub fn leading(&self) -> Option<Complex<f64>> {
-        self.eigenvalues.first().map(|one| one.value)
+        let leading = self.eigenvalues.first().map(|one| one.value);
+        leading.filter(|value| value.re.is_finite())
     }
 }
 
