@@ -29,7 +29,18 @@ PROBLEMS = {
 }
 PROBLEMS["contact_impact"] = PROBLEMS["contact_impact"].replace(', stop_at: [("hit", 0.5)]', "")
 PROBLEMS["gear_rattle"] = PROBLEMS["gear_rattle"].replace("toward: Both", "toward: Up")
-"""Sliding begins, a fold and a graze, a ball that rests, friction at rest above that of slip, folds and a doubling."""
+PROBLEMS["impact_pair"] = """(
+    system: (
+        states: ["x", "v"], parameters: {"b": 1.0, "e": 0.8}, forcing: "1",
+        contacts: {"p": Stop(gap: "1 - x", restitution: "e"), "q": Stop(gap: "x + 1", restitution: "e")},
+        rates: {"x": "v", "v": "b*sin(phase) - p + q"},
+    ),
+    orbit: (start: Simulate(mode: "open.open", state: {"x": 0.0, "v": 1.0}, settle: 600), periods: 2),
+    continuation: (parameter: "b", range: (0.65, 1.0), toward: Down),
+    stability: (),
+)"""
+"""Sliding begins, a fold and a graze, a ball that rests, friction at rest above that of slip, folds and a
+doubling, a ball between two stops."""
 FRICTION = """(
     states: ["x1", "v1", "x2", "v2"], parameters: {"m": 2, "M": 3, "mu": 0.5},
     contacts: {
@@ -79,7 +90,7 @@ class Certificates(Certified):
     def test_honest(self):
         for name, kinds in [
             ("contact_friction", "EP SL UZ EP"), ("contact_impact", "EP LP GR EP"), ("resting_ball", "EP EP EP SL PD EP"),
-            ("two_blocks", "EP CO EP EP EP"), ("gear_rattle", "EP LP LP PD GR EP"),
+            ("two_blocks", "EP CO EP EP EP"), ("gear_rattle", "EP LP LP PD GR EP"), ("impact_pair", "EP LP EP"),
         ]:  # fmt: skip
             code, told = check(self.work / name)
             self.assertIn(code, (0, 3), told)

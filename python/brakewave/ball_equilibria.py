@@ -12,7 +12,7 @@ from fractions import Fraction
 from flint import acb, acb_mat, acb_poly, arb
 
 from .ball_contacts import FIELDS, STATES
-from .ball_orbits import counted, parsed
+from .ball_orbits import FUNCTIONS, counted, parsed
 from .balls import Dual, NotCovered, Refused, Tagged, decimal, determinant, double, dual, exact, injective, jacobian, must, prove_zero, real, whole
 
 MOST_FACTORS = 64
@@ -89,23 +89,6 @@ class Degree:
     __pow__ = lambda self, other: Degree(2 if self.degree or other.degree else 0)
 
 
-SLOPES = {
-    "sin": lambda x, y: applied("cos", x),
-    "cos": lambda x, y: -applied("sin", x),
-    "tan": lambda x, y: 1 + y * y,
-    "exp": lambda x, y: y,
-    "ln": lambda x, y: 1 / x,
-    "sqrt": lambda x, y: 1 / (2 * y),
-    "tanh": lambda x, y: 1 - y * y,
-    "asin": lambda x, y: 1 / applied("sqrt", 1 - x * x),
-    "acos": lambda x, y: -1 / applied("sqrt", 1 - x * x),
-    "atan": lambda x, y: 1 / (1 + x * x),
-    "sinh": lambda x, y: applied("cosh", x),
-    "cosh": lambda x, y: applied("sinh", x),
-}
-"""f'(x), where f(x) is y."""
-
-
 def applied(name, x):
     """A function of a ball, of a number with derivatives, of a formula or of a degree."""
     if isinstance(x, Degree):
@@ -121,7 +104,8 @@ def applied(name, x):
         return x if real(value) > 0 else -x
     if isinstance(x, Dual):
         value = applied(name, x.v)
-        return Dual(value, x.d * SLOPES[name](x.v, value))
+        _, slope = FUNCTIONS[name]
+        return Dual(value, x.d * slope(x.v, value, applied))
     if name in ("ln", "sqrt") and not (acb(x).real > 0):
         raise NotCovered(f"{name} of what may not be positive")
     if name in ("asin", "acos") and not (abs(acb(x)) < 1):
@@ -160,7 +144,7 @@ def evaluated(text, names, number=decimal):
                 one, other = inner
                 gap = applied("abs", one - other)
                 return (one + other + (gap if name == "max" else -gap)) * number("0.5")
-            must((name in SLOPES or name == "abs") and len(inner) == 1, f"`{name}` is no function")
+            must(name in FUNCTIONS and len(inner) == 1, f"`{name}` is no function")
             return applied(name, *inner)
         if isinstance(node, ast.UnaryOp):
             return -value(node.operand) if isinstance(node.op, ast.USub) else value(node.operand)

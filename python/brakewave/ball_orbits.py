@@ -112,15 +112,31 @@ def ratio(number):
     return number if isinstance(number, Ratio) else Ratio(number)
 
 
-FUNCTIONS = "sin cos tan exp ln sqrt abs tanh asin acos atan sinh cosh".split()
+FUNCTIONS = {
+    "sin": (0, lambda x, y, of: of("cos", x)),
+    "cos": (1, lambda x, y, of: -of("sin", x)),
+    "tan": (0, lambda x, y, of: 1 + y * y),
+    "exp": (1, lambda x, y, of: y),
+    "ln": (None, lambda x, y, of: 1 / x),
+    "sqrt": (0, lambda x, y, of: 1 / (2 * y)),
+    "abs": (0, None),
+    "tanh": (0, lambda x, y, of: 1 - y * y),
+    "asin": (0, lambda x, y, of: 1 / of("sqrt", 1 - x * x)),
+    "acos": (None, lambda x, y, of: -1 / of("sqrt", 1 - x * x)),
+    "atan": (0, lambda x, y, of: 1 / (1 + x * x)),
+    "sinh": (0, lambda x, y, of: of("cosh", x)),
+    "cosh": (1, lambda x, y, of: of("sinh", x)),
+}
+"""What f is at zero where that is a whole number, and f'(x), where f(x) is y."""
 
 
 def function(name, x):
     """A function of a quotient, where that is one as well."""
     must(name in FUNCTIONS, f"`{name}` is no function")
-    if x or name in ("ln", "acos"):
+    at_zero, _ = FUNCTIONS[name]
+    if x or at_zero is None:
         raise NotCovered(f"coefficients with {name}")
-    return Ratio(int(name in ("cos", "exp", "cosh")))
+    return Ratio(at_zero)
 
 
 class Form:
@@ -401,7 +417,9 @@ class Modes:
         """The modes in numbers, at a value of the parameter: each when it is asked for."""
         there = copy(self)
         # a common factor may hide that something is divided by zero
-        value = value_of(value_of(parameter))
+        value = parameter
+        while isinstance(value, Dual):
+            value = value.v
         must(all(ratio(it).clear(value) for it in self.divisors), "a division by what may be zero")
         for number, strict in self.signs:
             sign = real(ratio(number).at(acb(value)))

@@ -8,8 +8,9 @@ use std::f64::consts::PI;
 
 use serde::{Deserialize, Serialize};
 
+use super::algebra::Algebra;
 use super::dual::Dual;
-use super::expression::{Algebra, Expression};
+use super::expression::Expression;
 use super::system::{Mistake, Ordered, Source, SystemError};
 
 /// A prescribed period.

@@ -1,6 +1,6 @@
 //! Numbers that depend on parameters, with their derivatives in those that vary: what coefficients of forms are.
 
-use super::expression::{Algebra, Extremum, Function, Obstacle, Operation};
+use super::algebra::{Algebra, Extremum, Function, Obstacle, Operation};
 
 /// How many parameters may vary at once: two along a curve of events.
 pub const VARYING: usize = 2;

@@ -2,10 +2,11 @@
 
 use std::collections::HashMap;
 
+use super::algebra::Obstacle;
 use super::contact::law::Law;
 use super::contact::mistake::ContactMistake;
 use super::dual::{Coefficient, Dual, Measured};
-use super::expression::{Expression, ExpressionFlaw, Obstacle};
+use super::expression::{Expression, ExpressionFlaw};
 use super::form::{Form, Signs};
 use super::system::{Mistake, Switch, System, SystemError};
 

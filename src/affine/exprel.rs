@@ -5,22 +5,14 @@
 //! before it, so that a series beside a = 0 would end where a vanishes. There φ = e^{a/2}S(a²/4), S(y) = Σ yʲ/(2j + 1)!, has no
 //! quotient.
 
-use super::coefficients::CoefficientTable;
 use crate::interval::Interval;
 
 /// |a| from which on φ is a quotient: a piece whose length is for sixteen digits at order 17 moves a by an eighth of its distance
 /// from the pole of 1/φ at 2πi, which is less, so that errors of earlier orders do not grow.
-const APART: f64 = 1.0;
-
-/// Highest power of y in S: what is left out begins with y¹²/25!, where |a| ≤ 4 nothing in doubles, and it changes the coefficient
-/// of order 17 by 1e-11 of itself.
-const POWERS: usize = 11;
+pub(super) const APART: f64 = 1.0;
 
 /// Terms of Σ aʲ/(j!(j + m + 1)) for |a| ≤ 1: the next one is 1/20!.
 const TERMS: usize = 20;
-
-/// What is found with φ in a table: eᵃ or e^{a/2}, y, S and what it is summed by.
-pub(super) const HELPERS: usize = 2 + POWERS;
 
 /// φ and its first derivatives ∫₀¹ sᵐe^{sa} ds: by parts each is (eᵃ − m times the one before)/a.
 pub(super) fn derivatives(a: f64) -> [f64; 4] {
@@ -64,51 +56,6 @@ fn at(a: f64) -> Interval {
         sum = one + a * sum / Interval::point((j + 1) as f64);
     }
     sum
-}
-
-impl CoefficientTable {
-    /// The coefficient of order k of φ(a); `helper` is the first place of what is found with it.
-    #[inline(always)]
-    pub(super) fn exprel(&mut self, a: usize, own: usize, helper: usize, k: usize) {
-        let x = self.value(a, 0);
-        let over_k = |i: usize| i as f64 / k as f64;
-        let (all, later) = ((0..k + 1, k), (1..k + 1, k));
-        let near = x.abs() < APART;
-        // eᵃ, or its root
-        let part = if near { 0.5 } else { 1.0 };
-        match k {
-            0 => {
-                let power = (part * x).exp();
-                self.scale(helper, (a, 0), (power, part * power));
-            }
-            _ => self.convolve(helper, [a, helper], later, |i| part * over_k(i)),
-        }
-        if !near {
-            return match k {
-                0 => {
-                    let [value, slope, ..] = derivatives(x);
-                    self.scale(own, (a, 0), (value, slope));
-                }
-                // aφ = eᵃ − 1
-                _ => self.divide((own, a), Some(helper), [own, a], (0..k, k), |_| -1.0),
-            };
-        }
-        let (y, sums) = (helper + 1, helper + 2);
-        self.convolve(y, [a, a], all.clone(), |_| 0.25);
-        // S = s₀ with sⱼ = 1 + ysⱼ₊₁/((2j + 2)(2j + 3)), from the last one, which is 1
-        for j in (0..POWERS).rev() {
-            let factor = (((2 * j + 2) * (2 * j + 3)) as f64).recip();
-            match j + 1 {
-                POWERS => self.scale(sums + j, (y, k), (factor * self.value(y, k), factor)),
-                next => self.convolve(sums + j, [y, sums + next], all.clone(), |_| factor),
-            }
-            if k == 0 {
-                let sum = 1.0 + self.value(sums + j, 0);
-                self.set(sums + j, 0, sum);
-            }
-        }
-        self.convolve(own, [helper, sums], all, |_| 1.0);
-    }
 }
 
 #[cfg(test)]

@@ -15,143 +15,14 @@ use winnow::combinator::{
 use winnow::prelude::*;
 use winnow::token::{any, one_of, take_while};
 
+use super::algebra::{Algebra, Extremum, Function, Obstacle, Operation};
+
 /// Longest expression in characters.
 const LONGEST: usize = 1000;
 
 /// Deepest nesting of brackets, signs and powers: what reads and evaluates it nests no deeper, so that the stack
 /// suffices.
 const DEEPEST: usize = 150;
-
-/// A function of one argument.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Function {
-    /// Sine, of radians.
-    Sin,
-    /// Cosine, of radians.
-    Cos,
-    /// Tangent, of radians.
-    Tan,
-    /// Exponential function.
-    Exp,
-    /// Natural logarithm.
-    Ln,
-    /// Square root.
-    Sqrt,
-    /// Absolute value.
-    Abs,
-    /// Hyperbolic tangent.
-    Tanh,
-    /// Arc sine, from −π/2 to π/2.
-    Asin,
-    /// Arc cosine, from 0 to π.
-    Acos,
-    /// Arc tangent, from −π/2 to π/2.
-    Atan,
-    /// Hyperbolic sine.
-    Sinh,
-    /// Hyperbolic cosine.
-    Cosh,
-}
-
-impl Function {
-    /// All of them with the names by which expressions call them.
-    pub const ALL: [(&str, Function); 13] = [
-        ("sin", Function::Sin),
-        ("cos", Function::Cos),
-        ("tan", Function::Tan),
-        ("exp", Function::Exp),
-        ("ln", Function::Ln),
-        ("sqrt", Function::Sqrt),
-        ("abs", Function::Abs),
-        ("tanh", Function::Tanh),
-        ("asin", Function::Asin),
-        ("acos", Function::Acos),
-        ("atan", Function::Atan),
-        ("sinh", Function::Sinh),
-        ("cosh", Function::Cosh),
-    ];
-
-    fn named(name: &str) -> Option<Function> {
-        let mut all = Function::ALL.into_iter();
-        all.find_map(|(known, function)| (known == name).then_some(function))
-    }
-
-    /// The name by which expressions call it.
-    pub(crate) fn name(self) -> &'static str {
-        let mut all = Function::ALL.into_iter();
-        all.find_map(|(name, function)| (function == self).then_some(name))
-            .unwrap_or_default()
-    }
-
-    /// Value and derivative at a real number.
-    pub(crate) fn at(self, x: f64) -> (f64, f64) {
-        match self {
-            Function::Sin => (x.sin(), x.cos()),
-            Function::Cos => (x.cos(), -x.sin()),
-            Function::Tan => (x.tan(), 1.0 + x.tan() * x.tan()),
-            Function::Exp => (x.exp(), x.exp()),
-            Function::Ln => (x.ln(), x.recip()),
-            Function::Sqrt => (x.sqrt(), 0.5 / x.sqrt()),
-            Function::Abs => (x.abs(), x.signum()),
-            // of 1 − tanh² nothing would be left where the tangent is nearly 1
-            Function::Tanh => (x.tanh(), x.cosh().powi(2).recip()),
-            Function::Asin => (x.asin(), root(x).recip()),
-            Function::Acos => (x.acos(), -root(x).recip()),
-            Function::Atan => (x.atan(), (1.0 + x * x).recip()),
-            Function::Sinh => (x.sinh(), x.cosh()),
-            Function::Cosh => (x.cosh(), x.sinh()),
-        }
-    }
-}
-
-/// √(1 − x²).
-pub(super) fn root(x: f64) -> f64 {
-    ((1.0 - x) * (1.0 + x)).sqrt()
-}
-
-/// Which of two numbers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Extremum {
-    /// The lesser.
-    Min,
-    /// The greater.
-    Max,
-}
-
-impl Extremum {
-    /// Both with the names by which expressions call them.
-    pub const ALL: [(&str, Extremum); 2] = [("min", Extremum::Min), ("max", Extremum::Max)];
-
-    fn named(name: &str) -> Option<Extremum> {
-        let mut all = Extremum::ALL.into_iter();
-        all.find_map(|(known, one)| (known == name).then_some(one))
-    }
-}
-
-impl Operation {
-    const ALL: [Operation; 5] = [
-        Operation::Plus,
-        Operation::Minus,
-        Operation::Times,
-        Operation::Over,
-        Operation::Power,
-    ];
-}
-
-/// An operation on two numbers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Operation {
-    /// Sum.
-    Plus,
-    /// Difference.
-    Minus,
-    /// Product.
-    Times,
-    /// Quotient.
-    Over,
-    /// Power.
-    Power,
-}
 
 #[derive(Clone, Debug, PartialEq)]
 enum ExpressionNode {
@@ -221,23 +92,6 @@ pub enum Wrong {
     Obstacle(#[from] Obstacle),
 }
 
-/// Why an operation has no result in an algebra.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, thiserror::Error)]
-pub enum Obstacle {
-    /// More products, quotients and functions of what changes within one another than are followed.
-    #[error("too many products, quotients and functions within one another")]
-    Deep,
-    /// Products, quotients and functions of what depends on the states, where only affine forms serve.
-    #[error("not affine in the states")]
-    NotAffine,
-    /// The phase outside `sin` and `cos`, or times something that is no whole number.
-    #[error("the phase may stand in `sin` and `cos` only, times a whole number")]
-    Phase,
-    /// The result is not a finite number.
-    #[error("the value is not a finite number")]
-    NotFinite,
-}
-
 /// Something wrong, and the bytes of the text it is about.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename = "Flaw")]
@@ -246,43 +100,6 @@ pub struct ExpressionFlaw {
     pub wrong: Wrong,
     /// Where.
     pub span: Range<usize>,
-}
-
-/// What an expression can be evaluated in.
-pub trait Algebra: Clone {
-    /// A number.
-    fn number(value: f64) -> Self;
-    /// A decimal as it is written, and the double next to it.
-    fn decimal(value: f64, _text: &str) -> Self {
-        Self::number(value)
-    }
-    /// −self.
-    fn negative(self) -> Self;
-    /// An operation on two elements.
-    ///
-    /// # Errors
-    /// Where the algebra has no result.
-    fn operate(self, operation: Operation, other: Self) -> Result<Self, Obstacle>;
-    /// A function of an element.
-    ///
-    /// # Errors
-    /// Where the algebra has no result.
-    fn apply(self, function: Function) -> Result<Self, Obstacle>;
-    /// The lesser or the greater of two elements: b + (a − b ± |a − b|)/2.
-    ///
-    /// # Errors
-    /// Where the algebra has no result.
-    fn extremum(self, extremum: Extremum, other: Self) -> Result<Self, Obstacle> {
-        let apart = self.operate(Operation::Minus, other.clone())?;
-        let size = apart.clone().apply(Function::Abs)?;
-        let way = match extremum {
-            Extremum::Min => Operation::Minus,
-            Extremum::Max => Operation::Plus,
-        };
-        let twice = apart.operate(way, size)?;
-        let more = twice.operate(Operation::Times, Self::number(0.5))?;
-        other.operate(Operation::Plus, more)
-    }
 }
 
 type Text<'a> = LocatingSlice<&'a str>;

@@ -3,10 +3,8 @@
 //! With x = x₀ + ε₁a + ε₂b + ε₃c the coefficients of f(x) are its derivatives along these directions: f′a of ε₁,
 //! f″(a, b) of ε₁ε₂, f‴(a, b, c) of ε₁ε₂ε₃, without truncation (J. Fike, J. Alonso, AIAA 2011-886).
 
-use super::exprel;
-use super::expression::Function;
+use super::algebra::Function;
 use super::form::Rule;
-use super::logistic;
 
 /// Directions.
 pub(super) const DIRECTIONS: usize = 3;
@@ -137,41 +135,11 @@ impl HyperDual {
     }
 
     fn function(&self, function: Function) -> HyperDual {
-        let x = self.value();
-        let (sin, cos) = (x.sin(), x.cos());
-        self.composed(match function {
-            Function::Sin => [sin, cos, -sin, -cos],
-            Function::Cos => [cos, -sin, -cos, sin],
-            Function::Tan => {
-                let (t, slope) = (x.tan(), 1.0 + x.tan().powi(2));
-                [t, slope, 2.0 * t * slope, slope * (2.0 + 6.0 * t * t)]
-            }
-            Function::Tanh => {
-                let (t, slope) = Function::Tanh.at(x);
-                [t, slope, -2.0 * t * slope, slope * (6.0 * t * t - 2.0)]
-            }
-            Function::Asin | Function::Acos => {
-                let r = (1.0 - x * x).sqrt().recip();
-                let (r3, r5) = (r.powi(3), r.powi(5));
-                let asin = [x.asin(), r, x * r3, r3 + 3.0 * x * x * r5];
-                match function {
-                    Function::Asin => asin,
-                    _ => [x.acos(), -asin[1], -asin[2], -asin[3]],
-                }
-            }
-            Function::Atan => {
-                let r = (1.0 + x * x).recip();
-                let third = (6.0 * x * x - 2.0) * r.powi(3);
-                [x.atan(), r, -2.0 * x * r * r, third]
-            }
-            Function::Sinh => [x.sinh(), x.cosh(), x.sinh(), x.cosh()],
-            Function::Cosh => [x.cosh(), x.sinh(), x.cosh(), x.sinh()],
-            Function::Exp => [x.exp(); 4],
-            Function::Ln => [x.ln(), 1.0 / x, -1.0 / (x * x), 2.0 / (x * x * x)],
-            Function::Sqrt => return self.power(0.5),
-            Function::Abs if x == 0.0 => return self.at_kink(),
-            Function::Abs => [x.abs(), x.signum(), 0.0, 0.0],
-        })
+        match function {
+            Function::Sqrt => self.power(0.5),
+            Function::Abs if self.value() == 0.0 => self.at_kink(),
+            _ => self.composed(function.derivatives(self.value())),
+        }
     }
 
     /// What a rule makes of its operands.
@@ -180,8 +148,6 @@ impl HyperDual {
             Rule::Product => a.times(b),
             Rule::Quotient => a.times(&b.power(-1.0)),
             Rule::Power(r) => a.power(r),
-            Rule::RelativeExponential => a.composed(exprel::derivatives(a.value())),
-            Rule::Logistic => a.composed(logistic::derivatives(a.value())),
             Rule::Function(function) => a.function(function),
         }
     }
@@ -208,11 +174,17 @@ mod tests {
         let root = of(Function::Ln);
         let mut half = HyperDual::constant(0.0);
         half.add(0.5, &root);
+        let (mut hyperbolic, exp_of_x) = (of(Function::Sinh), of(Function::Exp));
+        hyperbolic.add(1.0, &of(Function::Cosh));
         let pairs = [
             (tan, of(Function::Tan)),
             (tanh, of(Function::Tanh)),
             (half.function(Function::Exp), of(Function::Sqrt)),
             (of(Function::Exp).function(Function::Ln), x),
+            (of(Function::Asin).function(Function::Sin), x),
+            (of(Function::Acos).function(Function::Cos), x),
+            (of(Function::Atan).function(Function::Tan), x),
+            (hyperbolic, exp_of_x),
         ];
         for (one, other) in pairs {
             for (one, other) in one.0.iter().zip(&other.0) {

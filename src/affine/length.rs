@@ -5,10 +5,9 @@
 //! of its derivatives, as tanh kv where it is 1 or exp(−kx²) far from x = 0: of a function that may be so its values over the range of its operand
 //! tell whether its polynomial has all that it does.
 
+use super::algebra::Function;
 use super::coefficients::Sparse;
-use super::expression::Function;
 use super::form::Rule;
-use super::logistic;
 use super::program::Program;
 use super::recurrence::{ProgramStep, Series};
 use super::series::{Field, ORDER};
@@ -93,6 +92,13 @@ impl Field {
         }
         let direction = if forward { 1.0 } else { -1.0 };
         length = self.without_surprise(series, length, (longest, direction));
+        self.within_signs(series, length, direction)
+    }
+
+    /// How long, and at most, in this direction, what is positive stays so: an operand of `abs` by its sign, and a root.
+    fn within_signs(&self, series: &Series, longest: f64, direction: f64) -> f64 {
+        let base = self.program.base;
+        let mut length = longest;
         for (index, step) in self.program.steps.iter().enumerate() {
             if !self.needed[index] {
                 continue;
@@ -333,13 +339,7 @@ fn at(rule: Rule, x: f64) -> Option<(f64, f64)> {
         // beyond zero it goes on as nothing
         Rule::Power(_) if rule.ends_at_zero() && x < 0.0 => Some((0.0, 0.0)),
         Rule::Power(r) => Some((x.powf(r), r * x.powf(r - 1.0))),
-        Rule::Logistic => {
-            let [value, slope, ..] = logistic::derivatives(x);
-            Some((value, slope))
-        }
-        Rule::Function(function @ (Function::Exp | Function::Tanh | Function::Sqrt)) => {
-            Some(function.at(x))
-        }
+        Rule::Function(function) if function.fades() => Some(function.at(x)),
         _ => None,
     }
 }
@@ -390,17 +390,7 @@ fn slopes(
             return [divisor.recip(), most / (divisor * divisor)];
         }
         Rule::Power(r) => r.abs() * most.powf(r - 1.0).max(least.powf(r - 1.0)),
-        Rule::RelativeExponential => (a + spread).max(0.0).exp(),
-        // it is symmetric, and greatest at zero
-        Rule::Logistic => logistic::derivatives(least)[1],
-        Rule::Function(function) => match function {
-            Function::Sin | Function::Cos | Function::Tanh | Function::Atan | Function::Abs => 1.0,
-            Function::Exp => (a + spread).exp(),
-            Function::Ln => least.recip(),
-            Function::Sqrt => 0.5 / least.sqrt(),
-            Function::Sinh | Function::Cosh => most.cosh(),
-            Function::Tan | Function::Asin | Function::Acos => f64::INFINITY,
-        },
+        Rule::Function(function) => function.steepest(a, spread),
     };
     [of_a, 0.0]
 }

@@ -4,11 +4,6 @@
 //! exp 710 on, where the function is 0 or 1 with all its derivatives zero. With the complement σ(−a) = 1 − σ(a), kept apart so that
 //! it has all its digits where σ is 1, the slope is their product.
 
-use super::coefficients::CoefficientTable;
-
-/// What is found with σ in a table: its complement and its slope.
-pub(super) const HELPERS: usize = 2;
-
 /// σ and its first derivatives, with c = 1 − σ: σc, σc(c − σ), σc((c − σ)² − 2σc).
 pub(super) fn derivatives(a: f64) -> [f64; 4] {
     let [value, complement] = [at(a), at(-a)];
@@ -18,29 +13,10 @@ pub(super) fn derivatives(a: f64) -> [f64; 4] {
 }
 
 /// 1/(1 + e⁻ᵃ) by an exponential below one.
-fn at(a: f64) -> f64 {
+pub(super) fn at(a: f64) -> f64 {
     let power = (-a.abs()).exp();
     let above = if a < 0.0 { power } else { 1.0 };
     above / (1.0 + power)
-}
-
-impl CoefficientTable {
-    /// The coefficient of order k of σ(a), by σ̇ = σ(1 − σ)ȧ; `helper` is the first place of what is found with it.
-    #[inline(always)]
-    pub(super) fn logistic(&mut self, a: usize, own: usize, helper: usize, k: usize) {
-        let (complement, slope) = (helper, helper + 1);
-        if k == 0 {
-            let x = self.value(a, 0);
-            let [value, first, second, _] = derivatives(x);
-            self.scale(own, (a, 0), (value, first));
-            self.scale(complement, (a, 0), (at(-x), -first));
-            self.scale(slope, (a, 0), (first, second));
-            return;
-        }
-        self.convolve(own, [a, slope], (1..k + 1, k), |i| i as f64 / k as f64);
-        self.scale(complement, (own, k), (-self.value(own, k), -1.0));
-        self.convolve(slope, [own, complement], (0..k + 1, k), |_| 1.0);
-    }
 }
 
 #[cfg(test)]

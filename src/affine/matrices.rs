@@ -3,9 +3,9 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
+use super::algebra::Algebra;
 use super::dual::Dual;
 use super::evaluation::{Evaluation, FormMode};
-use super::expression::Algebra;
 use super::form::Form;
 use super::mode::{AffineSystem, Modes};
 use super::monitor::Monitor;

@@ -2,9 +2,10 @@
 
 use std::collections::BTreeMap;
 
+use super::algebra::Obstacle;
 use super::dual::Dual;
 use super::evaluation::Evaluation;
-use super::expression::{ExpressionFlaw, Obstacle};
+use super::expression::ExpressionFlaw;
 use super::form::Form;
 use super::mode::AffineSystem;
 use super::monitor::{MONITOR, Monitor, MonitorSource};

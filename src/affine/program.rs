@@ -3,10 +3,9 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
+use super::algebra::Function;
 use super::coefficients::Sparse;
 use super::dual::{Coefficient, Dual};
-use super::exprel;
-use super::expression::Function;
 use super::form::{Form, Rule, Term};
 use super::recurrence::ProgramStep;
 use super::rows::{MatrixBy, Row};
@@ -209,25 +208,7 @@ impl Rule {
                 if r < 0.0 { one / power } else { power }
             }
             Rule::Power(r) => (Interval::point(r) * a.ln()).exp(),
-            Rule::RelativeExponential => exprel::enclose(a),
-            Rule::Logistic => one / ((-a).exp() + one),
-            Rule::Function(function) => match function {
-                Function::Sin => a.sin(),
-                Function::Cos => a.cos(),
-                Function::Tan => a.sin() / a.cos(),
-                Function::Exp => a.exp(),
-                Function::Ln => a.ln(),
-                Function::Sqrt => a.sqrt(),
-                Function::Abs if a.low >= 0.0 => a,
-                Function::Abs if a.high <= 0.0 => -a,
-                Function::Abs => Interval::new(0.0, a.magnitude()),
-                Function::Tanh => one - Interval::point(2.0) / ((a + a).exp() + one),
-                Function::Asin => a.asin(),
-                Function::Acos => a.acos(),
-                Function::Atan => a.atan(),
-                Function::Sinh => a.sinh(),
-                Function::Cosh => a.cosh(),
-            },
+            Rule::Function(function) => function.enclose(a),
         }
     }
 }

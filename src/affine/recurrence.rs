@@ -7,12 +7,11 @@
 
 use std::sync::Arc;
 
+use super::algebra::{Function, SeriesRule};
 use super::coefficients::{CoefficientTable, Sparse, TOGETHER};
 use super::dual::VARYING;
-use super::exprel;
-use super::expression::{Function, root};
 use super::form::Rule;
-use super::logistic;
+use super::quotients;
 use super::rows::Row;
 use crate::linalg::{Matrix, Vector};
 
@@ -122,60 +121,96 @@ impl CoefficientTable {
                 self.gather(place, operand, (k, k), 1.0);
             }
         }
-        let over_k = |i: usize| i as f64 / k as f64;
         if k == 0 && a >= components {
             self.round_to_zero(step, a);
         }
-        let (x, later) = (self.value(a, 0), (1..k + 1, k));
+        let x = self.value(a, 0);
         match step.rule {
             Rule::Product => self.convolve(own, [a, b], (0..k + 1, k), |_| 1.0),
             Rule::Quotient => self.divide((own, b), Some(a), [own, b], (0..k, k), |_| -1.0),
-            Rule::Power(_) | Rule::Function(Function::Sqrt) => {
-                let r = match step.rule {
-                    Rule::Power(r) => r,
-                    _ => 0.5,
-                };
+            Rule::Power(r) => {
                 let is_beyond = extends && x < 0.0 && step.rule.ends_at_zero();
-                if k == 0 {
-                    let [value, slope] = match is_beyond {
-                        true => [0.0; 2],
-                        false => [x.powf(r), r * x.powf(r - 1.0)],
-                    };
-                    return self.scale(own, (a, 0), (value, slope));
-                }
-                // it has no series from zero on, and is nothing there for a while
-                if is_beyond || x == 0.0 && r > 0.0 {
-                    return;
-                }
-                let weight = |i: usize| (r * i as f64 - (k - i) as f64) / k as f64;
-                self.divide((own, a), None, [a, own], later, weight);
+                self.power((a, own), r, k, is_beyond);
             }
-            Rule::Function(Function::Abs) => {
+            Rule::Function(function) => self.function(function, (a, own, helper), k, sign),
+        }
+    }
+
+    /// The coefficient of order k of aʳ. From zero on it has no series, and is nothing there for a while; so it is all along where it is
+    /// beyond its end.
+    #[inline(always)]
+    fn power(&mut self, (a, own): (usize, usize), r: f64, k: usize, is_beyond: bool) {
+        let x = self.value(a, 0);
+        if k == 0 {
+            let [value, slope] = match is_beyond {
+                true => [0.0; 2],
+                false => [x.powf(r), r * x.powf(r - 1.0)],
+            };
+            self.scale(own, (a, 0), (value, slope));
+        } else if !is_beyond && (x != 0.0 || r <= 0.0) {
+            let weight = |i: usize| (r * i as f64 - (k - i) as f64) / k as f64;
+            self.divide((own, a), None, [a, own], (1..k + 1, k), weight);
+        }
+    }
+
+    /// The coefficient of order k of u = f(a), and of its helper w; `sign` is that of an operand of `abs`.
+    #[inline(always)]
+    fn function(
+        &mut self,
+        function: Function,
+        (a, own, helper): (usize, usize, usize),
+        k: usize,
+        sign: f64,
+    ) {
+        let x = self.value(a, 0);
+        let over_k = |i: usize| i as f64 / k as f64;
+        let later = (1..k + 1, k);
+        match function.series_rule() {
+            SeriesRule::Kink => {
                 let sign = if sign == 0.0 { x.signum() } else { sign };
                 self.scale(own, (a, k), (sign * self.value(a, k), sign));
             }
-            Rule::RelativeExponential => self.exprel(a, own, helper, k),
-            Rule::Logistic => self.logistic(a, own, helper, k),
-            Rule::Function(function) if k == 0 => self.begin(function, a, own, helper),
-            Rule::Function(Function::Atan) => {
-                // u̇w = ȧ with w = 1 + a²
-                self.convolve(helper, [a, a], (0..k + 1, k), |_| 1.0);
-                self.divide((own, helper), Some(a), [own, helper], (1..k, k), |i| {
-                    -over_k(i)
-                });
+            SeriesRule::Power(r) => self.power((a, own), r, k, false),
+            SeriesRule::RelativeExponential => self.exprel(a, own, helper, k),
+            SeriesRule::Logistic => self.logistic(a, own, helper, k),
+            rule if k == 0 => {
+                let (u, slope) = function.at(x);
+                self.scale(own, (a, 0), (u, slope));
+                match rule {
+                    SeriesRule::Pair { sign } => self.scale(helper, (a, 0), (slope, sign * u)),
+                    SeriesRule::OneAndSquare { sign } => {
+                        self.scale(helper, (own, 0), (slope, 2.0 * sign * u));
+                    }
+                    SeriesRule::OverOneAndSquare => {
+                        self.scale(helper, (a, 0), (1.0 + x * x, 2.0 * x));
+                    }
+                    SeriesRule::OverRoot => {
+                        self.scale(helper, (a, 0), (slope.recip(), -x * slope));
+                    }
+                    _ => {}
+                }
             }
-            Rule::Function(Function::Asin | Function::Acos) => {
-                // u̇w = ȧ with ẇ = −au̇: w = ±√(1 − a²)
-                self.divide((own, helper), Some(a), [own, helper], (1..k, k), |i| {
-                    -over_k(i)
-                });
-                self.convolve(helper, [own, a], later, |i| -over_k(i));
-            }
-            Rule::Function(Function::Ln) => {
+            SeriesRule::Own => self.convolve(own, [a, own], later, over_k),
+            SeriesRule::OverOperand => {
                 self.divide((own, a), Some(a), [own, a], (1..k, k), |i| -over_k(i));
             }
-            Rule::Function(function) => {
-                self.step_by_helper(function, a, own, helper, k);
+            SeriesRule::Pair { sign } => {
+                self.convolve(own, [a, helper], later.clone(), over_k);
+                self.convolve(helper, [a, own], later, |i| sign * over_k(i));
+            }
+            SeriesRule::OneAndSquare { sign } => {
+                self.convolve(own, [a, helper], later, over_k);
+                self.convolve(helper, [own, own], (0..k + 1, k), |_| sign);
+            }
+            SeriesRule::OverOneAndSquare => {
+                self.convolve(helper, [a, a], (0..k + 1, k), |_| 1.0);
+                let moved = |i: usize| -over_k(i);
+                self.divide((own, helper), Some(a), [own, helper], (1..k, k), moved);
+            }
+            SeriesRule::OverRoot => {
+                let moved = |i: usize| -over_k(i);
+                self.divide((own, helper), Some(a), [own, helper], (1..k, k), moved);
+                self.convolve(helper, [own, a], later, moved);
             }
         }
     }
@@ -191,70 +226,20 @@ impl CoefficientTable {
             }
         }
     }
-
-    /// The value of a function of a, and that of its helper.
-    #[inline(always)]
-    fn begin(&mut self, function: Function, a: usize, own: usize, helper: usize) {
-        let x = self.value(a, 0);
-        let (u, slope) = function.at(x);
-        self.scale(own, (a, 0), (u, slope));
-        match function {
-            Function::Sin => self.scale(helper, (a, 0), (x.cos(), -u)),
-            Function::Cos => self.scale(helper, (a, 0), (x.sin(), u)),
-            Function::Tan => self.scale(helper, (own, 0), (1.0 + u * u, 2.0 * u)),
-            Function::Tanh => self.scale(helper, (own, 0), (slope, -2.0 * u)),
-            Function::Sinh => self.scale(helper, (a, 0), (x.cosh(), u)),
-            Function::Cosh => self.scale(helper, (a, 0), (x.sinh(), u)),
-            Function::Atan => self.scale(helper, (a, 0), (1.0 + x * x, 2.0 * x)),
-            Function::Asin => self.scale(helper, (a, 0), (root(x), -x / root(x))),
-            Function::Acos => self.scale(helper, (a, 0), (-root(x), x / root(x))),
-            _ => {}
-        }
-    }
-
-    /// An order k > 0 of a function whose rate is that of a times its helper w: u̇ = ±ȧw with ẇ = ∓ȧu of a sine or a cosine,
-    /// ẇ = ȧu of a hyperbolic one, w = 1 ± u² of a tangent, w = u of the exponential.
-    #[inline(always)]
-    fn step_by_helper(
-        &mut self,
-        function: Function,
-        a: usize,
-        own: usize,
-        helper: usize,
-        k: usize,
-    ) {
-        let over_k = |i: usize| i as f64 / k as f64;
-        let later = (1..k + 1, k);
-        let sign = match function {
-            Function::Cos | Function::Tanh => -1.0,
-            _ => 1.0,
-        };
-        match function {
-            Function::Sin | Function::Cos => {
-                self.convolve(own, [a, helper], later.clone(), |i| sign * over_k(i));
-                self.convolve(helper, [a, own], later, |i| -sign * over_k(i));
-            }
-            Function::Sinh | Function::Cosh => {
-                self.convolve(own, [a, helper], later.clone(), over_k);
-                self.convolve(helper, [a, own], later, over_k);
-            }
-            Function::Tan | Function::Tanh => {
-                self.convolve(own, [a, helper], later, over_k);
-                self.convolve(helper, [own, own], (0..k + 1, k), |_| sign);
-            }
-            _ => self.convolve(own, [a, own], later, over_k),
-        }
-    }
 }
 
-/// How many components are found with that of a rule: the cosine of a sine, 1 ± u² of a tangent, the inverse of the slope of an
-/// arc.
+/// How many components are found with that of a rule.
 fn helpers(rule: Rule) -> usize {
-    use Function::{Acos, Asin, Atan, Cos, Cosh, Sin, Sinh, Tan, Tanh};
-    match rule {
-        Rule::Function(Sin | Cos | Tan | Tanh | Sinh | Cosh | Asin | Acos | Atan) => 1,
-        Rule::RelativeExponential => exprel::HELPERS,
-        Rule::Logistic => logistic::HELPERS,
+    let Rule::Function(function) = rule else {
+        return 0;
+    };
+    match function.series_rule() {
+        SeriesRule::Pair { .. }
+        | SeriesRule::OneAndSquare { .. }
+        | SeriesRule::OverOneAndSquare
+        | SeriesRule::OverRoot => 1,
+        SeriesRule::RelativeExponential => quotients::OF_EXPREL,
+        SeriesRule::Logistic => quotients::OF_LOGISTIC,
         _ => 0,
     }
 }
@@ -506,7 +491,6 @@ impl Series {
             Rule::Quotient => of(&operands[0]) / b.abs(),
             Rule::Power(r) => own.max((r * a.powf(r - 1.0)).abs() * of(&operands[0])),
             Rule::Function(function) => own.max(function.at(a).1.abs() * of(&operands[0])),
-            Rule::RelativeExponential | Rule::Logistic => own,
         }
     }
 

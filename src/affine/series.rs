@@ -6,9 +6,9 @@
 
 use std::sync::Arc;
 
+use super::algebra::Function;
 use super::coefficients::Sparse;
 use super::dual::Dual;
-use super::expression::Function;
 use super::form::Rule;
 use super::hyperdual::HyperDual;
 use super::program::Program;

@@ -3,9 +3,9 @@
 //! On the surface h = 0 the motion follows the combination of both fields that stays in it. It lasts while both fields
 //! point at the surface, and it ends, too, where another guard of one of the two modes is zero: as that mode would.
 
+use super::algebra::{Algebra, Obstacle, Operation};
 use super::dual::{Coefficient, Dual, Measured};
 use super::evaluation::{FormMode, FormSwitch};
-use super::expression::{Algebra, Obstacle, Operation};
 use super::form::Form;
 use super::mode::{AffineMode, AffineSystem, Exit, Guard};
 use super::rows::{MatrixBy, Row};

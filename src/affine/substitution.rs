@@ -3,8 +3,8 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
+use super::algebra::{Algebra, Obstacle, Operation};
 use super::dual::{Coefficient, Measured};
-use super::expression::{Algebra, Obstacle, Operation};
 use super::form::{Form, Rule, Term};
 
 impl<C: Coefficient> Form<C> {

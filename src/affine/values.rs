@@ -5,9 +5,8 @@ use std::fmt;
 use serde::de::{self, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 
-use super::expression::{
-    Algebra, Expression, ExpressionFlaw, Function, Obstacle, Operation, Wrong,
-};
+use super::algebra::{Algebra, Function, Obstacle, Operation};
+use super::expression::{Expression, ExpressionFlaw, Wrong};
 
 /// The value of an expression after these parameters.
 ///

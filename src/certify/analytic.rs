@@ -1,6 +1,6 @@
 //! Expressions in intervals with derivatives of any order: the algebra of [`Gradient`]s, nested as deeply as derivatives are asked for.
 
-use crate::affine::expression::{Algebra, Function, Obstacle, Operation};
+use crate::affine::algebra::{Algebra, Function, Obstacle, Operation};
 use crate::interval::{Decimal, Gradient, Interval, Number};
 
 /// Whole exponents up to this are products.
@@ -18,32 +18,7 @@ pub trait Analytic: Number {
 
 impl Analytic for Interval {
     fn function(self, function: Function) -> Option<Interval> {
-        let one = Interval::ONE;
-        let has_value = match function {
-            Function::Sqrt => self.low >= 0.0,
-            Function::Asin | Function::Acos => self.low >= -1.0 && self.high <= 1.0,
-            _ => true,
-        };
-        if !has_value {
-            return None;
-        }
-        Some(match function {
-            Function::Sin => self.sin(),
-            Function::Cos => self.cos(),
-            Function::Tan => self.sin() / self.cos(),
-            Function::Exp => self.exp(),
-            Function::Ln => self.ln(),
-            Function::Sqrt => self.sqrt(),
-            Function::Abs if self.low >= 0.0 => self,
-            Function::Abs if self.high <= 0.0 => -self,
-            Function::Abs => return None,
-            Function::Tanh => one - Interval::point(2.0) / ((self + self).exp() + one),
-            Function::Asin => self.asin(),
-            Function::Acos => self.acos(),
-            Function::Atan => self.atan(),
-            Function::Sinh => self.sinh(),
-            Function::Cosh => self.cosh(),
-        })
+        function.is_smooth_in(self).then(|| function.enclose(self))
     }
 
     fn square(self) -> Interval {
@@ -55,32 +30,14 @@ impl Analytic for Interval {
     }
 }
 
-/// f′(x), where f(x) is this value.
-fn slope<N: Analytic>(function: Function, x: N, value: N) -> Option<N> {
-    let one = N::double(1.0);
-    let root = || (one - x.square()).sqrt().recip();
-    Some(match function {
-        Function::Sin => x.function(Function::Cos)?,
-        Function::Cos => -x.function(Function::Sin)?,
-        Function::Tan => one + value.square(),
-        Function::Exp => value,
-        Function::Ln => x.recip(),
-        Function::Sqrt => value.recip().scaled(Interval::point(0.5)),
-        Function::Abs if x.value().low >= 0.0 => one,
-        Function::Abs => -one,
-        Function::Tanh => one - value.square(),
-        Function::Asin => root(),
-        Function::Acos => -root(),
-        Function::Atan => (one + x.square()).recip(),
-        Function::Sinh => x.function(Function::Cosh)?,
-        Function::Cosh => x.function(Function::Sinh)?,
-    })
-}
-
 impl<N: Analytic, const D: usize> Analytic for Gradient<N, D> {
     fn function(self, function: Function) -> Option<Self> {
         let value = self.value.function(function)?;
-        let slope = slope(function, self.value, value)?;
+        let slope = match function {
+            Function::Abs if self.value().low >= 0.0 => N::double(1.0),
+            Function::Abs => N::double(-1.0),
+            _ => function.slope(self.value, value).ok()?,
+        };
         Some(Gradient {
             value,
             by: self.by.map(|by| by * slope),
@@ -114,7 +71,7 @@ fn finite<N: Analytic>(number: N) -> Result<N, Obstacle> {
         .ok_or(Obstacle::NotFinite)
 }
 
-impl<N: Analytic, const D: usize> Algebra for Gradient<N, D> {
+impl<N: Analytic> Algebra for N {
     fn number(value: f64) -> Self {
         Self::double(value)
     }
@@ -145,6 +102,10 @@ impl<N: Analytic, const D: usize> Algebra for Gradient<N, D> {
                 None => finite((other * finite(self.ln())?).exp()),
             },
         }
+    }
+
+    fn square(self) -> Result<Self, Obstacle> {
+        finite(Analytic::square(self))
     }
 
     fn apply(self, function: Function) -> Result<Self, Obstacle> {

@@ -129,10 +129,10 @@ impl<N: Number> RegimeFlow<N> {
             });
             terms.fold(Interval::ZERO, |sum, term| sum + term).high
         };
-        let [y, w, rate] = tangential.each_ref().map(Number::norm);
+        let [y, w, rate] = tangential.each_ref().map(N::norm);
         let mut norm = by(Y, &[(1.0, W)]).max(by(W, &[(y, Y), (w, W), (rate, GAP_RATE)]));
         if let Some(radial) = &radial {
-            let [w, gap, rate] = radial.each_ref().map(Number::norm);
+            let [w, gap, rate] = radial.each_ref().map(N::norm);
             let row = by(GAP_RATE, &[(w, W), (gap, GAP), (rate, GAP_RATE)]);
             norm = norm.max(row).max(by(GAP, &[(1.0, GAP_RATE)]));
         }

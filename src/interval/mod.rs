@@ -19,7 +19,7 @@ use serde::{Deserialize, Serialize};
 
 pub use decimal::{Decimal, NoDecimal};
 pub use elementary::PI;
-pub use number::{Gradient, Number};
+pub use number::{Gradient, Normed, Number};
 pub use taylor::TaylorModel;
 
 /// The real numbers from `low` to `high`; none where low > high.

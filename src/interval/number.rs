@@ -12,9 +12,17 @@ use super::Interval;
 /// converges in the norm as it does without derivatives.
 const WEIGHT: f64 = 1.0 / 65536.0;
 
+/// An element of a Banach algebra.
+pub trait Normed {
+    /// Upper bound of the norm.
+    fn norm(&self) -> f64;
+    /// The element with anything added whose norm is at most `bound`.
+    fn widened(self, bound: f64) -> Self;
+}
+
 /// A number with as many derivatives as the type has.
 pub trait Number:
-    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self>
+    Copy + Normed + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self>
 {
     /// A number that does not vary.
     fn constant(value: Interval) -> Self;
@@ -34,16 +42,21 @@ pub trait Number:
     fn circular(self) -> (Self, Self);
     /// Its derivatives, with 0 in place of the number.
     fn varying(self) -> Self;
-    /// Upper bound of the norm.
-    fn norm(&self) -> f64;
-    /// The number with anything added whose norm is at most `bound`.
-    fn widened(self, bound: f64) -> Self;
     /// A multiple.
     fn scaled(self, factor: Interval) -> Self;
 
     /// A double.
     fn double(value: f64) -> Self {
         Self::constant(Interval::point(value))
+    }
+}
+
+impl Normed for Interval {
+    fn norm(&self) -> f64 {
+        self.magnitude()
+    }
+    fn widened(self, bound: f64) -> Interval {
+        self + Interval::new(-bound, bound)
     }
 }
 
@@ -75,12 +88,6 @@ impl Number for Interval {
     }
     fn varying(self) -> Interval {
         Interval::ZERO
-    }
-    fn norm(&self) -> f64 {
-        self.magnitude()
-    }
-    fn widened(self, bound: f64) -> Interval {
-        self + Interval::new(-bound, bound)
     }
     fn scaled(self, factor: Interval) -> Interval {
         self * factor
@@ -164,6 +171,23 @@ impl<N: Number, const D: usize> Mul for Gradient<N, D> {
     }
 }
 
+impl<N: Number, const D: usize> Normed for Gradient<N, D> {
+    fn norm(&self) -> f64 {
+        let derivatives = self
+            .by
+            .iter()
+            .fold(Interval::ZERO, |sum, by| sum + Interval::point(by.norm()));
+        (Interval::point(self.value.norm()) + derivatives * Interval::point(WEIGHT)).high
+    }
+    fn widened(self, bound: f64) -> Self {
+        Gradient {
+            value: self.value.widened(bound),
+            // WEIGHT is a power of two: the quotient is exact
+            by: self.by.map(|by| by.widened(bound / WEIGHT)),
+        }
+    }
+}
+
 impl<N: Number, const D: usize> Number for Gradient<N, D> {
     fn constant(value: Interval) -> Self {
         Gradient {
@@ -201,20 +225,6 @@ impl<N: Number, const D: usize> Number for Gradient<N, D> {
     fn circular(self) -> (Self, Self) {
         let (cosine, sine) = self.value.circular();
         (self.chain(cosine, -sine), self.chain(sine, cosine))
-    }
-    fn norm(&self) -> f64 {
-        let derivatives = self
-            .by
-            .iter()
-            .fold(Interval::ZERO, |sum, by| sum + Interval::point(by.norm()));
-        (Interval::point(self.value.norm()) + derivatives * Interval::point(WEIGHT)).high
-    }
-    fn widened(self, bound: f64) -> Self {
-        Gradient {
-            value: self.value.widened(bound),
-            // WEIGHT is a power of two: the quotient is exact
-            by: self.by.map(|by| by.widened(bound / WEIGHT)),
-        }
     }
     fn scaled(self, factor: Interval) -> Self {
         Gradient {

@@ -6,7 +6,7 @@
 
 use std::ops::{Add, Mul, Neg, Sub};
 
-use super::{Interval, Number};
+use super::{Interval, Normed, Number};
 
 /// Coefficients: of e^{2it}, what is left out is below 2¹²/12! = 9e-6.
 const TERMS: usize = 12;
@@ -158,6 +158,19 @@ impl Mul for TaylorModel {
 }
 
 /// Functions other than sums and products are taken of the range: they are those of numbers that do not vary.
+impl Normed for TaylorModel {
+    fn norm(&self) -> f64 {
+        (self.size() + self.rest) * UP
+    }
+    fn widened(self, bound: f64) -> TaylorModel {
+        TaylorModel {
+            rest: (self.rest + bound) * UP,
+            ..self
+        }
+        .known()
+    }
+}
+
 impl Number for TaylorModel {
     fn constant(value: Interval) -> TaylorModel {
         let middle = value.middle();
@@ -201,16 +214,6 @@ impl Number for TaylorModel {
             TaylorModel::constant(value.cos()),
             TaylorModel::constant(value.sin()),
         )
-    }
-    fn norm(&self) -> f64 {
-        (self.size() + self.rest) * UP
-    }
-    fn widened(self, bound: f64) -> TaylorModel {
-        TaylorModel {
-            rest: (self.rest + bound) * UP,
-            ..self
-        }
-        .known()
     }
     fn scaled(self, factor: Interval) -> TaylorModel {
         self * TaylorModel::constant(factor)

@@ -8,7 +8,7 @@ use super::leaf::{self, Leaf};
 use super::map::{MAX_DRAWS, MAX_GRID, MAX_MAP_POINTS};
 use super::outline::Outline;
 use super::scan::MAX_KEPT;
-use super::system::{MAX_PERIODS, MAX_SETTLE};
+use super::system::MAX_PERIODS;
 use super::{MAX_MODE, MAX_PROFILES, MAX_TOLERANCE, MAX_WORDS, is_text};
 use crate::simulation::task::{
     MAX_COURANT, MAX_SAMPLES, MAX_SIMULATION_POINTS, MAX_SNAPSHOTS, MIN_SIMULATION_POINTS,
@@ -41,7 +41,7 @@ const FIELDS: [(&str, AdmittedRange, &str); 60] = [
     ("wave.mode", COUNT.to(MAX_MODE as f64), "waves around the circumference: {}"),
     ("system.flow_tolerance", AdmittedRange::from(1e-16).to(MAX_TOLERANCE), "the tolerance is {}"),
     ("orbit.periods", COUNT.to(MAX_PERIODS as f64), "an orbit takes {} periods of the forcing"),
-    ("orbit.start.settle", AdmittedRange::from(0.0).to(MAX_SETTLE), "the motion settles in {} periods of the forcing, or units of time where there is none"),
+    ("orbit.start.settle", AdmittedRange::from(0.0), SETTLE),
     ("orbit.start.period", POSITIVE, "the period must be {}"),
     ("orbit.start.label", COUNT, "labels run from 1"),
     ("equilibrium.start.label", COUNT, "labels run from 1"),
@@ -70,7 +70,7 @@ const FIELDS: [(&str, AdmittedRange, &str); 60] = [
     ("simulation.every", POSITIVE, "the time between samples must be {}"),
     ("simulation.snapshots", AdmittedRange::upto(MAX_SNAPSHOTS as f64), "ask for {} snapshots"),
     ("simulation.samples", COUNT.to(MAX_SAMPLES as f64), "a motion has {} samples"),
-    ("scan.settle", AdmittedRange::from(0.0).to(MAX_SETTLE), "the motion settles in {} periods of the forcing, or units of time where there is none"),
+    ("scan.settle", AdmittedRange::from(0.0), SETTLE),
     ("scan.lyapunov", COUNT, "a motion has {} Lyapunov exponent"),
     ("scan.keep", COUNT.to(MAX_KEPT as f64), "a value has {} samples"),
     ("simulation.growth.pairs", TWO.to(1000.0), "Arnoldi's method takes {} pairs of runs"),
@@ -89,6 +89,7 @@ const FIELDS: [(&str, AdmittedRange, &str); 60] = [
 ];
 
 const STEP: &str = "step sizes must be {}";
+const SETTLE: &str = "the time in which the motion settles, in periods of the forcing, or in units of time where there is none, must be {}";
 const EXPECTED: &str =
     "the tolerance must be {}; it is relative, or absolute where the expected value is 0";
 

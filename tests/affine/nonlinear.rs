@@ -85,9 +85,17 @@ fn every_function_has_its_series() {
             number * t.powi(n + 1) / (f64::from(n + 1) * factorial)
         })
         .sum();
+    let terms = (1..25).scan(1.0, |term, n| {
+        *term *= t / f64::from(n);
+        Some(*term / f64::from(n))
+    });
+    let relative: f64 = terms.sum();
     // u/(1 − e⁻ᵘ) + u/(1 − eᵘ) = u
-    let cases: [(&str, f64); 23] = [
+    let cases: [(&str, f64); 26] = [
         ("t/(exp(t) - 1)", integral - t * t / 4.0),
+        ("t*exp(t)/(exp(t) - 1)", integral + t * t / 4.0),
+        ("2*exp(t)*t/(1 - exp(t))", -2.0 * integral - t * t / 2.0),
+        ("(1 - exp(t))/(2*t)", -0.5 * relative),
         (
             "(t - p)/(1 - exp(p - t)) + (t - p)/(1 - exp(t - p))",
             t * t / 2.0 - 0.3 * t,
@@ -157,6 +165,8 @@ fn every_function_has_its_derivatives() {
         "t/(exp(t) - 1)",
         "(t - 0.4)/(1 - exp(4 - 10*t))",
         "t/(exp(5*t) - 1)",
+        "(t - 0.4)*exp(t)/(1 - exp(4 - 10*t))",
+        "(exp(3*t - 1.2) - 1)/(t - 0.4)",
     ] {
         let file = format!(
             r#"(states: ["t", "y"], modes: {{"only": (rates: {{"t": "1 + 0.5*t", "y": "{text}"}})}})"#

@@ -1,6 +1,6 @@
 //! Laws of intervals: what is enclosed is true, against 200 decimal digits.
 
-use brakewave::interval::{Decimal, Interval, Number, TaylorModel};
+use brakewave::interval::{Decimal, Interval, Normed, Number, TaylorModel};
 use dashu_float::FBig;
 use dashu_float::round::mode::HalfEven;
 use proptest::prelude::*;

@@ -13,8 +13,8 @@ use super::law::{
     BACKWARD, CLOSED, FORWARD, GIVES_BACKWARD, GIVES_FORWARD, HELD, Law, OPEN, STICK,
 };
 use super::mistake::{ContactMistake, MAX_STATES};
+use crate::affine::algebra::{Algebra, Obstacle};
 use crate::affine::dual::{Dual, Measured};
-use crate::affine::expression::{Algebra, Obstacle};
 use crate::affine::form::Form;
 
 /// A guard of a contact, and what it changes.

@@ -3,9 +3,9 @@
 use super::arrivals::Instant;
 use super::forms::ContactForms;
 use super::mistake::ContactMistake;
+use crate::affine::algebra::{Algebra, Obstacle};
 use crate::affine::dual::Measured;
 use crate::affine::evaluation::FormSwitch;
-use crate::affine::expression::{Algebra, Obstacle};
 use crate::affine::form::Form;
 
 impl<C: Measured> ContactForms<C> {

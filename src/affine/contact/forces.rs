@@ -7,8 +7,8 @@
 
 use super::law::{BACKWARD, CLOSED, FORWARD, GIVES_BACKWARD, GIVES_FORWARD, HELD, Law, STICK};
 use super::mistake::{ContactMistake, Kinematic};
+use crate::affine::algebra::{Algebra, Obstacle};
 use crate::affine::dual::{Dual, Measured};
-use crate::affine::expression::{Algebra, Obstacle};
 use crate::affine::form::Form;
 
 /// Part of the largest entry of its row below which a pivot is nothing but the rounding of what has been taken away.

@@ -3,9 +3,9 @@
 use super::forces::Own;
 use super::law::{Law, Products};
 use super::mistake::{ContactMistake, MAX_PRODUCTS, SpringConstant};
+use crate::affine::algebra::{Algebra, Obstacle};
 use crate::affine::dual::{Dual, Measured};
 use crate::affine::evaluation::{FormMode, FormSwitch};
-use crate::affine::expression::{Algebra, Obstacle};
 use crate::affine::form::Form;
 use crate::affine::slots::Slots;
 

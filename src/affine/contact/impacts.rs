@@ -6,8 +6,8 @@ use super::law::{
     BACKWARD, CLOSED, FORWARD, GIVES_BACKWARD, GIVES_FORWARD, HELD, Law, OPEN, PARTING, STICK,
 };
 use super::mistake::ContactMistake;
+use crate::affine::algebra::{Algebra, Obstacle};
 use crate::affine::dual::Measured;
-use crate::affine::expression::{Algebra, Obstacle};
 use crate::affine::form::Form;
 
 /// The trials to which an impact leads a contact from one of them, by its velocity after it; whether that rises, where it is known.

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::affine::expression::Obstacle;
+use crate::affine::algebra::Obstacle;
 
 /// Most contacts of a system.
 pub const MAX_CONTACTS: usize = 12;

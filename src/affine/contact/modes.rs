@@ -6,9 +6,9 @@ use super::law::{
     BACKWARD, CLOSED, FORWARD, GIVES_BACKWARD, GIVES_FORWARD, HELD, Law, OPEN, PARTING, STICK,
 };
 use super::mistake::ContactMistake;
+use crate::affine::algebra::{Algebra, Obstacle};
 use crate::affine::dual::Measured;
 use crate::affine::evaluation::{FormMode, FormSwitch};
-use crate::affine::expression::{Algebra, Obstacle};
 use crate::affine::form::Form;
 
 impl<C: Measured> ContactForms<C> {

@@ -11,8 +11,8 @@ mod tests;
 
 use std::sync::Arc;
 
+use super::algebra::{Algebra, Extremum, Function, Obstacle, Operation};
 use super::dual::{Coefficient, Degree, Dual};
-use super::expression::{Algebra, Extremum, Function, Obstacle, Operation};
 
 /// Highest multiple of the phase.
 const HIGHEST: usize = 16;

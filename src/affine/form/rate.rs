@@ -4,8 +4,8 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::{Form, Rule, Term};
+use crate::affine::algebra::{Algebra, Obstacle, Operation};
 use crate::affine::dual::Coefficient;
-use crate::affine::expression::{Algebra, Function, Obstacle, Operation};
 
 impl<C: Coefficient> Form<C> {
     /// Its rate of change where the states change at these rates and the phase at ω.
@@ -93,43 +93,6 @@ fn rate_of_term<C: Coefficient>(
             over(a_rate.sum(moved, -1.0)?, b.clone())
         }
         Rule::Power(r) => times(a_rate, over(own, a.clone())?.scaled(C::number(r))?),
-        Rule::RelativeExponential => {
-            let moved = a.clone().apply(Function::Exp)?.sum(own, -1.0)?;
-            times(a_rate, over(moved, a.clone())?)
-        }
-        // 1 − σ(a) is σ(−a)
-        Rule::Logistic => times(a_rate, times(own, a.clone().negative().logistic()?)?),
-        Rule::Function(function) => times(a_rate, slope(function, a, own)?),
-    }
-}
-
-/// The slope of a function at a form, whose value there is `own`.
-fn slope<C: Coefficient>(
-    function: Function,
-    a: &Form<C>,
-    own: Form<C>,
-) -> Result<Form<C>, Obstacle> {
-    let one = || Form::number(1.0);
-    let square = |form: &Form<C>| times(form.clone(), form.clone());
-    match function {
-        Function::Sin => a.clone().apply(Function::Cos),
-        Function::Cos => Ok(a.clone().apply(Function::Sin)?.negative()),
-        Function::Tan => one().sum(square(&own)?, 1.0),
-        Function::Tanh => one().sum(square(&own)?, -1.0),
-        Function::Exp => Ok(own),
-        Function::Ln => over(one(), a.clone()),
-        Function::Sqrt => over(Form::number(0.5), own),
-        Function::Abs => over(own, a.clone()),
-        Function::Asin | Function::Acos => {
-            let rest = one().sum(square(a)?, -1.0)?;
-            let slope = over(one(), rest.apply(Function::Sqrt)?)?;
-            Ok(match function {
-                Function::Asin => slope,
-                _ => slope.negative(),
-            })
-        }
-        Function::Atan => over(one(), one().sum(square(a)?, 1.0)?),
-        Function::Sinh => a.clone().apply(Function::Cosh),
-        Function::Cosh => a.clone().apply(Function::Sinh),
+        Rule::Function(function) => times(a_rate, function.slope(a.clone(), own)?),
     }
 }

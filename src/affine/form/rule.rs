@@ -1,8 +1,8 @@
 //! The rules by which terms are made of forms.
 
 use super::Form;
+use crate::affine::algebra::{Algebra, Function, Obstacle, Operation};
 use crate::affine::dual::Coefficient;
-use crate::affine::expression::{Algebra, Function, Obstacle, Operation};
 
 /// How a term that is not affine is made.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -13,10 +13,6 @@ pub enum Rule {
     Quotient,
     /// aʳ.
     Power(f64),
-    /// (eᵃ − 1)/a, 1 where a is zero.
-    RelativeExponential,
-    /// 1/(1 + e⁻ᵃ).
-    Logistic,
     /// f(a).
     Function(Function),
 }
@@ -42,8 +38,6 @@ impl Rule {
             Rule::Product => one.operate(Operation::Times, other),
             Rule::Quotient => one.operate(Operation::Over, other),
             Rule::Power(r) => one.operate(Operation::Power, Form::number(r)),
-            Rule::RelativeExponential => one.relative_exponential(),
-            Rule::Logistic => one.logistic(),
             Rule::Function(function) => one.apply(function),
         }
     }
@@ -54,22 +48,27 @@ fn over<C: Coefficient>(one: C, other: &C) -> Result<C, Obstacle> {
 }
 
 impl<C: Coefficient> Form<C> {
-    /// (eᵃ − 1)/a of a form a.
-    fn relative_exponential(self) -> Result<Form<C>, Obstacle> {
-        Form::term(Rule::RelativeExponential, [self, Form::default()])
-    }
-
-    /// 1/(1 + e⁻ᵃ) of a form a.
-    pub(super) fn logistic(self) -> Result<Form<C>, Obstacle> {
-        Form::term(Rule::Logistic, [self, Form::default()])
-    }
-
     /// A quotient by something that changes. Where that is b(1 − eᵃ) and this is κa, both zero together, it is −κ/b by
-    /// (eᵃ − 1)/a, which is never zero; where it is b(1 + eᵃ) it is made of logistic functions, which have values where eᵃ has none.
+    /// (eᵃ − 1)/a, which is never zero, and so for a multiple of this, and the other way round; where it is b(1 + eᵃ) it is made of
+    /// logistic functions, which have values where eᵃ has none.
     pub(super) fn over_what_changes(self, other: Form<C>) -> Result<Form<C>, Obstacle> {
         if let Some((factor, exponent)) = self.beside_exponential(&other) {
-            let operands = [Form::constant(factor), exponent.relative_exponential()?];
-            return Form::term(Rule::Quotient, operands);
+            let below = exponent.apply(Function::RelativeExponential)?;
+            return Form::term(Rule::Quotient, [Form::constant(factor), below]);
+        }
+        if let Some((factor, exponent)) = other.beside_exponential(&self) {
+            let above = exponent.apply(Function::RelativeExponential)?;
+            return above.scaled(over(C::number(1.0), &factor)?);
+        }
+        if let Some([factor, rest]) = self.factors() {
+            let all = [(&factor, &rest), (&rest, &factor)];
+            let mut with = all.into_iter();
+            let vanishes =
+                |(factor, _): &(&Form<C>, _)| factor.beside_exponential(&other).is_some();
+            if let Some((factor, rest)) = with.find(vanishes) {
+                let quotient = factor.clone().over_what_changes(other)?;
+                return quotient.operate(Operation::Times, rest.clone());
+            }
         }
         match other.exponential(1.0) {
             Some((b, slope, exponent)) => self.by_logistic(&other, (b, slope), exponent),
@@ -80,6 +79,17 @@ impl<C: Coefficient> Form<C> {
     /// Whether it is made of numbers and terms alone.
     fn is_of_terms(&self) -> bool {
         self.states.is_empty() && self.harmonics.is_empty() && self.phase.is_none()
+    }
+
+    /// The factors of a product.
+    fn factors(&self) -> Option<[Form<C>; 2]> {
+        let [(c, term)] = &self.beyond[..] else {
+            return None;
+        };
+        let is_product = term.rule == Rule::Product && self.is_of_terms();
+        let [one, other] = &term.operands;
+        (is_product && self.constant == C::default())
+            .then(|| Some([one.clone().scaled(c.clone()).ok()?, other.clone()]))?
     }
 
     /// b, s and a of a form b + s eᵘ = b(1 ± eᵃ), of this sign.
@@ -117,11 +127,12 @@ impl<C: Coefficient> Form<C> {
         exponent: Form<C>,
     ) -> Result<Form<C>, Obstacle> {
         let inverse = |one: &C| over(C::number(1.0), one);
-        let falling = exponent.clone().negative().logistic()?;
+        let falling = exponent.clone().negative().apply(Function::Logistic)?;
         let falling = falling.scaled(inverse(&b)?)?;
         match (&self.beyond[..], &other.beyond[..]) {
             ([(factor, own)], [(_, term)]) if self.is_of_terms() && own == term => {
-                let rising = exponent.logistic()?.scaled(inverse(&slope)?)?;
+                let rising = exponent.apply(Function::Logistic)?;
+                let rising = rising.scaled(inverse(&slope)?)?;
                 let rising = rising.scaled(factor.clone())?;
                 rising.sum(falling.scaled(self.constant)?, 1.0)
             }

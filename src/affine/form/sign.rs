@@ -4,8 +4,8 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::{Form, Rule, Term};
+use crate::affine::algebra::{Function, Obstacle, Operation};
 use crate::affine::dual::Measured;
-use crate::affine::expression::{Function, Obstacle, Operation};
 
 /// What is known of forms in a mode.
 pub(in crate::affine) struct Signs<C> {

@@ -71,6 +71,18 @@ const HOPELESS: [f64; 2] = [1e8, 1e6];
 /// A form that is zero is so within this many units of its terms: the state at a switch is known to a few roundings.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
+/// Why a motion does not go on at a time where too many pieces are left, of this length, that of the first being known. Pieces that have
+/// come from another length to none at all, beside which no later time has a number, go towards a place where the rates have no
+/// value.
+fn too_fast(time: f64, piece: f64, first: f64) -> Halt {
+    /// Of the length of the first piece.
+    const NONE: f64 = 1e-6;
+    match piece < f64::EPSILON * time.abs() && piece < NONE * first {
+        true => Halt::Unbounded { time },
+        false => Halt::Fast { time, piece },
+    }
+}
+
 /// A motion of a system.
 #[derive(Clone, Debug)]
 pub struct Motion<'a> {
@@ -211,7 +223,7 @@ impl<'a> Motion<'a> {
         let (mut time, mut begun) = (start, 0.0);
         let is_integrated = !self.system.modes[mode].field.is_exact;
         let (mut pieces, hopeless) = (0, HOPELESS[usize::from(is_integrated)]);
-        let mut longest = piece.length;
+        let (first, mut longest) = (piece.length, piece.length);
         while time < until {
             self.unit = piece.length;
             pieces += 1;
@@ -223,8 +235,7 @@ impl<'a> Motion<'a> {
             let rest = until - time;
             longest = counted(longest, piece.length);
             if pieces > PATIENCE && rest > hopeless * longest {
-                let piece = longest;
-                return Err(Halt::Fast { time, piece });
+                return Err(too_fast(time, longest, first));
             }
             let part = (rest / piece.length).min(1.0);
             let own = (0..count).filter(|guard| !self.still.contains(guard));

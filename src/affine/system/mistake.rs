@@ -3,8 +3,9 @@
 use serde::{Deserialize, Serialize};
 
 use super::MAX_STATES;
+use crate::affine::algebra::Obstacle;
 use crate::affine::contact::mistake::ContactMistake;
-use crate::affine::expression::{ExpressionFlaw, Obstacle};
+use crate::affine::expression::ExpressionFlaw;
 
 /// What is wrong with a system.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, thiserror::Error)]

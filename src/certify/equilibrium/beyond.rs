@@ -12,10 +12,10 @@ use super::guard::{ContactGuard, ProvenGuard, are_one};
 use super::resting::{Resting, RestingContacts, are_opposite, formulas};
 use super::system::{EquilibriumCondition, EquilibriumSystem, NearEquilibrium, PosedEquilibrium};
 use super::{OpenEquilibrium, place};
+use crate::affine::algebra::{Algebra, Operation};
 use crate::affine::contact::law::{
     BACKWARD, CLOSED, FORWARD, GIVES_BACKWARD, GIVES_FORWARD, HELD, Law, OPEN, STICK,
 };
-use crate::affine::expression::{Algebra, Operation};
 use crate::affine::system::System;
 use crate::certify::krawczyk::LinearEquations;
 use crate::certify::orbit::exact::NamePolynomial;

@@ -2,8 +2,9 @@
 
 use super::place::NameValues;
 use super::resting::Resting;
+use crate::affine::algebra::{Algebra, Function, Obstacle, Operation};
 use crate::affine::contact::law::Law;
-use crate::affine::expression::{Algebra, Expression, Function, Obstacle, Operation};
+use crate::affine::expression::Expression;
 use crate::affine::system::System;
 
 /// How an expression depends on the states, as it is written.

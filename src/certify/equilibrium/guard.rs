@@ -1,8 +1,8 @@
 //! What is positive at an equilibrium of a mode.
 
 use super::resting::{Resting, RestingContacts, are_opposite, formulas};
+use crate::affine::algebra::Algebra;
 use crate::affine::contact::law::Law;
-use crate::affine::expression::Algebra;
 use crate::affine::system::System;
 
 /// What is positive at an equilibrium of a mode.

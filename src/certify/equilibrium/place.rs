@@ -1,6 +1,7 @@
 //! The expressions of a system at a place: where its states and parameters are numbers of any kind.
 
-use crate::affine::expression::{Algebra, Expression};
+use crate::affine::algebra::Algebra;
+use crate::affine::expression::Expression;
 use crate::affine::system::System;
 use crate::interval::{Gradient, Interval, Number};
 

@@ -2,8 +2,9 @@
 
 use super::OpenEquilibrium;
 use super::place::NameValues;
+use crate::affine::algebra::{Algebra, Operation};
 use crate::affine::contact::law::{CLOSED, Law, STICK};
-use crate::affine::expression::{Algebra, Expression, Operation};
+use crate::affine::expression::Expression;
 use crate::affine::system::System;
 use crate::certify::orbit::exact::NamePolynomial;
 

@@ -1,7 +1,7 @@
 //! Coefficients of a system as intervals, with derivatives in the continuation parameter.
 
+use crate::affine::algebra::Obstacle;
 use crate::affine::dual::Coefficient;
-use crate::affine::expression::Obstacle;
 use crate::certify::analytic::Analytic;
 use crate::interval::{Gradient, Interval, Number};
 

@@ -7,8 +7,9 @@
 use std::collections::BTreeMap;
 
 use super::fraction::Fraction;
+use crate::affine::algebra::{Algebra, Function, Obstacle, Operation};
 use crate::affine::dual::Coefficient;
-use crate::affine::expression::{Algebra, Expression, Function, Obstacle, Operation};
+use crate::affine::expression::Expression;
 use crate::affine::system::is_name;
 
 /// Terms up to this are multiplied out; a larger product is one name.
@@ -226,11 +227,10 @@ impl Algebra for NamePolynomial {
     }
 
     fn apply(self, function: Function) -> Result<NamePolynomial, Obstacle> {
-        use Function::{Abs, Asin, Atan, Cos, Cosh, Exp, Sin, Sinh, Sqrt, Tan, Tanh};
-        Ok(match (function, self.is_zero()) {
-            (Sin | Tan | Sqrt | Abs | Tanh | Asin | Atan | Sinh, true) => self,
-            (Cos | Exp | Cosh, true) => NamePolynomial::of_fraction(Fraction::ONE),
-            _ => NamePolynomial::named(format!("{}{}", function.name(), self.text())),
+        let at_zero = function.at_zero().filter(|_| self.is_zero());
+        Ok(match at_zero {
+            Some(value) => <NamePolynomial as Algebra>::number(value),
+            None => NamePolynomial::named(format!("{}{}", function.name(), self.text())),
         })
     }
 }

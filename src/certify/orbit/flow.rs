@@ -12,7 +12,7 @@
 use super::enclosure::Enclosure;
 use super::modes::Row;
 use crate::certify::arc::Moving;
-use crate::interval::{Gradient, Interval, Number};
+use crate::interval::{Gradient, Interval, Normed, Number};
 use crate::linalg::{Matrix, Vector, balance};
 
 /// Degree K of the polynomials: 1/(K + 1)! = 4e-23.

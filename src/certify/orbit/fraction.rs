@@ -3,7 +3,7 @@
 use std::fmt;
 use std::ops::Neg;
 
-use crate::affine::expression::{Algebra, Obstacle, Operation};
+use crate::affine::algebra::{Algebra, Obstacle, Operation};
 
 /// A fraction in lowest terms.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -3,8 +3,8 @@
 
 use super::enclosure::Enclosure;
 use super::exact::NamePolynomial;
+use crate::affine::algebra::{Algebra, Function, Obstacle, Operation};
 use crate::affine::dual::{Coefficient, Measured};
-use crate::affine::expression::{Algebra, Function, Obstacle, Operation};
 use crate::interval::{Interval, Number};
 
 /// A formula, and an interval that has its values over a range of the parameter.

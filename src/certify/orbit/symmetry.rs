@@ -10,8 +10,8 @@ use super::fraction::Fraction;
 use super::modes::{Row, added, negative};
 use super::system::{OrbitSystem, SegmentEnd};
 use super::zeros::{FormSource, FormZeros, VanishingForm, unit};
+use crate::affine::algebra::Algebra;
 use crate::affine::dual::Coefficient;
-use crate::affine::expression::Algebra;
 use crate::certify::krawczyk;
 use crate::interval::{Interval, PI};
 

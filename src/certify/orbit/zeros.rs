@@ -7,8 +7,8 @@
 use super::exact::NamePolynomial;
 use super::fraction::Fraction;
 use super::modes::{IntervalMode, Row, added, negative, through};
+use crate::affine::algebra::Algebra;
 use crate::affine::dual::Coefficient;
-use crate::affine::expression::Algebra;
 
 /// Forms that are zero together.
 #[derive(Clone, Debug, Default, PartialEq)]

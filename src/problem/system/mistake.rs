@@ -5,8 +5,9 @@ use std::ops::Range;
 use super::super::error::{Flaw, line};
 use super::super::explanation::known;
 use super::super::outline::{Outline, within_text};
+use crate::affine::algebra::{Extremum, Function, Obstacle};
 use crate::affine::contact::{ContactMistake, Kinematic};
-use crate::affine::expression::{Extremum, Function, Obstacle, Wrong};
+use crate::affine::expression::Wrong;
 use crate::affine::system::{BadName, Mistake, Source, SystemError};
 
 /// The place and the words of a mistake.
@@ -131,11 +132,8 @@ const JUMPS: [&str; 8] = [
 /// The names of all functions.
 fn functions() -> Vec<&'static str> {
     let of_two = Extremum::ALL.iter().map(|(name, _)| *name);
-    Function::ALL
-        .iter()
-        .map(|(name, _)| *name)
-        .chain(of_two)
-        .collect()
+    let of_one = Function::ALL.iter().map(|function| function.name());
+    of_one.chain(of_two).collect()
 }
 
 /// What an expression may have.

@@ -30,8 +30,6 @@ use crate::affine::system::{Ordered, Source, System, SystemError};
 
 /// Most periods of the forcing in one orbit.
 pub(crate) const MAX_PERIODS: usize = 1000;
-/// Most periods, or units of time, that a motion settles.
-pub(crate) const MAX_SETTLE: f64 = 1e6;
 /// Samples of a motion where no number is given.
 const DEFAULT_SAMPLES: usize = 1000;
 
