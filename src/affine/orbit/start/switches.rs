@@ -2,7 +2,10 @@
 
 use super::failure::NoStart;
 use crate::affine::mode::AffineSystem;
-use crate::affine::motion::{Moment, Motion, Step, Switching};
+use crate::affine::motion::{Halt, Moment, Motion, Step, Switching};
+
+/// Most switches of a motion that settles, of which each is kept in some hundred bytes.
+const MOST_KEPT: usize = 4_000_000;
 
 /// Most switches of one orbit.
 pub(super) const MOST_SWITCHES: usize = 400;
@@ -40,12 +43,16 @@ pub(super) fn from_switch(
 /// Moves on to a time: the switches on the way.
 pub(in crate::affine::orbit) fn run(motion: &mut Motion, until: f64) -> Result<Switches, NoStart> {
     let mut switches = Vec::new();
-    loop {
+    let begin = motion.place().time;
+    while switches.len() < MOST_KEPT {
         match motion.step(until).map_err(NoStart::Halted)? {
             Step::Reached | Step::Section => return Ok(switches),
             Step::Switched(switching) => switches.push((switching, motion.place().clone())),
         }
     }
+    let time = motion.place().time;
+    let piece = (time - begin) / MOST_KEPT as f64;
+    Err(NoStart::Halted(Halt::Fast { time, piece }))
 }
 
 /// How a motion came to where it has settled.
