@@ -13,7 +13,7 @@ from flint import acb, acb_mat, acb_poly, arb
 
 from .ball_contacts import FIELDS, STATES
 from .ball_orbits import FUNCTIONS, counted, parsed
-from .balls import Dual, NotCovered, Refused, Tagged, decimal, determinant, double, dual, exact, injective, jacobian, must, prove_zero, real, whole
+from .balls import Dual, NotCovered, Refused, Tagged, bare, decimal, determinant, double, dual, exact, injective, jacobian, must, prove_zero, real, whole
 
 MOST_FACTORS = 64
 """Whole exponents up to this are products."""
@@ -96,9 +96,7 @@ def applied(name, x):
     if isinstance(x, Formula):
         return Formula.named(f"{name}{x}")
     if name == "abs":
-        value = x
-        while isinstance(value, Dual):
-            value = value.v
+        value = bare(x)
         if not (real(value) > 0 or real(value) < 0):
             raise NotCovered("the modulus of what may be zero")
         return x if real(value) > 0 else -x

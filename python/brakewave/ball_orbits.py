@@ -17,7 +17,7 @@ from math import inf
 from flint import acb, acb_mat, acb_poly, arb, arb_poly, ctx, fmpq, fmpq_poly
 
 from .ball_contacts import Contacts
-from .balls import SIGNS, Dual, NotCovered, Refused, Tagged, apply, as_matrix, bent, decimal, distance, double, dual, exact, exponential, injective, lesser, must, parted, positive, prove_zero, real, second, tail, times, value_of, whole
+from .balls import SIGNS, Dual, NotCovered, Refused, Tagged, apply, as_matrix, bare, bent, decimal, distance, double, dual, exact, exponential, injective, lesser, must, parted, positive, prove_zero, real, second, tail, times, value_of, whole
 
 NEAR = 1e-6
 """What is zero at a point is found for all values of the parameter so near, in its unit."""
@@ -417,9 +417,7 @@ class Modes:
         """The modes in numbers, at a value of the parameter: each when it is asked for."""
         there = copy(self)
         # a common factor may hide that something is divided by zero
-        value = parameter
-        while isinstance(value, Dual):
-            value = value.v
+        value = bare(parameter)
         must(all(ratio(it).clear(value) for it in self.divisors), "a division by what may be zero")
         for number, strict in self.signs:
             sign = real(ratio(number).at(acb(value)))

@@ -146,6 +146,13 @@ def value_of(number):
     return number.v if isinstance(number, Dual) else number
 
 
+def bare(number):
+    """A number without any of its derivatives."""
+    while isinstance(number, Dual):
+        number = number.v
+    return number
+
+
 def slope_of(number):
     """The derivative of a number."""
     return number.d if isinstance(number, Dual) else 0

@@ -76,6 +76,18 @@ impl Surfaces {
         self.all.iter().map(|one| (one.state, one.gradient.clone()))
     }
 
+    /// Puts into a matrix of slopes what the states that are given change by, where no surface changes: it follows from the others.
+    pub fn complete(&self, slopes: &mut Matrix) {
+        let n = slopes.nrows();
+        for own in &self.all {
+            let mut row = Vector::zeros(n).transpose();
+            for other in (0..n).filter(|other| self.form_of(*other).is_none()) {
+                row -= slopes.row(other) * (own.gradient[other] / own.gradient[own.state]);
+            }
+            slopes.set_row(own.state, &row);
+        }
+    }
+
     /// The matrix of the motion within them, in the states that they do not give.
     pub fn within(&self, slopes: &Matrix) -> Matrix {
         let states = 0..slopes.nrows();

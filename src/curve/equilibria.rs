@@ -9,6 +9,7 @@ use super::plane::{
     TestValues,
 };
 use super::point::{Gone, PointType, RegionName, What};
+use super::watched::passed;
 use crate::affine::connection::Connection;
 use crate::affine::equilibrium::codimension::KeptEigenvalues;
 use crate::affine::equilibrium::plane::{
@@ -125,10 +126,36 @@ fn no_value(signature: &RestMode) -> EquilibriumFailure {
     }
 }
 
-/// How many eigenvalues grow, where rounding does not decide.
-fn growing(curve: &EquilibriumCurve, point: &Vector) -> Option<usize> {
-    let examination = curve.examination(point).ok()?;
-    (!examination.is_undecided()).then(|| examination.growing())
+/// What changes its sign where a pair of eigenvalues other than those that are kept comes to the sum zero. Two real ones are no
+/// event.
+fn test_of_pair(
+    curve: &EquilibriumCurve,
+    point: &Vector,
+    (kind, kept): (PointType, KeptEigenvalues),
+) -> Test {
+    let sums = curve.pair_sums(point, kept);
+    let kind = sums.filter(|sums| sums.is_complex).map(|_| kind);
+    passed(kind, sums.map_or(f64::NAN, |sums| sums.value))
+}
+
+/// What is watched at a kink, on both sides of it: an eigenvalue that is zero on one ends what the kink does, and an imaginary pair a jump.
+fn tests_at_kink(sides: [&EquilibriumCurve; 2], point: &Vector) -> Vec<Test> {
+    let determinants = sides.map(|side| side.determinant(point).unwrap_or(f64::NAN));
+    let [one, other] = determinants;
+    let turns = one * other < 0.0;
+    let zeros = determinants.map(|value| Test {
+        ends: true,
+        ..passed(Some(PointType::One(EventType::LP)), value)
+    });
+    let hopf = (PointType::One(EventType::HB), KeptEigenvalues::None);
+    let pairs = sides.map(|side| {
+        let test = test_of_pair(side, point, hopf);
+        Test {
+            ends: !turns && test.kind.is_some(),
+            ..test
+        }
+    });
+    zeros.into_iter().chain(pairs).collect()
 }
 
 impl PlaneOfOrbits for EquilibriaInPlane {
@@ -387,26 +414,18 @@ impl EventCurves for EquilibriaInPlane {
         point: &Vector,
         further: &[f64],
     ) -> TestValues {
-        let passed = |kind: PointType, value: Option<f64>| Test {
-            kind: Some(kind),
-            value: value.unwrap_or(f64::NAN),
-            ends: false,
-        };
-        let pair_of = |curve: &EquilibriumCurve, kind: PointType, kept: KeptEigenvalues| {
-            let sums = curve.pair_sums(point, kept);
-            Test {
-                // two real eigenvalues with the sum zero are none
-                kind: sums.filter(|sums| sums.is_complex).map(|_| kind),
-                value: sums.map_or(f64::NAN, |sums| sums.value),
-                ends: false,
-            }
-        };
-        let pair = |kind: PointType, kept: KeptEigenvalues| pair_of(curve, kind, kept);
+        let passed =
+            |kind: PointType, value: Option<f64>| passed(Some(kind), value.unwrap_or(f64::NAN));
+        let pair = |kind: PointType, kept| test_of_pair(curve, point, (kind, kept));
         let with_zero = || {
             vec![
                 passed(PointType::BT, curve.double_zero(point)),
                 pair(PointType::ZH, KeptEigenvalues::Zero),
             ]
+        };
+        let beyond = match condition {
+            EventCondition::Margin(margin) => curve.beyond(margin),
+            _ => None,
         };
         let tests = match condition {
             EventCondition::Fold
@@ -430,36 +449,10 @@ impl EventCurves for EquilibriaInPlane {
             }
             // a saddle that is left in one direction, or whose growing ones stay as many
             EventCondition::Spectral(CriticalEquilibrium::Connection(_)) => Vec::new(),
-            EventCondition::Margin(margin) => match curve.beyond(margin) {
-                Some(beyond) => {
-                    // an eigenvalue that is zero on one side ends what the kink does, and an imaginary pair a jump
-                    let sides = [curve, &beyond];
-                    let determinants = sides.map(|side| side.determinant(point));
-                    let turns = determinants[0].zip(determinants[1]);
-                    let turns = turns.is_some_and(|(one, other)| one * other < 0.0);
-                    let zero = |value| Test {
-                        ends: true,
-                        ..passed(PointType::One(EventType::LP), value)
-                    };
-                    let pair = |side| {
-                        let hopf = PointType::One(EventType::HB);
-                        let test = pair_of(side, hopf, KeptEigenvalues::None);
-                        Test {
-                            ends: !turns && test.kind.is_some(),
-                            ..test
-                        }
-                    };
-                    determinants
-                        .map(zero)
-                        .into_iter()
-                        .chain(sides.map(pair))
-                        .collect()
-                }
+            EventCondition::Margin(_) | EventCondition::Constant(_) => match beyond {
+                Some(beyond) => tests_at_kink([curve, &beyond], point),
                 None => vec![pair(PointType::One(EventType::HB), KeptEigenvalues::None)],
             },
-            EventCondition::Constant(_) => {
-                vec![pair(PointType::One(EventType::HB), KeptEigenvalues::None)]
-            }
         };
         TestValues {
             tests,
@@ -536,7 +529,7 @@ impl PlaneNames for EquilibriaInPlane {
 
     fn passing(curve: &EquilibriumCurve, point: &Vector) -> String {
         let name = EquilibriaInPlane::name(curve, point);
-        match growing(curve, point) {
+        match curve.growing(point) {
             None => name,
             Some(0) => format!("stable {name}"),
             Some(_) => format!("unstable {name}"),
@@ -586,7 +579,7 @@ impl PlaneNames for EquilibriaInPlane {
         point: &Vector,
         _: Option<EventType>,
     ) -> Option<Option<RegionName>> {
-        Some(growing(curve, point).map(RegionName::Growing))
+        Some(curve.growing(point).map(RegionName::Growing))
     }
 
     fn say(what: &What<EquilibriumCurve>) -> String {

@@ -4,7 +4,7 @@
 //! keeps at zero, or at the sum zero, are left out.
 
 use super::curve::{AT_KINK, EquilibriumCurve};
-use super::field::{Linear, LocalField};
+use super::field::Linear;
 use super::normal_form::normal_form;
 use super::spectrum::{SMALL, eigenvalues};
 use crate::linalg::{Eigenvalue, Matrix, Vector, balance, least};
@@ -119,38 +119,26 @@ impl EquilibriumCurve {
         /// A determinant that is smaller than this part of that on the other side is zero: a smooth fold of one side.
         const NOTHING: f64 = 1e-9;
         let place = self.place(point);
-        let signs = self.local(&place).on_side(1.0);
-        let one_sided = LocalField {
-            signs: &signs,
-            ..self.local(&place)
-        };
-        let at = one_sided.linearised()?;
-        let is_zero = |operand: &Linear| self.scaled_operand(operand).value.abs() <= AT_KINK;
-        let zero = at.kinks.iter().filter(|(_, operand)| is_zero(operand));
-        let mut zero = zero.map(|(step, _)| *step);
-        let turns = |step: usize| {
-            let sides = [1.0, -1.0].map(|sign| {
-                let mut side = self.clone();
-                // of the others none ends the curve
-                side.signature.signs = vec![0.0; signs.len()];
-                side.signature.signs[step] = sign;
-                side
-            });
-            let [Some(one), Some(other)] = sides.each_ref().map(|side| side.determinant(point))
-            else {
+        let field = self.local(&place);
+        let signs = field.on_side(1.0);
+        let (_, at) = field.or_on_side(&signs)?;
+        let sides = |(kink, (step, operand)): (usize, &(usize, Linear))| {
+            if self.scaled_operand(operand).value.abs() > AT_KINK {
                 return None;
-            };
-            let growing = sides.each_ref().map(|side| {
-                let examination = side.examined(point).ok()?;
-                (!examination.is_undecided()).then(|| examination.growing())
-            });
-            let [few, many] = growing;
-            let jumps = few.zip(many).is_some_and(|(one, other)| one != other);
-            let [side, _] = sides;
+            }
+            // of the other kinks none ends the curve
+            let mut side = self.clone();
+            side.signature.signs = vec![0.0; signs.len()];
+            side.signature.signs[*step] = 1.0;
+            let beyond = side.beyond_kink(kink)?;
+            let [one, other] = [&side, &beyond].map(|side| side.determinant(point));
+            let (one, other) = one.zip(other)?;
+            let growing = [&side, &beyond].map(|side| side.growing(point));
+            let jumps = matches!(growing, [Some(few), Some(many)] if few != many);
             let is_told = one.abs().min(other.abs()) > NOTHING * one.abs().max(other.abs());
             (is_told && (one * other < 0.0 || jumps)).then_some(side)
         };
-        zero.find_map(turns)
+        at.kinks.iter().enumerate().find_map(sides)
     }
 
     /// The slowest growth and the slowest decay at a saddle.

@@ -440,7 +440,7 @@ pub(super) fn scales(
     const LITTLE: f64 = 1e-3;
     let lifted = lifted(system, values, &[parameter]).ok()?;
     let first: Vec<f64> = state.iter().copied().chain([values[parameter]]).collect();
-    let mut field = LocalField {
+    let field = LocalField {
         lifted: &lifted,
         mode,
         states: state.len(),
@@ -449,14 +449,7 @@ pub(super) fn scales(
         signs: &[],
     };
     let signs = field.on_side(1.0);
-    let at = match field.linearised() {
-        Some(at) => at,
-        // at a kink the units are those of one side
-        None => {
-            field.signs = &signs;
-            field.linearised()?
-        }
-    };
+    let (field, at) = field.or_on_side(&signs)?;
     let slopes = at.slopes();
     let n = state.len();
     let rate = rate_unit(&slopes);
@@ -528,8 +521,7 @@ fn change(field: &LocalField, at: &Linearised, units: &Vector, width: f64) -> Ve
 /// Whether the states are zero but for rounding: where they are, the rates are zero and linear, too. A function that has come to its end,
 /// as tanh 40, may look linear as far as one likes from a place that is not next to zero.
 fn is_zero_but_for_rounding(field: &LocalField, at: &Linearised, units: &Vector) -> bool {
-    /// Roundings of rates, relative to their terms, and what part of their slopes changes over what is rounding.
-    const ROUNDINGS: f64 = 64.0 * f64::EPSILON;
+    /// What part of the slopes of rates changes over what is rounding.
     const CHANGED: f64 = 1e-6;
     let n = field.states;
     let mut place = field.place.to_vec();
@@ -543,8 +535,7 @@ fn is_zero_but_for_rounding(field: &LocalField, at: &Linearised, units: &Vector)
         let mut pairs = origin.rates.iter().zip(&at.rates);
         pairs.all(|(there, here)| {
             let changed = slopes(there) - slopes(here);
-            there.value.abs() <= ROUNDINGS * there.size
-                && changed.amax() <= CHANGED * slopes(here).amax()
+            there.is_rounding() && changed.amax() <= CHANGED * slopes(here).amax()
         })
     })
 }

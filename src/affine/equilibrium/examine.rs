@@ -141,6 +141,12 @@ impl EquilibriumCurve {
         margin.guard.checked_sub(guards.len())
     }
 
+    /// How many eigenvalues grow, where rounding does not decide.
+    pub fn growing(&self, point: &Vector) -> Option<usize> {
+        let examination = self.examined(point).ok()?;
+        (!examination.is_undecided()).then(|| examination.growing())
+    }
+
     /// The same on the other side of the kink that a margin is; `None` where it is a guard.
     pub fn beyond(&self, margin: &EquilibriumMargin) -> Option<EquilibriumCurve> {
         self.beyond_kink(self.kink(margin)?)

@@ -106,7 +106,7 @@ impl Linear {
     }
 
     /// Whether its value is what rounding leaves of its terms.
-    fn is_rounding(&self) -> bool {
+    pub fn is_rounding(&self) -> bool {
         const ROUNDINGS: f64 = 64.0 * f64::EPSILON;
         self.value.abs() <= ROUNDINGS * self.size
     }
@@ -141,14 +141,7 @@ impl Linearised {
         let mut slopes = Matrix::from_fn(n, n, slope);
         // at an equilibrium no surface changes, so that the rates of the states that surfaces give follow from the others:
         // what rounding leaves of them would close loops
-        let surfaces = Surfaces::balanced(&self.normals(), &slopes);
-        for (given, gradient) in surfaces.reduced() {
-            let mut row = Vector::zeros(n).transpose();
-            for other in (0..n).filter(|other| surfaces.form_of(*other).is_none()) {
-                row -= slopes.row(other) * (gradient[other] / gradient[given]);
-            }
-            slopes.set_row(given, &row);
-        }
+        Surfaces::balanced(&self.normals(), &slopes).complete(&mut slopes);
         without_noise(slopes)
     }
 
@@ -329,6 +322,19 @@ impl LocalField<'_> {
         let all = rates.chain(&found.surfaces);
         let is_finite = all.chain(&found.guards).all(Linear::is_finite);
         is_finite.then_some(found)
+    }
+
+    /// The same field with its functions and their derivatives; at a kink, where it has none, those of one side, with these signs.
+    pub fn or_on_side<'b>(self, signs: &'b [f64]) -> Option<(LocalField<'b>, Linearised)>
+    where
+        Self: 'b,
+    {
+        let on_side = || {
+            let field = LocalField { signs, ..self };
+            Some((field, field.linearised()?))
+        };
+        let here = self.linearised().map(|at| (self, at));
+        here.or_else(on_side)
     }
 
     /// D²F(v, w) of functions, for one v and several w: a column for each of these.
